@@ -19,19 +19,19 @@ struct neph_arena {
 };
 
 /* `count` zeroed objects of `size` bytes; NULL when memory is short. The arena owns them. */
-void *neph_arena_zeroed(struct neph_arena *arena, size_t count, size_t size);
+void *neph_arena_allocate(struct neph_arena *arena, size_t count, size_t size);
 
 /* A copy of `size` bytes; NULL when memory is short. */
 void *neph_arena_copy(struct neph_arena *arena, const void *from, size_t size);
 
 /* A list of `count` objects of `size` bytes with room for one more, zeroed: the list itself, or a
  * copy with twice the `*room`. Start from NULL and a room of 0. NULL when memory is short. */
-void *neph_arena_grown(struct neph_arena *arena, void *list, int count, int *room, size_t size);
+void *neph_arena_grow_list(struct neph_arena *arena, void *list, int count, int *room, size_t size);
 
 /* A copy of a text, or printf into a new one. When memory is short the result is "", so that a
  * caller can make many texts and call neph_arena_check() once at the end. A NULL text stays NULL.
  */
-const char *neph_arena_text(struct neph_arena *arena, const char *text);
+const char *neph_arena_copy_text(struct neph_arena *arena, const char *text);
 const char *neph_arena_format(struct neph_arena *arena, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 

@@ -9,7 +9,7 @@
 
 #define SHOWN_BYTES ((NEPH_BUILD_ID_SIZE - 1) / 2)
 
-static size_t padded(size_t size)
+static size_t round_up_to_word(size_t size)
 {
     return (size + 3) & ~(size_t)3;
 }
@@ -21,12 +21,13 @@ static const unsigned char *find_id(const unsigned char *notes, size_t size)
         ElfW(Nhdr) head;
         memcpy(&head, notes, sizeof(head));
         const unsigned char *name = notes + sizeof(head);
-        const size_t whole = sizeof(head) + padded(head.n_namesz) + padded(head.n_descsz);
+        const size_t whole = sizeof(head) + round_up_to_word(head.n_namesz) +
+                             round_up_to_word(head.n_descsz);
         if (whole > size)
             return NULL;
         if (head.n_type == NT_GNU_BUILD_ID && head.n_namesz == sizeof(ELF_NOTE_GNU) &&
             memcmp(name, ELF_NOTE_GNU, sizeof(ELF_NOTE_GNU)) == 0 && head.n_descsz >= SHOWN_BYTES)
-            return name + padded(head.n_namesz);
+            return name + round_up_to_word(head.n_namesz);
         notes += whole;
         size -= whole;
     }
@@ -34,7 +35,7 @@ static const unsigned char *find_id(const unsigned char *notes, size_t size)
 }
 
 /* dl_iterate_phdr() visits the program itself first; the result 1 ends the iteration there. */
-static int look_at_program(struct dl_phdr_info *program, size_t size, void *context)
+static int read_program_notes(struct dl_phdr_info *program, size_t size, void *context)
 {
     const unsigned char **id = context;
     (void)size;
@@ -50,7 +51,7 @@ static int look_at_program(struct dl_phdr_info *program, size_t size, void *cont
 enum neph_status neph_build_id(char hex[NEPH_BUILD_ID_SIZE], struct neph_diag *diag)
 {
     const unsigned char *id = NULL;
-    dl_iterate_phdr(look_at_program, &id);
+    dl_iterate_phdr(read_program_notes, &id);
     if (!id)
         return neph_fail(diag, NEPH_ERR_IO,
                          "this program has no build id: link it with -Wl,--build-id=sha1");

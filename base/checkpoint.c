@@ -70,8 +70,8 @@ static enum neph_status refuse(const char *path, const char *why, struct neph_di
 }
 
 /* The first line must equal, byte for byte, the line that would be written for this body. */
-static enum neph_status check_whole(const char *path, const char *file, size_t size,
-                                    struct neph_diag *diag)
+static enum neph_status check_integrity(const char *path, const char *file, size_t size,
+                                        struct neph_diag *diag)
 {
     size_t identity_bytes, count;
     if (size < line_bytes ||
@@ -112,7 +112,7 @@ enum neph_status neph_checkpoint_read(const char *path, const char *identity, do
     if (status)
         return status;
     size_t found_bytes = 0, found_count = 0;
-    status = check_whole(path, file, size, diag);
+    status = check_integrity(path, file, size, diag);
     if (!status) {
         sscanf(file, "neph-checkpoint 1 %zu %zu ", &found_bytes, &found_count);
         status = check_identity(path, file + line_bytes, found_bytes, identity, diag);

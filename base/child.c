@@ -27,7 +27,7 @@
 enum {
     QUOTE_BYTES = 640, /* of the end of the log, so that it fits into a diag */
     QUOTE_LINES = 8,
-    INTERRUPT_LOOK_MS = 100,
+    INTERRUPT_POLL_MS = 100,
 };
 
 /* ---- finding the program --------------------------------------------------------------------- */
@@ -39,7 +39,7 @@ static bool is_executable(const char *path)
 }
 
 /* The program in one folder of PATH; an empty folder means the current one. NULL: not found. */
-static char *program_in(const char *folder, int length, const char *program)
+static char *find_program_in_folder(const char *folder, int length, const char *program)
 {
     char *path = length > 0 ? neph_format("%.*s/%s", length, folder, program)
                             : neph_format("./%s", program);
@@ -49,7 +49,7 @@ static char *program_in(const char *folder, int length, const char *program)
     return NULL;
 }
 
-static const char *program_folders(void)
+static const char *get_program_folders(void)
 {
     const char *folders = getenv("PATH");
     return folders ? folders : "/usr/local/bin:/usr/bin:/bin";
@@ -59,10 +59,10 @@ char *neph_child_find_program(const char *program)
 {
     if (strchr(program, '/'))
         return is_executable(program) ? strdup(program) : NULL;
-    const char *folders = program_folders();
+    const char *folders = get_program_folders();
     while (*program) {
         int length = (int)strcspn(folders, ":");
-        char *path = program_in(folders, length, program);
+        char *path = find_program_in_folder(folders, length, program);
         if (path || folders[length] == '\0')
             return path;
         folders += length + 1;
@@ -114,7 +114,7 @@ static bool add_variable(struct environment *environment, char *entry)
 
 static bool add_variables(const struct neph_child_params *params, struct environment *environment)
 {
-    bool added = add_variable(environment, neph_format("PATH=%s", program_folders())) &&
+    bool added = add_variable(environment, neph_format("PATH=%s", get_program_folders())) &&
                  add_variable(environment, strdup("LANG=C.UTF-8"));
     if (params->home) {
         char *home = make_absolute(strdup(params->home));
@@ -128,7 +128,7 @@ static bool add_variables(const struct neph_child_params *params, struct environ
     return added;
 }
 
-static bool begins_with_one_of(const char *variable, const char *const *names)
+static bool has_any_prefix(const char *variable, const char *const *names)
 {
     for (; *names; names++)
         if (strncmp(variable, *names, strlen(*names)) == 0)
@@ -138,10 +138,10 @@ static bool begins_with_one_of(const char *variable, const char *const *names)
 
 int neph_child_inherit(const char **variables, int room, const char *const *but)
 {
-    static const char *const made_anew[] = {"PATH=", "LANG=", "HOME=", "TMPDIR=", NULL};
+    static const char *const own_variables[] = {"PATH=", "LANG=", "HOME=", "TMPDIR=", NULL};
     int count = 0;
     for (char **entry = environ; entry && *entry; entry++) {
-        if (begins_with_one_of(*entry, made_anew) || begins_with_one_of(*entry, but))
+        if (has_any_prefix(*entry, own_variables) || has_any_prefix(*entry, but))
             continue;
         if (count == room - 1)
             return -1;
@@ -173,29 +173,29 @@ static enum neph_status fail_start(const char *program, const char *what, int er
 }
 
 static enum neph_status explain_start(const struct neph_child_params *params,
-                                      const struct neph_keeper_report *report,
+                                      const struct neph_supervisor_report *report,
                                       struct neph_diag *diag)
 {
     const char *program = params->argv[0];
     switch (report->step) {
-    case NEPH_KEEPER_SILENCE:
+    case NEPH_SUPERVISOR_NO_MESSAGE:
         return neph_fail(diag, NEPH_ERR_ENGINE, "'%s' was killed before it started", program);
-    case NEPH_KEEPER_DEATH_SIGNAL:
+    case NEPH_SUPERVISOR_DEATH_SIGNAL:
         return fail_start(program, "prctl", report->error, diag);
-    case NEPH_KEEPER_GROUP:
+    case NEPH_SUPERVISOR_GROUP:
         return fail_start(program, "setpgid", report->error, diag);
-    case NEPH_KEEPER_FOLDER:
+    case NEPH_SUPERVISOR_FOLDER:
         return fail_start(program, params->working_directory, report->error, diag);
-    case NEPH_KEEPER_CONFINE:
+    case NEPH_SUPERVISOR_CONFINE:
         return fail_start(program, "confining it to its folder", report->error, diag);
-    case NEPH_KEEPER_FILES:
+    case NEPH_SUPERVISOR_FILES:
         return fail_start(program, "its files", report->error, diag);
-    case NEPH_KEEPER_FORK:
+    case NEPH_SUPERVISOR_FORK:
         return fail_start(program, "fork", report->error, diag);
-    case NEPH_KEEPER_EXEC:
+    case NEPH_SUPERVISOR_EXEC:
         return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "cannot run '%s': %s", program,
                          strerror(report->error));
-    case NEPH_KEEPER_READY:
+    case NEPH_SUPERVISOR_READY:
         break;
     }
     return NEPH_OK;
@@ -203,7 +203,7 @@ static enum neph_status explain_start(const struct neph_child_params *params,
 
 /* Open the child's stdin, stdout and stderr. */
 static enum neph_status open_files(const struct neph_child_params *params,
-                                   struct neph_keeper_job *job, struct neph_diag *diag)
+                                   struct neph_supervisor_job *job, struct neph_diag *diag)
 {
     /* Not neph's stdin: a background child that reads from a terminal would be stopped. */
     job->input_fd = open("/dev/null", O_RDONLY | O_CLOEXEC);
@@ -238,61 +238,62 @@ static pid_t fork_without_signals(void)
 
 /* Wait for the supervisor's report, and send it an interrupt that arrives meanwhile. False when the
  * supervisor died without a report. */
-static bool await_report(int talk_fd, struct neph_keeper_report *report)
+static bool await_report(int connection_fd, struct neph_supervisor_report *report)
 {
     /* The descriptor of an acknowledged interrupt stays readable; from then on the flag is polled
-     * every INTERRUPT_LOOK_MS. */
+     * every INTERRUPT_POLL_MS. */
     bool told = false, by_clock = false;
     for (;;) {
         struct pollfd fds[] = {
-            {.fd = talk_fd, .events = POLLIN},
+            {.fd = connection_fd, .events = POLLIN},
             {.fd = told || by_clock ? -1 : neph_interrupt_fd(), .events = POLLIN},
         };
-        poll(fds, sizeof(fds) / sizeof(fds[0]), by_clock ? INTERRUPT_LOOK_MS : -1);
+        poll(fds, sizeof(fds) / sizeof(fds[0]), by_clock ? INTERRUPT_POLL_MS : -1);
         if (!told && neph_interrupted())
-            told = send(talk_fd, "", 1, MSG_NOSIGNAL) == 1;
+            told = send(connection_fd, "", 1, MSG_NOSIGNAL) == 1;
         else if (fds[1].revents != 0)
             by_clock = true;
         if (fds[0].revents == 0)
             continue;
-        const ssize_t got = recv(talk_fd, report, sizeof(*report), 0);
+        const ssize_t got = recv(connection_fd, report, sizeof(*report), 0);
         if (got >= 0 || errno != EINTR)
             return got == (ssize_t)sizeof(*report);
     }
 }
 
 /* Run the program under a supervisor until both have ended. */
-static enum neph_status run_kept(const struct neph_child_params *params,
-                                 struct neph_keeper_job *job, struct neph_keeper_report *report,
-                                 struct neph_diag *diag)
+static enum neph_status run_supervised(const struct neph_child_params *params,
+                                       struct neph_supervisor_job *job,
+                                       struct neph_supervisor_report *report,
+                                       struct neph_diag *diag)
 {
-    int talk_fds[2];
-    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, talk_fds) != 0)
+    int connection_fds[2];
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, connection_fds) != 0)
         return fail_start(params->argv[0], "socketpair", errno, diag);
-    job->talk_fd = talk_fds[1];
+    job->connection_fd = connection_fds[1];
     job->start_s = neph_wall_s();
     const pid_t keeper = fork_without_signals();
     if (keeper == 0)
-        neph_keeper_run(job);
+        neph_supervisor_run(job);
     const int error = errno;
-    close(talk_fds[1]);
+    close(connection_fds[1]);
     enum neph_status status = NEPH_OK;
     if (keeper < 0)
         status = fail_start(params->argv[0], "fork", error, diag);
-    else if (!await_report(talk_fds[0], report))
+    else if (!await_report(connection_fds[0], report))
         status = neph_fail(diag, NEPH_ERR_ENGINE,
                            "the supervisor process of '%s' was killed, and with it the program",
                            params->argv[0]);
-    close(talk_fds[0]);
+    close(connection_fds[0]);
     while (keeper > 0 && waitpid(keeper, NULL, 0) < 0 && errno == EINTR)
         continue;
     return status;
 }
 
 static enum neph_status run(const struct neph_child_params *params,
-                            struct neph_keeper_report *report, struct neph_diag *diag)
+                            struct neph_supervisor_report *report, struct neph_diag *diag)
 {
-    struct neph_keeper_job job = {.input_fd = -1, .output_fd = -1};
+    struct neph_supervisor_job job = {.input_fd = -1, .output_fd = -1};
     struct environment environment = {.entries = NULL};
     enum neph_status status = NEPH_OK;
     char *found = neph_child_find_program(params->argv[0]);
@@ -314,7 +315,7 @@ static enum neph_status run(const struct neph_child_params *params,
     if (!status)
         status = open_files(params, &job, diag);
     if (!status)
-        status = run_kept(params, &job, report, diag);
+        status = run_supervised(params, &job, report, diag);
     if (!status && report->excess == NEPH_EXCESS_LOG &&
         ftruncate(job.output_fd, params->limits.log_bytes) != 0)
         status = neph_fail(diag, NEPH_ERR_IO, "cannot truncate '%s': %s", params->log_path,
@@ -341,7 +342,7 @@ static void make_printable(char *text, size_t size)
 }
 
 /* The start of the last QUOTE_LINES lines, without blank lines at the end. */
-static const char *last_lines(char *text)
+static const char *find_last_lines(char *text)
 {
     size_t length = strlen(text);
     while (length > 0 && strchr(" \t\n", text[length - 1]))
@@ -370,7 +371,7 @@ static void quote_log(const char *log_path, char quote[QUOTE_BYTES + 64])
     const size_t length = got > 0 ? (size_t)got : 0;
     make_printable(text, length);
     text[length] = '\0';
-    const char *lines = last_lines(text);
+    const char *lines = find_last_lines(text);
     if (*lines)
         snprintf(quote, QUOTE_BYTES + 64, "; the end of its log:\n%s", lines);
 }
@@ -440,7 +441,7 @@ static enum neph_status explain_end(const struct neph_child_params *params,
 enum neph_status neph_child_run(const struct neph_child_params *params,
                                 struct neph_child_result *result, struct neph_diag *diag)
 {
-    struct neph_keeper_report report;
+    struct neph_supervisor_report report;
     enum neph_status status = run(params, &report, diag);
     if (!status)
         status = explain_start(params, &report, diag);

@@ -30,12 +30,12 @@ enum {
     CHANNEL_COUNT_MAX = 1024,
     /* Upper bound of the compression ratio of all readable compressions: zeros by PXR24 reach
      * 1376:1 (deflate's 1032:1 on three of four bytes), all others less. */
-    SHRINK_MAX = 2048,
+    COMPRESSION_RATIO_MAX = 2048,
 };
 
 /* User data of the library's callbacks. */
 struct stream {
-    struct neph_exr_trouble trouble;
+    struct neph_exr_error trouble;
     int fd;
     uint64_t size_bytes; /* of the file */
     char *header;        /* the bytes of the attributes; owned */
@@ -270,7 +270,8 @@ static exr_result_t find_chunk(exr_const_context_t context, const struct layout 
     bool packed = layout->compression != EXR_COMPRESSION_NONE;
     if (chunk->start_y != y || chunk->width != layout->width_px || chunk->height != rows ||
         chunk->unpacked_size != expected_bytes || chunk->packed_size < 1 ||
-        chunk->packed_size > expected_bytes || chunk->packed_size < expected_bytes / SHRINK_MAX ||
+        chunk->packed_size > expected_bytes ||
+        chunk->packed_size < expected_bytes / COMPRESSION_RATIO_MAX ||
         (!packed && chunk->packed_size != expected_bytes))
         return EXR_ERR_CORRUPT_CHUNK;
     return EXR_ERR_SUCCESS;
@@ -304,7 +305,7 @@ static enum neph_status add_attribute(struct neph_image *image, const char *path
                                       const exr_attribute_t *attribute, struct neph_diag *diag)
 {
     if (attribute->type != EXR_ATTR_STRING || neph_exr_is_reserved(attribute->name) ||
-        neph_exr_is_ours(attribute->name))
+        neph_exr_is_derived(attribute->name))
         return NEPH_OK;
     if (strlen(attribute->name) >= NEPH_IMAGE_NAME_MAX)
         return neph_fail(diag, NEPH_ERR_INPUT,
@@ -351,7 +352,7 @@ struct decompressor {
 /* A chunk that compression would not shrink is stored uncompressed. OpenEXRCore 3.1.5 decompresses
  * it all the same for B44 and B44A: floats and integers, which these do not compress, are then
  * returned channel by channel although they are stored line by line, without an error. */
-static exr_result_t decompress_or_leave_plain(exr_decode_pipeline_t *decoder)
+static exr_result_t decompress_or_copy(exr_decode_pipeline_t *decoder)
 {
     const struct decompressor *decompressor = decoder->decoding_user_data;
     if (decoder->chunk.packed_size != decoder->chunk.unpacked_size)
@@ -370,7 +371,7 @@ static exr_result_t choose_decoding(exr_const_context_t context, exr_decode_pipe
         return result;
     decompressor->run = decoder->decompress_fn;
     decoder->decoding_user_data = decompressor;
-    decoder->decompress_fn = decompress_or_leave_plain;
+    decoder->decompress_fn = decompress_or_copy;
     return EXR_ERR_SUCCESS;
 }
 
@@ -456,7 +457,7 @@ static enum neph_status add_pixel_aspect(struct neph_image *image, exr_const_con
     return neph_image_set_attribute(image, "pixel_aspect", diag, "%.9g", (double)aspect);
 }
 
-static bool is_plain(const struct neph_file_header *header, const struct layout *layout)
+static bool has_default_header(const struct neph_file_header *header, const struct layout *layout)
 {
     const int32_t *data = header->data_min_px, *display = header->display_min_px;
     return data[0] == 0 && data[1] == 0 && display[0] == 0 && display[1] == 0 &&
@@ -513,10 +514,10 @@ static enum neph_status add_header(struct neph_image *image, const struct layout
         return neph_fail_memory(diag);
     }
     if (has_same_attributes(context, stream))
-        header.attribute_bytes = neph_exr_keep_attributes(stream->header, stream->header_bytes,
-                                                          header.attributes);
+        header.attribute_bytes = neph_exr_copy_preserved(stream->header, stream->header_bytes,
+                                                         header.attributes);
     *image->header = header;
-    if (is_plain(&header, layout)) {
+    if (has_default_header(&header, layout)) {
         free(header.attributes);
         free(image->header);
         image->header = NULL;
@@ -568,7 +569,7 @@ enum neph_status neph_exr_read(const char *path, struct neph_image **image, stru
         goto done;
 
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    setup.error_handler_fn = neph_exr_keep_complaint;
+    setup.error_handler_fn = neph_exr_store_message;
     setup.user_data = &stream;
     setup.read_fn = read_bytes;
     setup.size_fn = file_size;

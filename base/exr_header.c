@@ -25,21 +25,21 @@ float neph_exr_f32(const unsigned char *at)
     return value;
 }
 
-static uint64_t u64(const unsigned char *at)
+static uint64_t read_u64(const unsigned char *at)
 {
     return (uint64_t)neph_exr_u32(at) | (uint64_t)neph_exr_u32(at + 4) << 32;
 }
 
 double neph_exr_f64(const unsigned char *at)
 {
-    const uint64_t bits = u64(at);
+    const uint64_t bits = read_u64(at);
     double value;
     memcpy(&value, &bits, sizeof(value));
     return value;
 }
 
 /* The text at header[*at], which moves behind its zero byte; NULL: no zero byte. */
-static const char *next_text(const char *header, size_t size, size_t *at)
+static const char *read_next_text(const char *header, size_t size, size_t *at)
 {
     const char *text = header + *at;
     const char *end = memchr(text, '\0', size - *at);
@@ -59,8 +59,8 @@ bool neph_exr_next_attribute(const char *header, size_t size, size_t *at,
     if (place >= size)
         return false;
     *attribute = (struct neph_exr_attribute){.start = header + place};
-    attribute->name = next_text(header, size, &place);
-    attribute->type = attribute->name ? next_text(header, size, &place) : NULL;
+    attribute->name = read_next_text(header, size, &place);
+    attribute->type = attribute->name ? read_next_text(header, size, &place) : NULL;
     if (!attribute->type || size - place < 4)
         return false;
     attribute->value_bytes = neph_exr_u32((const unsigned char *)header + place);
@@ -76,7 +76,7 @@ bool neph_exr_next_attribute(const char *header, size_t size, size_t *at,
 
 /* Size of the complete attributes at the start of `text`; `*is_whole`: the header ends after them.
  */
-static size_t count_whole(const char *text, size_t size, bool *is_whole)
+static size_t count_complete_bytes(const char *text, size_t size, bool *is_whole)
 {
     struct neph_exr_attribute attribute;
     size_t at = 0, whole = 0;
@@ -87,7 +87,7 @@ static size_t count_whole(const char *text, size_t size, bool *is_whole)
 }
 
 /* Read up to `size` bytes; -1: errno has the reason. */
-static ssize_t read_from(int fd, char *target, size_t size)
+static ssize_t read_header_bytes(int fd, char *target, size_t size)
 {
     size_t done = 0;
     while (done < size) {
@@ -113,7 +113,7 @@ enum neph_status neph_exr_read_header(int fd, uint64_t file_bytes, char **header
         char *text = malloc(room);
         if (!text)
             return neph_fail_memory(diag);
-        const ssize_t got = read_from(fd, text, room);
+        const ssize_t got = read_header_bytes(fd, text, room);
         if (got < 0) {
             const int error = errno;
             free(text);
@@ -121,7 +121,7 @@ enum neph_status neph_exr_read_header(int fd, uint64_t file_bytes, char **header
             return NEPH_ERR_IO;
         }
         bool is_whole;
-        const size_t whole = count_whole(text, (size_t)got, &is_whole);
+        const size_t whole = count_complete_bytes(text, (size_t)got, &is_whole);
         if (is_whole || room >= behind || room >= HEADER_MAX_BYTES) {
             *header = text;
             *size = whole;
@@ -133,7 +133,7 @@ enum neph_status neph_exr_read_header(int fd, uint64_t file_bytes, char **header
 
 static void add_to_offset(char *at, size_t bytes)
 {
-    const uint64_t offset = u64((const unsigned char *)at) + bytes;
+    const uint64_t offset = read_u64((const unsigned char *)at) + bytes;
     for (int i = 0; i < OFFSET_BYTES; i++)
         at[i] = (char)(offset >> 8 * i & 255);
 }
@@ -143,9 +143,9 @@ enum neph_status neph_exr_add_attributes(char **file, uint64_t *file_bytes, int6
                                          struct neph_diag *diag)
 {
     bool is_whole;
-    const size_t place = NEPH_EXR_PREFIX_BYTES + count_whole(*file + NEPH_EXR_PREFIX_BYTES,
-                                                             *file_bytes - NEPH_EXR_PREFIX_BYTES,
-                                                             &is_whole);
+    const size_t place = NEPH_EXR_PREFIX_BYTES +
+                         count_complete_bytes(*file + NEPH_EXR_PREFIX_BYTES,
+                                              *file_bytes - NEPH_EXR_PREFIX_BYTES, &is_whole);
     char *grown = realloc(*file, *file_bytes + bytes);
     if (!grown)
         return neph_fail_memory(diag);

@@ -25,7 +25,7 @@ bool neph_exr_is_reserved(const char *name)
 }
 
 /* Names of derived attributes: a text of the file must not replace them. */
-bool neph_exr_is_ours(const char *name)
+bool neph_exr_is_derived(const char *name)
 {
     static const char *const ours[] = {
         "crop",         "primaries",       "pixel_aspect",     "encoding",
@@ -37,7 +37,7 @@ bool neph_exr_is_ours(const char *name)
 }
 
 /* Copy the text of an attribute; false: it is not a text, or is too long. */
-static bool text_of(const struct neph_exr_attribute *attribute, char *text, size_t size)
+static bool read_text_attribute(const struct neph_exr_attribute *attribute, char *text, size_t size)
 {
     if (strcmp(attribute->type, "string") != 0 || attribute->value_bytes >= size)
         return false;
@@ -46,23 +46,23 @@ static bool text_of(const struct neph_exr_attribute *attribute, char *text, size
     return true;
 }
 
-static double of_float(const unsigned char *value)
+static double read_float_value(const unsigned char *value)
 {
     return (double)neph_exr_f32(value);
 }
 
-static double of_int(const unsigned char *value)
+static double read_int_value(const unsigned char *value)
 {
     return (int32_t)neph_exr_u32(value);
 }
 
-static double of_rational(const unsigned char *value)
+static double read_rational_value(const unsigned char *value)
 {
-    return of_int(value) / neph_exr_u32(value + 4);
+    return read_int_value(value) / neph_exr_u32(value + 4);
 }
 
 /* Parse "24", "23.976", "24000/1001"; NaN: not a number. */
-static double of_text(const char *text)
+static double parse_number_text(const char *text)
 {
     char *end;
     const double number = strtod(text, &end);
@@ -76,23 +76,23 @@ static double of_text(const char *text)
 }
 
 /* The numeric value of an attribute, in any of the types that writers use; NaN: not a number. */
-static double number_of(const struct neph_exr_attribute *attribute)
+static double read_number_attribute(const struct neph_exr_attribute *attribute)
 {
     static const struct {
         const char *type;
         uint32_t bytes;
         double (*of)(const unsigned char *value);
     } types[] = {
-        {"float", 4, of_float},
+        {"float", 4, read_float_value},
         {"double", 8, neph_exr_f64},
-        {"int", 4, of_int},
-        {"rational", 8, of_rational},
+        {"int", 4, read_int_value},
+        {"rational", 8, read_rational_value},
     };
     char text[64];
     for (size_t i = 0; i < sizeof(types) / sizeof(types[0]); i++)
         if (strcmp(attribute->type, types[i].type) == 0 && attribute->value_bytes == types[i].bytes)
             return types[i].of(attribute->value);
-    return text_of(attribute, text, sizeof(text)) ? of_text(text) : NAN;
+    return read_text_attribute(attribute, text, sizeof(text)) ? parse_number_text(text) : NAN;
 }
 
 /* Set colour_space if the name means another space than linear Rec.709. If the file names two
@@ -102,7 +102,7 @@ static enum neph_status add_colour_space(struct neph_image *image,
                                          struct neph_diag *diag)
 {
     char name[256], id[256];
-    if (!text_of(attribute, name, sizeof(name)))
+    if (!read_text_attribute(attribute, name, sizeof(name)))
         return NEPH_OK;
     neph_colour_space_id(name, id, sizeof(id));
     const char *other = neph_image_attribute(image, "colour_space");
@@ -127,9 +127,9 @@ static enum neph_status interpret_attribute(struct neph_image *image,
 {
     const char *name = attribute->name;
     if (strcmp(name, "framesPerSecond") == 0)
-        return add_number(image, "frames_per_second", number_of(attribute), diag);
+        return add_number(image, "frames_per_second", read_number_attribute(attribute), diag);
     if (strcmp(name, "whiteLuminance") == 0)
-        return add_number(image, "white_luminance", number_of(attribute), diag);
+        return add_number(image, "white_luminance", read_number_attribute(attribute), diag);
     if (strcmp(name, "colorInteropID") == 0 || strcmp(name, "oiio:ColorSpace") == 0)
         return add_colour_space(image, attribute, diag);
     return NEPH_OK;
@@ -147,7 +147,7 @@ enum neph_status neph_exr_interpret_attributes(const char *header, size_t size,
 
 /* Whether an attribute is preserved as raw bytes: the image stores texts itself, and the writer
  * makes the reserved attributes. */
-static bool is_kept(const struct neph_exr_attribute *attribute)
+static bool is_preserved(const struct neph_exr_attribute *attribute)
 {
     const bool is_text = strcmp(attribute->type, "string") == 0;
     if (neph_exr_is_reserved(attribute->name)) /* the view (left or right eye) is reserved, but a
@@ -156,12 +156,12 @@ static bool is_kept(const struct neph_exr_attribute *attribute)
     return !is_text;
 }
 
-size_t neph_exr_keep_attributes(const char *header, size_t size, char *kept)
+size_t neph_exr_copy_preserved(const char *header, size_t size, char *kept)
 {
     struct neph_exr_attribute attribute;
     size_t bytes = 0;
     for (size_t at = 0; neph_exr_next_attribute(header, size, &at, &attribute);) {
-        if (!is_kept(&attribute))
+        if (!is_preserved(&attribute))
             continue;
         memcpy(kept + bytes, attribute.start, attribute.bytes);
         bytes += attribute.bytes;

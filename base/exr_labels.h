@@ -12,7 +12,7 @@ bool neph_exr_is_reserved(const char *name);
 
 /* Whether the name belongs to an attribute that neph derives from the file itself (base/exr.h).
  * Such attributes are neither read from files nor written. */
-bool neph_exr_is_ours(const char *name);
+bool neph_exr_is_derived(const char *name);
 
 /* Set the attributes colour_space, white_luminance and frames_per_second of base/exr.h from the
  * bytes of a header (base/exr_header.h). */
@@ -21,6 +21,6 @@ enum neph_status neph_exr_interpret_attributes(const char *header, size_t size,
 
 /* Copy the attributes that the image itself does not store, unparsed, to `kept`, which has room for
  * `size` bytes. Returns the number of bytes copied. */
-size_t neph_exr_keep_attributes(const char *header, size_t size, char *kept);
+size_t neph_exr_copy_preserved(const char *header, size_t size, char *kept);
 
 #endif

@@ -21,7 +21,7 @@ enum {
 
 /* User data of the library's callback. */
 struct sink {
-    struct neph_exr_trouble trouble;
+    struct neph_exr_error trouble;
     uint64_t size_bytes; /* bytes written */
     char *data;
     size_t capacity;
@@ -85,8 +85,8 @@ static enum neph_status check_writable(const struct neph_image *image, const cha
 }
 
 /* The next attribute preserved from a file; false also when the image has none. */
-static bool next_kept(const struct neph_image *image, size_t *at,
-                      struct neph_exr_attribute *attribute)
+static bool read_next_preserved(const struct neph_image *image, size_t *at,
+                                struct neph_exr_attribute *attribute)
 {
     return image->header && neph_exr_next_attribute(image->header->attributes,
                                                     image->header->attribute_bytes, at, attribute);
@@ -95,7 +95,7 @@ static bool next_kept(const struct neph_image *image, size_t *at,
 static bool has_long_names(const struct neph_image *image)
 {
     struct neph_exr_attribute kept;
-    for (size_t at = 0; next_kept(image, &at, &kept);)
+    for (size_t at = 0; read_next_preserved(image, &at, &kept);)
         if (strlen(kept.name) > SHORT_NAME_MAX || strlen(kept.type) > SHORT_NAME_MAX)
             return true;
     for (int i = 0; i < image->channel_count; i++)
@@ -108,7 +108,7 @@ static bool has_long_names(const struct neph_image *image)
 }
 
 /* The row of the data window that is row 0 of the image. */
-static int top_of(const struct neph_image *image)
+static int get_top_row(const struct neph_image *image)
 {
     return image->header ? image->header->data_min_px[1] : 0;
 }
@@ -152,7 +152,7 @@ static exr_result_t write_header(exr_context_t context, const struct neph_image 
         result = exr_add_channel(context, part, image->channels[i].name, EXR_PIXEL_FLOAT,
                                  EXR_PERCEPTUALLY_LINEAR, 1, 1);
     for (int i = 0; i < image->attribute_count && !result; i++)
-        if (!neph_exr_is_ours(image->attributes[i].name))
+        if (!neph_exr_is_derived(image->attributes[i].name))
             result = exr_attr_set_string(context, part, image->attributes[i].name,
                                          image->attributes[i].value);
     return result ? result : exr_write_header(context);
@@ -178,7 +178,7 @@ struct compressor {
 /* Works around an error of OpenEXRCore 3.1.5: when compressed and uncompressed size are equal, it
  * writes the compressed bytes. Readers take a chunk of that size as uncompressed and return garbage
  * without an error. The uncompressed bytes are written instead, as by later versions. */
-static exr_result_t compress_or_keep_plain(exr_encode_pipeline_t *encoder)
+static exr_result_t compress_or_copy(exr_encode_pipeline_t *encoder)
 {
     const struct compressor *compressor = encoder->encoding_user_data;
     exr_result_t result = compressor->run(encoder);
@@ -197,7 +197,7 @@ static exr_result_t choose_routines(exr_context_t context, exr_encode_pipeline_t
         return result;
     compressor->run = encoder->compress_fn;
     encoder->encoding_user_data = compressor;
-    encoder->compress_fn = compress_or_keep_plain;
+    encoder->compress_fn = compress_or_copy;
     return EXR_ERR_SUCCESS;
 }
 
@@ -207,7 +207,7 @@ static exr_result_t write_chunk(exr_context_t context, exr_encode_pipeline_t *en
 {
     exr_chunk_info_t chunk;
     exr_result_t result = exr_write_scanline_chunk_info(context, NEPH_EXR_ONLY_PART,
-                                                        top_of(image) + y, &chunk);
+                                                        get_top_row(image) + y, &chunk);
     if (result)
         return result;
     bool first = y == 0;
@@ -235,14 +235,15 @@ static exr_result_t write_pixels(exr_context_t context, const struct neph_image 
 
 /* Append the preserved attributes as raw bytes: the library has one function for each type, and
  * none for unknown types. A text of the image replaces a preserved attribute of that name. */
-static enum neph_status add_kept(struct sink *sink, const struct neph_image *image,
-                                 exr_compression_t compression, struct neph_diag *diag)
+static enum neph_status add_preserved_attributes(struct sink *sink, const struct neph_image *image,
+                                                 exr_compression_t compression,
+                                                 struct neph_diag *diag)
 {
     const int rows_per_chunk = compression == EXR_COMPRESSION_ZIP ? 16 : 1;
     const int64_t chunk_count = (image->height_px + rows_per_chunk - 1) / rows_per_chunk;
     struct neph_exr_attribute kept;
     enum neph_status status = NEPH_OK;
-    for (size_t at = 0; !status && next_kept(image, &at, &kept);)
+    for (size_t at = 0; !status && read_next_preserved(image, &at, &kept);)
         if (!neph_image_attribute(image, kept.name))
             status = neph_exr_add_attributes(&sink->data, &sink->size_bytes, chunk_count,
                                              kept.start, kept.bytes, diag);
@@ -257,7 +258,7 @@ static enum neph_status write_compressed(const char *path, const struct neph_ima
         return status;
     struct sink sink = {.size_bytes = 0};
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    setup.error_handler_fn = neph_exr_keep_complaint;
+    setup.error_handler_fn = neph_exr_store_message;
     setup.user_data = &sink;
     setup.write_fn = write_bytes;
 
@@ -273,7 +274,7 @@ static enum neph_status write_compressed(const char *path, const struct neph_ima
         result = result ? result : finished;
     }
     status = result ? fail_write(path, &sink, result, diag)
-                    : add_kept(&sink, image, compression, diag);
+                    : add_preserved_attributes(&sink, image, compression, diag);
     if (!status)
         status = neph_file_write(path, sink.data, sink.size_bytes, diag);
     free(sink.data);

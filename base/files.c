@@ -162,7 +162,7 @@ struct temporary {
     int fd;
 };
 
-static char *folder_of(const char *path)
+static char *copy_folder_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
     if (!slash)
@@ -190,7 +190,7 @@ static enum neph_status temporary_try(struct temporary *file, const char *path,
 static enum neph_status temporary_open(struct temporary *file, const char *path,
                                        struct neph_diag *diag)
 {
-    *file = (struct temporary){.fd = -1, .folder = folder_of(path)};
+    *file = (struct temporary){.fd = -1, .folder = copy_folder_name(path)};
     if (!file->folder)
         return neph_fail_memory(diag);
     enum neph_status status = temporary_try(file, path, diag);
@@ -324,7 +324,7 @@ enum neph_status neph_file_temporary(const char *path, char **temporary, struct 
 
 enum neph_status neph_file_commit(const char *temporary, const char *path, struct neph_diag *diag)
 {
-    struct temporary file = {.folder = folder_of(path), .path = strdup(temporary), .fd = -1};
+    struct temporary file = {.folder = copy_folder_name(path), .path = strdup(temporary), .fd = -1};
     enum neph_status status = file.folder && file.path ? NEPH_OK : neph_fail_memory(diag);
     if (!status && (file.fd = open(temporary, O_RDONLY | O_CLOEXEC)) < 0)
         status = fail_write(path, diag);
@@ -378,7 +378,7 @@ static int is_name(const struct dirent *entry)
     return strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
 }
 
-static int by_bytes(const struct dirent **a, const struct dirent **b)
+static int compare_entry_names(const struct dirent **a, const struct dirent **b)
 {
     return strcmp((*a)->d_name, (*b)->d_name);
 }
@@ -387,14 +387,14 @@ enum neph_status neph_dir_list(const char *path, struct neph_arena *arena, struc
                                struct neph_diag *diag)
 {
     struct dirent **entries = NULL;
-    const int count = scandir(path, &entries, is_name, by_bytes);
+    const int count = scandir(path, &entries, is_name, compare_entry_names);
     *names = (struct neph_names){NULL, 0};
     if (count < 0)
         return neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", path, strerror(errno));
-    names->list = neph_arena_zeroed(arena, (size_t)count + 1, sizeof(*names->list));
+    names->list = neph_arena_allocate(arena, (size_t)count + 1, sizeof(*names->list));
     for (int i = 0; i < count; i++) {
         if (names->list)
-            names->list[names->count++] = neph_arena_text(arena, entries[i]->d_name);
+            names->list[names->count++] = neph_arena_copy_text(arena, entries[i]->d_name);
         free(entries[i]);
     }
     free(entries);
@@ -490,7 +490,7 @@ static bool remove_at(int parent_fd, const char *name)
 }
 
 /* An empty variable in a caller must not remove the user's home or the whole disk. */
-static bool is_precious(const char *path)
+static bool is_protected_path(const char *path)
 {
     size_t length = strlen(path);
     return strspn(path, "./") == length; /* "", "/", ".", "..", "../..", ... */
@@ -498,7 +498,7 @@ static bool is_precious(const char *path)
 
 enum neph_status neph_dir_remove(const char *path, struct neph_diag *diag)
 {
-    if (is_precious(path))
+    if (is_protected_path(path))
         return neph_fail(diag, NEPH_ERR_INTERNAL, "refusing to remove the folder '%s'", path);
     if (!remove_at(AT_FDCWD, path))
         return neph_fail(diag, NEPH_ERR_IO, "cannot remove '%s': %s", path, strerror(errno));

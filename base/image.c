@@ -62,7 +62,7 @@ enum neph_status neph_image_add_channel(struct neph_image *image, const char *na
     return NEPH_OK;
 }
 
-static void layer_channel_name(char name[NEPH_IMAGE_NAME_MAX], const char *layer, int component)
+static void format_channel_name(char name[NEPH_IMAGE_NAME_MAX], const char *layer, int component)
 {
     const char letter = "RGB"[component];
     if (layer)
@@ -76,7 +76,7 @@ enum neph_status neph_image_add_rgb(struct neph_image *image, const char *layer,
 {
     for (int c = 0; c < 3; c++) {
         char name[NEPH_IMAGE_NAME_MAX];
-        layer_channel_name(name, layer, c);
+        format_channel_name(name, layer, c);
         enum neph_status status = neph_image_add_channel(image, name, &samples[c], diag);
         if (status)
             return status;
@@ -85,7 +85,7 @@ enum neph_status neph_image_add_rgb(struct neph_image *image, const char *layer,
 }
 
 /* The part of a channel name behind "<layer>.", or NULL when the channel is not of that layer. */
-static const char *name_in_layer(const char *name, const char *layer)
+static const char *get_name_in_layer(const char *name, const char *layer)
 {
     const size_t length = strlen(layer);
     return strncmp(name, layer, length) == 0 && name[length] == '.' ? name + length + 1 : NULL;
@@ -129,13 +129,13 @@ enum neph_status neph_image_take_layer(struct neph_image *image, const char *lay
     char names[64][NEPH_IMAGE_NAME_MAX];
     int count = 0;
     for (int i = 0; i < image->channel_count && count < 64; i++)
-        if (name_in_layer(image->channels[i].name, layer))
+        if (get_name_in_layer(image->channels[i].name, layer))
             memcpy(names[count++], image->channels[i].name, NEPH_IMAGE_NAME_MAX);
     if (count == 0)
         return fail_no_layer(image, layer, diag);
     for (int n = 0; n < count; n++) {
         char rest[NEPH_IMAGE_NAME_MAX];
-        snprintf(rest, sizeof(rest), "%s", name_in_layer(names[n], layer));
+        snprintf(rest, sizeof(rest), "%s", get_name_in_layer(names[n], layer));
         neph_image_remove_channel(image, rest);
         for (int i = 0; i < image->channel_count; i++)
             if (strcmp(image->channels[i].name, names[n]) == 0)
@@ -156,7 +156,7 @@ bool neph_image_rgb(const struct neph_image *image, const char *layer, float *sa
 {
     for (int c = 0; c < 3; c++) {
         char name[NEPH_IMAGE_NAME_MAX];
-        layer_channel_name(name, layer, c);
+        format_channel_name(name, layer, c);
         samples[c] = neph_image_channel(image, name);
         if (!samples[c])
             return false;

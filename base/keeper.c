@@ -26,7 +26,7 @@
 #include <unistd.h>
 
 enum {
-    TALK_FD = STDERR_FILENO + 1,
+    CONNECTION_FD = STDERR_FILENO + 1,
     SAMPLE_FIRST_MS = 1, /* interval of memory samples, see peak_memory_bytes() */
     SAMPLE_LAST_MS = 100,
     LIMITS_EVERY_MS = 100, /* interval of limit checks; where a check is slow, */
@@ -41,7 +41,7 @@ static const int64_t memory_noise_bytes = 1 << 20;
 static const char process_name[] = "engine-keeper";
 
 struct keeper {
-    const struct neph_keeper_job *job;
+    const struct neph_supervisor_job *job;
     pid_t pid;                    /* of the program; also its process group */
     int fd;                       /* pidfd */
     bool alone;                   /* neph has died */
@@ -49,31 +49,31 @@ struct keeper {
                                      program */
     int64_t seen_peak_bytes;
     double next_check_s; /* the next check of the limits */
-    struct neph_keeper_report report;
+    struct neph_supervisor_report report;
 };
 
 /* ---- the program's side of fork() ------------------------------------------------------------ */
 
 /* Sent to the supervisor before execve(). When execve() succeeds, READY was the last message,
  * because the pipe is closed on exec. */
-struct first_words {
-    enum neph_keeper_step step;
+struct start_message {
+    enum neph_supervisor_step step;
     int error;
     int64_t peak_memory_bytes; /* of this process, still a copy of neph */
 };
 
-static void send_first_words(int fd, enum neph_keeper_step step, int error)
+static void send_start_message(int fd, enum neph_supervisor_step step, int error)
 {
     struct rusage usage = {0};
     getrusage(RUSAGE_SELF, &usage);
-    const struct first_words words = {step, error, (int64_t)usage.ru_maxrss * 1024};
+    const struct start_message words = {step, error, (int64_t)usage.ru_maxrss * 1024};
     const ssize_t written = write(fd, &words, sizeof(words));
     (void)written; /* atomic below PIPE_BUF; a missing message is read as a failed start */
 }
 
-_Noreturn static void give_up(int fd, enum neph_keeper_step step)
+_Noreturn static void report_start_failure(int fd, enum neph_supervisor_step step)
 {
-    send_first_words(fd, step, errno);
+    send_start_message(fd, step, errno);
     _exit(EXIT_NOT_STARTED);
 }
 
@@ -93,7 +93,7 @@ static void restore_signals(void)
 
 /* With a limit on files, a crash writes no core file. The kernel limits the size of a single file
  * only for a confined program: memory that graphics drivers share counts as files. */
-static bool limit_files(const struct neph_keeper_job *job)
+static bool limit_files(const struct neph_supervisor_job *job)
 {
     const struct rlimit none = {0, 0},
                         one = {(rlim_t)job->limits.folder_bytes, (rlim_t)job->limits.folder_bytes};
@@ -103,29 +103,30 @@ static bool limit_files(const struct neph_keeper_job *job)
 }
 
 /* PR_SET_PDEATHSIG comes after all calls that change the rights of the process, which reset it. */
-_Noreturn static void become_program(const struct neph_keeper_job *job, pid_t keeper, int words_fd)
+_Noreturn static void become_program(const struct neph_supervisor_job *job, pid_t keeper,
+                                     int start_fd)
 {
     if (setpgid(0, 0) != 0)
-        give_up(words_fd, NEPH_KEEPER_GROUP);
+        report_start_failure(start_fd, NEPH_SUPERVISOR_GROUP);
     if (job->folder && chdir(job->folder) != 0)
-        give_up(words_fd, NEPH_KEEPER_FOLDER);
+        report_start_failure(start_fd, NEPH_SUPERVISOR_FOLDER);
     if (job->is_confined && neph_confine(".") == NEPH_CONFINE_FAILED)
-        give_up(words_fd, NEPH_KEEPER_CONFINE);
+        report_start_failure(start_fd, NEPH_SUPERVISOR_CONFINE);
     if (!limit_files(job))
-        give_up(words_fd, NEPH_KEEPER_CONFINE);
+        report_start_failure(start_fd, NEPH_SUPERVISOR_CONFINE);
     if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0)
-        give_up(words_fd, NEPH_KEEPER_DEATH_SIGNAL);
+        report_start_failure(start_fd, NEPH_SUPERVISOR_DEATH_SIGNAL);
     if (getppid() != keeper) /* the supervisor died before the prctl() above */
         _exit(EXIT_NOT_STARTED);
     restore_signals();
-    send_first_words(words_fd, NEPH_KEEPER_READY, 0);
+    send_start_message(start_fd, NEPH_SUPERVISOR_READY, 0);
     execve(job->program, job->argv, job->environment);
-    give_up(words_fd, NEPH_KEEPER_EXEC);
+    report_start_failure(start_fd, NEPH_SUPERVISOR_EXEC);
 }
 
 /* ---- starting -------------------------------------------------------------------------------- */
 
-static bool fail_start(struct keeper *keeper, enum neph_keeper_step step, int error)
+static bool fail_start(struct keeper *keeper, enum neph_supervisor_step step, int error)
 {
     keeper->report.step = step;
     keeper->report.error = error;
@@ -135,22 +136,24 @@ static bool fail_start(struct keeper *keeper, enum neph_keeper_step step, int er
 /* Set up the descriptors: stdin, stdout, stderr, the connection to neph; all others are closed. All
  * are first duplicated above these numbers: if neph was started with its first three closed, ours
  * may have those numbers. */
-static bool arrange_files(const struct neph_keeper_job *job)
+static bool set_up_descriptors(const struct neph_supervisor_job *job)
 {
-    const int input_fd = fcntl(job->input_fd, F_DUPFD_CLOEXEC, TALK_FD);
-    const int output_fd = fcntl(job->output_fd, F_DUPFD_CLOEXEC, TALK_FD);
-    const int talk_fd = fcntl(job->talk_fd, F_DUPFD_CLOEXEC, TALK_FD + 1);
-    return input_fd >= 0 && output_fd >= 0 && talk_fd >= 0 && dup2(input_fd, STDIN_FILENO) >= 0 &&
-           dup2(output_fd, STDOUT_FILENO) >= 0 && dup2(output_fd, STDERR_FILENO) >= 0 &&
-           dup3(talk_fd, TALK_FD, O_CLOEXEC) >= 0 && close_range(TALK_FD + 1, UINT_MAX, 0) == 0;
+    const int input_fd = fcntl(job->input_fd, F_DUPFD_CLOEXEC, CONNECTION_FD);
+    const int output_fd = fcntl(job->output_fd, F_DUPFD_CLOEXEC, CONNECTION_FD);
+    const int connection_fd = fcntl(job->connection_fd, F_DUPFD_CLOEXEC, CONNECTION_FD + 1);
+    return input_fd >= 0 && output_fd >= 0 && connection_fd >= 0 &&
+           dup2(input_fd, STDIN_FILENO) >= 0 && dup2(output_fd, STDOUT_FILENO) >= 0 &&
+           dup2(output_fd, STDERR_FILENO) >= 0 &&
+           dup3(connection_fd, CONNECTION_FD, O_CLOEXEC) >= 0 &&
+           close_range(CONNECTION_FD + 1, UINT_MAX, 0) == 0;
 }
 
 /* Read the program's messages until execve() closes the pipe; the last one counts. */
-static bool await_start(struct keeper *keeper, int words_fd)
+static bool await_start(struct keeper *keeper, int start_fd)
 {
-    struct first_words words = {.step = NEPH_KEEPER_SILENCE}, next;
+    struct start_message words = {.step = NEPH_SUPERVISOR_NO_MESSAGE}, next;
     for (;;) {
-        const ssize_t got = read(words_fd, &next, sizeof(next));
+        const ssize_t got = read(start_fd, &next, sizeof(next));
         if (got < 0 && errno == EINTR)
             continue;
         if (got != (ssize_t)sizeof(next))
@@ -158,27 +161,27 @@ static bool await_start(struct keeper *keeper, int words_fd)
         words = next;
     }
     keeper->inherited_peak_bytes = words.peak_memory_bytes;
-    return words.step == NEPH_KEEPER_READY || fail_start(keeper, words.step, words.error);
+    return words.step == NEPH_SUPERVISOR_READY || fail_start(keeper, words.step, words.error);
 }
 
 static bool start(struct keeper *keeper)
 {
     int words_fds[2];
     if (pipe2(words_fds, O_CLOEXEC) != 0)
-        return fail_start(keeper, NEPH_KEEPER_FILES, errno);
+        return fail_start(keeper, NEPH_SUPERVISOR_FILES, errno);
     const pid_t self = getpid();
     keeper->pid = fork();
     if (keeper->pid == 0)
         become_program(keeper->job, self, words_fds[1]);
     if (keeper->pid < 0)
-        return fail_start(keeper, NEPH_KEEPER_FORK, errno);
+        return fail_start(keeper, NEPH_SUPERVISOR_FORK, errno);
     close(words_fds[1]);
     const bool started = await_start(keeper, words_fds[0]);
     close(words_fds[0]);
     if (!started)
         return false;
     keeper->fd = pidfd_open(keeper->pid, 0);
-    return keeper->fd >= 0 || fail_start(keeper, NEPH_KEEPER_FILES, errno);
+    return keeper->fd >= 0 || fail_start(keeper, NEPH_SUPERVISOR_FILES, errno);
 }
 
 /* ---- numbers in /proc ------------------------------------------------------------------------ */
@@ -239,11 +242,12 @@ static void sample_memory(struct keeper *keeper)
 /* Wait for at most `timeout_ms`. True when the program or neph has ended. */
 static bool wait_for_end(struct keeper *keeper, bool *interrupted, int timeout_ms)
 {
-    struct pollfd fds[] = {{.fd = keeper->fd, .events = POLLIN}, {.fd = TALK_FD, .events = POLLIN}};
+    struct pollfd fds[] = {{.fd = keeper->fd, .events = POLLIN},
+                           {.fd = CONNECTION_FD, .events = POLLIN}};
     poll(fds, sizeof(fds) / sizeof(fds[0]), timeout_ms);
     if (fds[1].revents != 0) {
         char word;
-        const ssize_t got = recv(TALK_FD, &word, sizeof(word), MSG_DONTWAIT);
+        const ssize_t got = recv(CONNECTION_FD, &word, sizeof(word), MSG_DONTWAIT);
         keeper->alone = got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR);
         *interrupted |= got > 0;
     }
@@ -265,7 +269,7 @@ static void kill_program(const struct keeper *keeper)
 
 /* ---- limits ---------------------------------------------------------------------------------- */
 
-static enum neph_child_excess find_excess(const struct neph_keeper_job *job)
+static enum neph_child_excess find_excess(const struct neph_supervisor_job *job)
 {
     const struct neph_child_limits *limits = &job->limits;
     struct stat log;
@@ -293,9 +297,9 @@ static void check_limits(struct keeper *keeper)
 }
 
 /* Wait until the program ends; end it at a limit, at an interrupt, or when neph dies. */
-static void watch(struct keeper *keeper)
+static void supervise_program(struct keeper *keeper)
 {
-    const struct neph_keeper_job *job = keeper->job;
+    const struct neph_supervisor_job *job = keeper->job;
     enum neph_status *ended_for = &keeper->report.ended_for;
     bool killed = false, interrupted = false;
     double deadline_s = job->time_limit_s > 0.0 ? job->start_s + job->time_limit_s : INFINITY;
@@ -341,7 +345,8 @@ static int64_t peak_memory_bytes(const struct keeper *keeper, int64_t reported_b
     return keeper->seen_peak_bytes < reported_bytes ? keeper->seen_peak_bytes : reported_bytes;
 }
 
-static void account(struct keeper *keeper, pid_t pid, int wait_status, const struct rusage *usage)
+static void add_process_usage(struct keeper *keeper, pid_t pid, int wait_status,
+                              const struct rusage *usage)
 {
     struct neph_child_result *result = &keeper->report.result;
     int64_t peak_bytes = (int64_t)usage->ru_maxrss * 1024;
@@ -370,14 +375,14 @@ static bool kill_children(void)
 /* End all descendants of the program, also those that lose their parent by it: as this process is a
  * subreaper, they become its children. Only this process reaps them, so their process numbers are
  * not reused meanwhile. */
-static void end_leftovers(struct keeper *keeper)
+static void kill_descendants(struct keeper *keeper)
 {
     for (;;) {
         int wait_status = 0;
         struct rusage usage;
         const pid_t pid = wait4(-1, &wait_status, WNOHANG, &usage);
         if (pid > 0)
-            account(keeper, pid, wait_status, &usage);
+            add_process_usage(keeper, pid, wait_status, &usage);
         else if (pid < 0 || !kill_children())
             return; /* no child is left, or none can be found */
         else
@@ -391,26 +396,26 @@ static void end_program(struct keeper *keeper)
     struct rusage usage;
     kill_program(keeper);
     if (wait4(keeper->pid, &wait_status, 0, &usage) == keeper->pid)
-        account(keeper, keeper->pid, wait_status, &usage);
-    end_leftovers(keeper);
+        add_process_usage(keeper, keeper->pid, wait_status, &usage);
+    kill_descendants(keeper);
 }
 
-_Noreturn void neph_keeper_run(const struct neph_keeper_job *job)
+_Noreturn void neph_supervisor_run(const struct neph_supervisor_job *job)
 {
     struct keeper keeper = {.job = job, .fd = -1};
     prctl(PR_SET_NAME, process_name);
     setpgid(0, 0);            /* a signal to neph's whole group must not reach this process */
     signal(SIGCHLD, SIG_DFL); /* when ignored, exit codes would be lost */
-    if (!arrange_files(job))
-        fail_start(&keeper, NEPH_KEEPER_FILES, errno);
+    if (!set_up_descriptors(job))
+        fail_start(&keeper, NEPH_SUPERVISOR_FILES, errno);
     else if (prctl(PR_SET_CHILD_SUBREAPER, 1) != 0)
-        fail_start(&keeper, NEPH_KEEPER_DEATH_SIGNAL, errno);
+        fail_start(&keeper, NEPH_SUPERVISOR_DEATH_SIGNAL, errno);
     else if (start(&keeper))
-        watch(&keeper);
+        supervise_program(&keeper);
     if (keeper.pid > 0)
         end_program(&keeper);
-    if (keeper.report.step == NEPH_KEEPER_READY && !keeper.report.excess && !keeper.alone)
+    if (keeper.report.step == NEPH_SUPERVISOR_READY && !keeper.report.excess && !keeper.alone)
         keeper.report.excess = find_excess(job);
-    send(TALK_FD, &keeper.report, sizeof(keeper.report), MSG_NOSIGNAL);
+    send(CONNECTION_FD, &keeper.report, sizeof(keeper.report), MSG_NOSIGNAL);
     _exit(0);
 }

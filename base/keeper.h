@@ -15,7 +15,7 @@
 
 /* The program and its limits. All of it is allocated before fork(): after fork() allocation is
  * unsafe. */
-struct neph_keeper_job {
+struct neph_supervisor_job {
     const char *program; /* absolute */
     char *const *argv;
     char *const *environment;
@@ -23,27 +23,27 @@ struct neph_keeper_job {
     bool is_confined;   /* can change files only in that folder */
     struct neph_child_limits limits;
     int input_fd, output_fd; /* stdin; stdout and stderr */
-    int talk_fd;             /* the supervisor's end of a SOCK_SEQPACKET pair with neph */
+    int connection_fd;       /* the supervisor's end of a SOCK_SEQPACKET pair with neph */
     double start_s;          /* as of neph_wall_s() */
     double time_limit_s;     /* <= 0: none */
 };
 
 /* The step of the start that was reached. */
-enum neph_keeper_step {
-    NEPH_KEEPER_READY,   /* all is set up and execve() is next; in a report: the program has run */
-    NEPH_KEEPER_SILENCE, /* the program's process was killed before it reported */
-    NEPH_KEEPER_DEATH_SIGNAL,
-    NEPH_KEEPER_GROUP,
-    NEPH_KEEPER_FOLDER,
-    NEPH_KEEPER_CONFINE,
-    NEPH_KEEPER_FILES,
-    NEPH_KEEPER_FORK,
-    NEPH_KEEPER_EXEC,
+enum neph_supervisor_step {
+    NEPH_SUPERVISOR_READY, /* all is set up and execve() is next; in a report: the program has run */
+    NEPH_SUPERVISOR_NO_MESSAGE, /* the program's process was killed before it reported */
+    NEPH_SUPERVISOR_DEATH_SIGNAL,
+    NEPH_SUPERVISOR_GROUP,
+    NEPH_SUPERVISOR_FOLDER,
+    NEPH_SUPERVISOR_CONFINE,
+    NEPH_SUPERVISOR_FILES,
+    NEPH_SUPERVISOR_FORK,
+    NEPH_SUPERVISOR_EXEC,
 };
 
 /* The only message from the supervisor to neph. */
-struct neph_keeper_report {
-    enum neph_keeper_step step; /* READY, or the step that failed with errno `error` */
+struct neph_supervisor_report {
+    enum neph_supervisor_step step; /* READY, or the step that failed with errno `error` */
     int error;
     enum neph_status ended_for; /* NEPH_OK, NEPH_ERR_TIMEOUT, NEPH_ERR_INTERRUPTED */
     enum neph_child_excess excess;
@@ -54,6 +54,6 @@ struct neph_keeper_report {
  * neph is a request to end the program for an interrupt. A closed connection means that neph is
  * dead; all processes are then killed at once. The report is sent when no process of the program is
  * left. */
-_Noreturn void neph_keeper_run(const struct neph_keeper_job *job);
+_Noreturn void neph_supervisor_run(const struct neph_supervisor_job *job);
 
 #endif

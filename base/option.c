@@ -23,7 +23,7 @@ struct neph_settings neph_options_default(const struct neph_option *options)
 }
 
 /* Index of the option whose name is the first `length` bytes of `name`, or -1. */
-static int find(const struct neph_option *options, const char *name, size_t length)
+static int find_option(const struct neph_option *options, const char *name, size_t length)
 {
     for (int i = 0; options[i].name; i++)
         if (strlen(options[i].name) == length && strncmp(options[i].name, name, length) == 0)
@@ -33,11 +33,11 @@ static int find(const struct neph_option *options, const char *name, size_t leng
 
 int neph_option_find(const struct neph_option *options, const char *name)
 {
-    return find(options, name, strlen(name));
+    return find_option(options, name, strlen(name));
 }
 
 /* Length of the longest substring common to a name and the first `length` bytes of a key. */
-static size_t common_run(const char *name, const char *key, size_t length)
+static size_t find_longest_common_run(const char *name, const char *key, size_t length)
 {
     size_t longest = 0;
     for (; *name; name++)
@@ -57,15 +57,15 @@ static bool list_names(const struct neph_option *options, const char *key, size_
     size_t used = 0;
     text[0] = '\0';
     for (; options->name && used < size; options++)
-        if (common_run(options->name, key, length) >= least_run)
+        if (find_longest_common_run(options->name, key, length) >= least_run)
             used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "",
                                      options->name);
     return used < size;
 }
 
 /* Hint with all names or, when these are too many, the names most similar to the key. */
-static void hint_known(const struct neph_option *options, const char *owner, const char *key,
-                       size_t length, struct neph_diag *diag)
+static void hint_known_options(const struct neph_option *options, const char *owner,
+                               const char *key, size_t length, struct neph_diag *diag)
 {
     char names[384];
     size_t best = 3; /* shorter runs are coincidence */
@@ -78,7 +78,7 @@ static void hint_known(const struct neph_option *options, const char *owner, con
         return;
     }
     for (int i = 0; options[i].name; i++) {
-        const size_t run = common_run(options[i].name, key, length);
+        const size_t run = find_longest_common_run(options[i].name, key, length);
         best = run > best ? run : best;
     }
     if (list_names(options, key, length, best, names, sizeof(names)) && names[0])
@@ -86,8 +86,8 @@ static void hint_known(const struct neph_option *options, const char *owner, con
 }
 
 /* The entry of a removed option, followed by its reason; NULL: no removed option has this name. */
-static const char *const *find_gone(const struct neph_option *options, const char *name,
-                                    size_t length)
+static const char *const *find_removed_option(const struct neph_option *options, const char *name,
+                                              size_t length)
 {
     while (options->name)
         options++;
@@ -99,7 +99,7 @@ static const char *const *find_gone(const struct neph_option *options, const cha
 
 /* Warn once in a process about each removed option: presets, sweeps and jobs parse their settings
  * many times. */
-static void warn_gone(const char *owner, const char *const *gone)
+static void warn_removed_option(const char *owner, const char *const *gone)
 {
     static _Atomic(const char *const *) warned[64];
     for (size_t i = 0; i < sizeof(warned) / sizeof(warned[0]); i++) {
@@ -158,17 +158,17 @@ enum neph_status neph_options_set(const struct neph_option *options, const char 
     if (!equals)
         return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s' is not of the form key=value",
                          assignment);
-    const int index = find(options, assignment, (size_t)(equals - assignment));
+    const int index = find_option(options, assignment, (size_t)(equals - assignment));
     const size_t length = (size_t)(equals - assignment);
-    const char *const *gone = find_gone(options, assignment, length);
+    const char *const *gone = find_removed_option(options, assignment, length);
     if (index < 0 && gone) {
-        warn_gone(owner, gone);
+        warn_removed_option(owner, gone);
         return NEPH_OK;
     }
     if (index < 0) {
         neph_fail(diag, NEPH_ERR_USAGE, "%s has no setting '%.*s'", owner,
                   (int)(equals - assignment), assignment);
-        hint_known(options, owner, assignment, length, diag);
+        hint_known_options(options, owner, assignment, length, diag);
         return NEPH_ERR_USAGE;
     }
     double *value = &settings->values[index];
@@ -190,8 +190,8 @@ static enum neph_status apply(const struct neph_option *options, const char *own
     return status;
 }
 
-const struct neph_preset *neph_preset_of_use(const struct neph_preset *presets, unsigned use,
-                                             int index)
+const struct neph_preset *neph_preset_find_by_use(const struct neph_preset *presets, unsigned use,
+                                                  int index)
 {
     for (; presets->name; presets++)
         if ((presets->uses & use) && index-- == 0)

@@ -63,8 +63,8 @@ enum neph_status neph_options_preset(const struct neph_option *options, const ch
                                      struct neph_settings *settings, struct neph_diag *diag);
 
 /* Number `index`, from 0, of the presets with the bit `use`. NULL: there are fewer. */
-const struct neph_preset *neph_preset_of_use(const struct neph_preset *presets, unsigned use,
-                                             int index);
+const struct neph_preset *neph_preset_find_by_use(const struct neph_preset *presets, unsigned use,
+                                                  int index);
 
 /* The names of the presets with the bit `use` (0: of all), separated by `separator`, after the text
  * `first`. For the caller to free; NULL when memory is short. */

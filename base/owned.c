@@ -25,13 +25,13 @@ static enum neph_status refuse(struct neph_diag *diag, const char *folder,
 }
 
 /* Whether a name counts as contents. The temporary file that becomes a marker does not. */
-static bool counts(const char *name)
+static bool is_counted_entry(const char *name)
 {
     return strcmp(name, ".") != 0 && strcmp(name, "..") != 0 && !neph_file_is_temporary(name);
 }
 
-static enum neph_status look_inside(const char *folder, const struct neph_owned_kind *kind,
-                                    enum contents *contents, struct neph_diag *diag)
+static enum neph_status inspect_contents(const char *folder, const struct neph_owned_kind *kind,
+                                         enum contents *contents, struct neph_diag *diag)
 {
     *contents = NOTHING;
     DIR *directory = opendir(folder);
@@ -42,7 +42,7 @@ static enum neph_status look_inside(const char *folder, const struct neph_owned_
     if (!directory)
         return neph_fail(diag, NEPH_ERR_IO, "cannot open '%s': %s", folder, strerror(errno));
     for (const struct dirent *entry; (entry = readdir(directory));) {
-        if (*contents == NOTHING && counts(entry->d_name))
+        if (*contents == NOTHING && is_counted_entry(entry->d_name))
             *contents = SOMETHING;
         if (strcmp(entry->d_name, marker_name) == 0)
             *contents = MARKED;
@@ -90,11 +90,11 @@ static enum neph_status read_marker(const char *folder, const struct neph_owned_
 
 /* Look inside first and read the marker second. Another run writes the marker before its files, so
  * if files were seen and there is still no marker, they are not of another run. */
-static enum neph_status check(const char *folder, const struct neph_owned_kind *kind, bool *marked,
-                              struct neph_diag *diag)
+static enum neph_status check_folder_owner(const char *folder, const struct neph_owned_kind *kind,
+                                           bool *marked, struct neph_diag *diag)
 {
     enum contents contents;
-    enum neph_status status = look_inside(folder, kind, &contents, diag);
+    enum neph_status status = inspect_contents(folder, kind, &contents, diag);
     if (!status)
         status = read_marker(folder, kind, marked, diag);
     if (status || *marked || contents == NOTHING)
@@ -108,11 +108,11 @@ enum neph_status neph_owned_check(const char *folder, const struct neph_owned_ki
                                   struct neph_diag *diag)
 {
     bool marked;
-    return check(folder, kind, &marked, diag);
+    return check_folder_owner(folder, kind, &marked, diag);
 }
 
-static enum neph_status mark(const char *folder, const struct neph_owned_kind *kind,
-                             struct neph_diag *diag)
+static enum neph_status write_marker(const char *folder, const struct neph_owned_kind *kind,
+                                     struct neph_diag *diag)
 {
     char *path = neph_path_join(folder, marker_name);
     char *text = neph_format("neph %s %d\nNephelometer made this folder and replaces or removes "
@@ -129,8 +129,8 @@ enum neph_status neph_owned_claim(const char *folder, const struct neph_owned_ki
                                   struct neph_diag *diag)
 {
     bool marked;
-    enum neph_status status = check(folder, kind, &marked, diag);
+    enum neph_status status = check_folder_owner(folder, kind, &marked, diag);
     if (!status)
         status = neph_dir_create(folder, diag);
-    return status || marked ? status : mark(folder, kind, diag);
+    return status || marked ? status : write_marker(folder, kind, diag);
 }

@@ -10,7 +10,8 @@
 enum { FLOAT_BYTES = 4 };
 
 /* Write the differences as byte planes: `count` highest bytes first, then the lower ones. */
-static void split(const float *const *planes, int plane_count, size_t pixel_count, uint8_t *bytes)
+static void split_byte_planes(const float *const *planes, int plane_count, size_t pixel_count,
+                              uint8_t *bytes)
 {
     const size_t count = (size_t)plane_count * pixel_count;
     uint32_t before = 0;
@@ -34,7 +35,7 @@ enum neph_status neph_packed_floats(const float *const *planes, int plane_count,
     uint8_t *bytes = malloc(size + 1), *packed = malloc(packed_size);
     char *made = NULL;
     if (bytes && packed) {
-        split(planes, plane_count, pixel_count, bytes);
+        split_byte_planes(planes, plane_count, pixel_count, bytes);
         if (compress2(packed, &packed_size, bytes, size, Z_DEFAULT_COMPRESSION) == Z_OK)
             made = malloc(sodium_base64_ENCODED_LEN(packed_size, sodium_base64_VARIANT_ORIGINAL));
     }

@@ -72,7 +72,7 @@ struct reader {
     struct neph_diag *diag;
 };
 
-_Noreturn static void escape_with(struct reader *reader, enum neph_status status)
+_Noreturn static void fail_and_jump(struct reader *reader, enum neph_status status)
 {
     reader->status = status;
     longjmp(reader->escape, 1);
@@ -82,8 +82,8 @@ _Noreturn static void on_error(png_structp png, png_const_charp message)
 {
     struct reader *reader = png_get_error_ptr(png);
     bool truncated = reader->position == reader->file_size;
-    escape_with(reader, neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is %s: %s", reader->path,
-                                  truncated ? "truncated or damaged" : "damaged", message));
+    fail_and_jump(reader, neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is %s: %s", reader->path,
+                                    truncated ? "truncated or damaged" : "damaged", message));
 }
 
 /* Ignored: warnings concern chunks that do not affect code values. */
@@ -93,7 +93,7 @@ static void on_warning(png_structp png, png_const_charp message)
     (void)message;
 }
 
-static void give_bytes(png_structp png, png_bytep target, size_t size)
+static void supply_bytes(png_structp png, png_bytep target, size_t size)
 {
     struct reader *reader = png_get_io_ptr(png);
     if (size > reader->file_size - reader->position) {
@@ -130,15 +130,15 @@ static void read_rows(struct reader *reader, size_t row_bytes)
     const size_t height = (size_t)reader->height_px;
     const size_t file_row_bytes = png_get_rowbytes(reader->png, reader->info);
     if (reader->file_size < file_row_bytes * height / shrink_max)
-        escape_with(reader, neph_fail(reader->diag, NEPH_ERR_INPUT,
-                                      "'%s' is truncated or damaged: %zu bytes cannot hold %dx%d "
-                                      "pixels",
-                                      reader->path, reader->file_size, reader->width_px,
-                                      reader->height_px));
+        fail_and_jump(reader, neph_fail(reader->diag, NEPH_ERR_INPUT,
+                                        "'%s' is truncated or damaged: %zu bytes cannot hold %dx%d "
+                                        "pixels",
+                                        reader->path, reader->file_size, reader->width_px,
+                                        reader->height_px));
     reader->samples = calloc(height, row_bytes);
     reader->rows = calloc(height, sizeof(png_bytep));
     if (!reader->samples || !reader->rows)
-        escape_with(reader, neph_fail_memory(reader->diag));
+        fail_and_jump(reader, neph_fail_memory(reader->diag));
     for (size_t y = 0; y < height; y++)
         reader->rows[y] = (png_bytep)reader->samples + y * row_bytes;
 #if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
@@ -166,9 +166,9 @@ static void read_codes(struct reader *reader)
     int depth = png_get_bit_depth(reader->png, reader->info);
     int colour_type = png_get_color_type(reader->png, reader->info);
     if (depth != 16 || colour_type != PNG_COLOR_TYPE_RGB)
-        escape_with(reader, neph_fail(reader->diag, NEPH_ERR_INPUT,
-                                      "'%s' is a %d-bit %s PNG; only 16-bit RGB is read",
-                                      reader->path, depth, colour_type_name(colour_type)));
+        fail_and_jump(reader, neph_fail(reader->diag, NEPH_ERR_INPUT,
+                                        "'%s' is a %d-bit %s PNG; only 16-bit RGB is read",
+                                        reader->path, depth, colour_type_name(colour_type)));
     read_rows(reader, (size_t)reader->width_px * 3 * sizeof(uint16_t));
 }
 
@@ -179,7 +179,7 @@ static void decode(struct reader *reader, void (*read)(struct reader *))
     if (!reader->info) {
         reader->status = neph_fail_memory(reader->diag);
     } else if (setjmp(reader->escape) == 0) {
-        png_set_read_fn(reader->png, reader, give_bytes);
+        png_set_read_fn(reader->png, reader, supply_bytes);
         read(reader);
     }
     png_destroy_read_struct(&reader->png, &reader->info, NULL);
@@ -247,7 +247,7 @@ static const char *find_chunk(const struct reader *reader, const char *name, siz
 /* Refuse animations (chunk acTL, third edition of the specification, 11.3.6), since only one of
  * their frames would be compared. An animation of one frame is accepted if its control chunk (fcTL)
  * is before the pixels; otherwise the pixels are not part of the animation. */
-static void check_still(struct reader *reader)
+static void check_not_animated(struct reader *reader)
 {
     const char *animation = find_chunk(reader, "acTL", 8);
     if (!animation)
@@ -259,7 +259,7 @@ static void check_still(struct reader *reader)
     neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is an animated PNG: it has %llu frames",
               reader->path, (unsigned long long)frame_count + !is_first);
     neph_hint(reader->diag, "write each frame to a separate file");
-    escape_with(reader, NEPH_ERR_INPUT);
+    fail_and_jump(reader, NEPH_ERR_INPUT);
 }
 
 _Noreturn static void refuse_colour(struct reader *reader, const char *what)
@@ -267,7 +267,7 @@ _Noreturn static void refuse_colour(struct reader *reader, const char *what)
     neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is not an sRGB image: %s", reader->path, what);
     neph_hint(reader->diag, "convert it to sRGB; if its values already are sRGB, write it again "
                             "without colour chunks, or use an EXR file with linear values");
-    escape_with(reader, NEPH_ERR_INPUT);
+    fail_and_jump(reader, NEPH_ERR_INPUT);
 }
 
 /* Whether the chromaticities of white, red, green, blue, in 1/100000, are those of ITU-R BT.709 and
@@ -313,12 +313,12 @@ static void check_colour_space(struct reader *reader)
 }
 
 /* IEC 61966-2-1:1999, 5.2. */
-static double linear_of_srgb(double encoded)
+static double convert_srgb_to_linear(double encoded)
 {
     return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-static uint32_t code_at(const struct reader *reader, size_t index, uint32_t code_max)
+static uint32_t read_code(const struct reader *reader, size_t index, uint32_t code_max)
 {
     return code_max == 255 ? ((const uint8_t *)reader->samples)[index]
                            : ((const uint16_t *)reader->samples)[index];
@@ -327,12 +327,12 @@ static uint32_t code_at(const struct reader *reader, size_t index, uint32_t code
 static void check_opaque(struct reader *reader, size_t pixel_count, uint32_t code_max)
 {
     for (size_t i = 0; i < pixel_count; i++)
-        if (code_at(reader, 4 * i + 3, code_max) != code_max) {
+        if (read_code(reader, 4 * i + 3, code_max) != code_max) {
             neph_fail(reader->diag, NEPH_ERR_INPUT,
                       "'%s' is translucent (first at pixel (%zu, %zu)); its background is unknown",
                       reader->path, i % (size_t)reader->width_px, i / (size_t)reader->width_px);
             neph_hint(reader->diag, "flatten it onto its background");
-            escape_with(reader, NEPH_ERR_INPUT);
+            fail_and_jump(reader, NEPH_ERR_INPUT);
         }
 }
 
@@ -350,13 +350,13 @@ static void make_image(struct reader *reader, size_t channel_count, uint32_t cod
         status = neph_fail_memory(reader->diag);
     if (status) {
         free(linear);
-        escape_with(reader, status);
+        fail_and_jump(reader, status);
     }
     for (uint32_t code = 0; code <= code_max; code++)
-        linear[code] = (float)linear_of_srgb((double)code / code_max);
+        linear[code] = (float)convert_srgb_to_linear((double)code / code_max);
     for (size_t i = 0; i < neph_image_pixel_count(reader->image); i++)
         for (size_t c = 0; c < 3; c++)
-            planes[c][i] = linear[code_at(reader, channel_count * i + c, code_max)];
+            planes[c][i] = linear[read_code(reader, channel_count * i + c, code_max)];
     free(linear);
 }
 
@@ -369,16 +369,16 @@ static void add_pixel_aspect(struct reader *reader)
     const enum neph_status status = neph_image_set_attribute(reader->image, "pixel_aspect",
                                                              reader->diag, "%.9g", (double)aspect);
     if (status)
-        escape_with(reader, status);
+        fail_and_jump(reader, status);
 }
 
-static void read_picture(struct reader *reader)
+static void read_display_image(struct reader *reader)
 {
     /* A damaged colour chunk is an error: libpng would drop it, and the file would be read as
      * sRGB. */
     png_set_crc_action(reader->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     read_size(reader);
-    check_still(reader);
+    check_not_animated(reader);
     check_colour_space(reader);
     /* Convert to 8 or 16 bits of RGB, and alpha if the file has it. The conversions are exact: 1, 2
      * and 4 bits of grey are multiplied by 255, 85 and 17. */
@@ -400,7 +400,7 @@ enum neph_status neph_png_read_image(const char *path, struct neph_image **image
                                      struct neph_diag *diag)
 {
     struct reader reader = {.path = path, .diag = diag};
-    enum neph_status status = read_file(&reader, read_picture);
+    enum neph_status status = read_file(&reader, read_display_image);
     if (status)
         return status;
     free(reader.samples);

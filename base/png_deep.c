@@ -43,7 +43,7 @@ static void on_warning(png_structp png, png_const_charp message)
     (void)message;
 }
 
-static void take_bytes(png_structp png, png_bytep bytes, size_t size)
+static void store_bytes(png_structp png, png_bytep bytes, size_t size)
 {
     struct writer *writer = png_get_io_ptr(png);
     if (writer->size + size > writer->room) {
@@ -67,7 +67,7 @@ static void flush(png_structp png)
 
 /* Add the chunk cICP of ITU-T H.273: primaries of BT.2020, the transfer function of ST 2084, RGB,
  * full range. libpng 1.6 does not know the chunk. */
-static void say_bt2020_pq(struct writer *writer)
+static void write_bt2020_pq_chunk(struct writer *writer)
 {
     static const png_byte name[] = "cICP";
     png_unknown_chunk chunk = {.size = 4, .location = PNG_HAVE_IHDR};
@@ -82,7 +82,7 @@ static void write_head(struct writer *writer, int width_px, int height_px, int b
                        enum neph_png_space space)
 {
     const png_byte depth = (png_byte)bits;
-    png_set_write_fn(writer->png, writer, take_bytes, flush);
+    png_set_write_fn(writer->png, writer, store_bytes, flush);
     png_set_IHDR(writer->png, writer->info, (png_uint_32)width_px, (png_uint_32)height_px, 16,
                  PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
@@ -91,7 +91,7 @@ static void write_head(struct writer *writer, int width_px, int height_px, int b
     if (space == NEPH_PNG_SRGB)
         png_set_sRGB(writer->png, writer->info, PNG_sRGB_INTENT_PERCEPTUAL);
     else
-        say_bt2020_pq(writer);
+        write_bt2020_pq_chunk(writer);
     png_write_info(writer->png, writer->info);
 }
 

@@ -14,21 +14,21 @@ enum {
 
 static const struct {
     uint32_t first, last;
-} acting[] = {
+} control_characters[] = {
     {0x00, 0x08},     {0x0b, 0x1f},     {0x7f, 0x9f},     {0x61c, 0x61c},   {0x200e, 0x200f},
     {0x2028, 0x202e}, {0x2066, 0x206f}, {0xfeff, 0xfeff}, {0xfff9, 0xfffb}, {0xe0000, 0xe007f},
 };
 
-static bool acts(uint32_t code)
+static bool is_control_character(uint32_t code)
 {
-    for (size_t i = 0; i < sizeof(acting) / sizeof(acting[0]); i++)
-        if (code >= acting[i].first && code <= acting[i].last)
+    for (size_t i = 0; i < sizeof(control_characters) / sizeof(control_characters[0]); i++)
+        if (code >= control_characters[i].first && code <= control_characters[i].last)
             return true;
     return false;
 }
 
 /* Length in bytes of the UTF-8 character that starts with `first`; 0: not a start byte. */
-static size_t length_of(unsigned char first)
+static size_t get_character_length(unsigned char first)
 {
     if (first < 0x80)
         return 1;
@@ -44,7 +44,7 @@ static size_t length_of(unsigned char first)
 static size_t decode(const char *text, size_t left, uint32_t *code, bool *cut)
 {
     static const uint32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
-    const size_t length = length_of((unsigned char)text[0]);
+    const size_t length = get_character_length((unsigned char)text[0]);
     *cut = false;
     *code = (unsigned char)text[0] & (length > 1 ? 0x7fu >> length : 0x7fu);
     for (size_t i = 1; i < length; i++) {
@@ -75,7 +75,8 @@ size_t neph_text_first_unfit(const char *text, size_t length)
     uint32_t code;
     bool cut;
     size_t at = 0, step;
-    while (at < length && (step = decode(text + at, length - at, &code, &cut)) && !acts(code))
+    while (at < length && (step = decode(text + at, length - at, &code, &cut)) &&
+           !is_control_character(code))
         at += step;
     return at;
 }
@@ -96,7 +97,7 @@ static size_t escape(const char *text, size_t left, char shown[ESCAPE_SIZE])
 
 /* Drop an incomplete character at the end of a full buffer: it was probably filled by a function
  * that truncates at any byte. */
-static void drop_cut_character(char *text, size_t size)
+static void drop_truncated_character(char *text, size_t size)
 {
     const size_t length = strlen(text);
     uint32_t code;
@@ -110,7 +111,7 @@ static void drop_cut_character(char *text, size_t size)
 
 void neph_text_clean(char *text, size_t size)
 {
-    drop_cut_character(text, size);
+    drop_truncated_character(text, size);
     size_t length = strlen(text);
     for (size_t at = 0; (at += neph_text_first_unfit(text + at, length - at)) < length;) {
         char shown[ESCAPE_SIZE];
@@ -127,7 +128,7 @@ void neph_text_clean(char *text, size_t size)
         memcpy(text + at, shown, new);
         text[at + new + rest] = '\0';
         if (is_full)
-            drop_cut_character(text, size);
+            drop_truncated_character(text, size);
         length = strlen(text);
         at += new;
     }

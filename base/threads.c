@@ -32,7 +32,7 @@ int neph_processor_count(void)
     return online > 0 ? (int)online : 1;
 }
 
-static void take_rows(struct row_work *work)
+static void process_rows(struct row_work *work)
 {
     for (;;) {
         /* Rows are assigned one by one, because rows with clouds cost much more than others. */
@@ -47,23 +47,23 @@ static void take_rows(struct row_work *work)
     }
 }
 
-static void *work_on_rows(void *argument);
+static void *run_row_thread(void *argument);
 
 static bool start_helper(struct row_work *work, pthread_t *helper)
 {
     const int left = work->row_count - atomic_load(&work->next_row);
     if (left < 2 || atomic_fetch_add(&work->helper_count, 1) >= work->helper_limit)
         return false;
-    return pthread_create(helper, NULL, work_on_rows, work) == 0;
+    return pthread_create(helper, NULL, run_row_thread, work) == 0;
 }
 
 /* Each thread starts the next one while rows are left. A short loop ends before it has created many
  * threads, which would cost more than its rows. */
-static void *work_on_rows(void *argument)
+static void *run_row_thread(void *argument)
 {
     pthread_t helper;
     const bool has_helper = start_helper(argument, &helper);
-    take_rows(argument);
+    process_rows(argument);
     if (has_helper)
         pthread_join(helper, NULL);
     return NULL;
@@ -82,7 +82,7 @@ static void *make_call(void *argument)
     return NULL;
 }
 
-bool neph_finishes_within(double limit_s, void (*work)(void *context), void *context)
+bool neph_call_with_timeout(double limit_s, void (*work)(void *context), void *context)
 {
     pthread_t thread;
     struct call *call = malloc(sizeof(*call));
@@ -112,7 +112,7 @@ enum neph_status neph_parallel_rows(int row_count, neph_row_body *body, void *co
                             .context = context,
                             .helper_limit = neph_processor_count() - 1};
     /* The calling thread works too, so that the loop also runs when no thread can be created. */
-    work_on_rows(&work);
+    run_row_thread(&work);
     if (atomic_load(&work.stopped_early))
         return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
     return NEPH_OK;

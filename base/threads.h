@@ -25,6 +25,6 @@ enum neph_status neph_parallel_rows(int row_count, neph_row_body *body, void *co
 /* Call work(context) on a new thread and wait for it for at most `limit_s` seconds. False: the call
  * has not returned, for example because a driver hangs. Nothing can end such a thread: it keeps
  * running, and the memory at `context` must stay valid from then on. */
-bool neph_finishes_within(double limit_s, void (*work)(void *context), void *context);
+bool neph_call_with_timeout(double limit_s, void (*work)(void *context), void *context);
 
 #endif

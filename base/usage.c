@@ -78,7 +78,7 @@ struct neph_usage neph_usage_measure(const char *folder)
 
 /* ---- trimming -------------------------------------------------------------------------------- */
 
-static bool fits(const struct neph_usage *usage)
+static bool is_within_limits(const struct neph_usage *usage)
 {
     return usage->is_known && usage->bytes <= NEPH_KEPT_BYTES &&
            usage->entries <= NEPH_KEPT_ENTRIES;
@@ -114,7 +114,7 @@ static void remove_largest(const char *folder, struct neph_usage *usage)
     struct neph_arena arena = {NULL};
     struct neph_names names;
     const bool is_listed = neph_dir_list(folder, &arena, &names, NULL) == NEPH_OK;
-    struct file *files = neph_arena_zeroed(&arena, (size_t)names.count, sizeof(*files));
+    struct file *files = neph_arena_allocate(&arena, (size_t)names.count, sizeof(*files));
     int count = 0;
     for (int i = 0; is_listed && files && i < names.count; i++) {
         const char *path = neph_arena_format(&arena, "%s/%s", folder, names.list[i]);
@@ -124,7 +124,7 @@ static void remove_largest(const char *folder, struct neph_usage *usage)
     }
     if (count > 0)
         qsort(files, (size_t)count, sizeof(*files), by_size);
-    for (int i = 0; i < count && !fits(usage); i++)
+    for (int i = 0; i < count && !is_within_limits(usage); i++)
         if (unlink(files[i].path) == 0) {
             usage->bytes -= files[i].bytes;
             usage->entries--;
@@ -132,7 +132,7 @@ static void remove_largest(const char *folder, struct neph_usage *usage)
     neph_arena_finish(&arena);
 }
 
-static void leave_note(const char *folder, const struct neph_usage *before)
+static void write_removal_note(const char *folder, const struct neph_usage *before)
 {
     char *path = neph_path_join(folder, note_name);
     char *text = neph_format("This folder had %" PRId64 " MiB in %" PRId64
@@ -149,11 +149,11 @@ static void leave_note(const char *folder, const struct neph_usage *before)
 void neph_usage_trim(const char *folder)
 {
     const struct neph_usage before = neph_usage_measure(folder);
-    if (fits(&before))
+    if (is_within_limits(&before))
         return;
     remove_folders(folder);
     struct neph_usage after = neph_usage_measure(folder);
-    if (!fits(&after))
+    if (!is_within_limits(&after))
         remove_largest(folder, &after);
-    leave_note(folder, &before);
+    write_removal_note(folder, &before);
 }

@@ -30,7 +30,7 @@ enum neph_status neph_workers_create(int count, struct neph_workers **workers,
     return NEPH_OK;
 }
 
-static struct neph_task *take(struct neph_workers *workers)
+static struct neph_task *take_task(struct neph_workers *workers)
 {
     struct neph_task *task = workers->first;
     workers->first = task->next;
@@ -41,7 +41,7 @@ static struct neph_task *take(struct neph_workers *workers)
 }
 
 /* Run a task. Called with the lock, which is released during the task. */
-static void work_on(struct neph_workers *workers, struct neph_task *task)
+static void run_task(struct neph_workers *workers, struct neph_task *task)
 {
     pthread_mutex_unlock(&workers->lock);
     task->work(task->context);
@@ -63,7 +63,7 @@ static void *work(void *argument)
         }
         if (!workers->first)
             break;
-        work_on(workers, take(workers));
+        run_task(workers, take_task(workers));
     }
     pthread_mutex_unlock(&workers->lock);
     return NULL;
@@ -91,12 +91,12 @@ void neph_workers_add(struct neph_workers *workers, struct neph_task *task)
         workers->waiting_count++;
         pthread_cond_signal(&workers->added);
     } else {
-        work_on(workers, task);
+        run_task(workers, task);
     }
     pthread_mutex_unlock(&workers->lock);
 }
 
-bool neph_workers_have_done(struct neph_workers *workers, const struct neph_task *task)
+bool neph_workers_is_done(struct neph_workers *workers, const struct neph_task *task)
 {
     pthread_mutex_lock(&workers->lock);
     const bool is_done = task->is_done;

@@ -30,7 +30,7 @@ void neph_workers_destroy(struct neph_workers *workers);
 /* Where no thread can be created, the task is done when this returns. */
 void neph_workers_add(struct neph_workers *workers, struct neph_task *task);
 
-bool neph_workers_have_done(struct neph_workers *workers, const struct neph_task *task);
+bool neph_workers_is_done(struct neph_workers *workers, const struct neph_task *task);
 
 /* Wait for a task, or for all. Their writes are visible to the caller afterwards. */
 void neph_workers_wait(struct neph_workers *workers, const struct neph_task *task);

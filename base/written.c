@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum neph_status neph_written(neph_writer *write, const void *what, char **text,
-                              struct neph_diag *diag)
+enum neph_status neph_write_to_text(neph_writer *write, const void *what, char **text,
+                                    struct neph_diag *diag)
 {
     char *made = NULL;
     size_t size = 0;
@@ -25,11 +25,11 @@ enum neph_status neph_written(neph_writer *write, const void *what, char **text,
     return NEPH_OK;
 }
 
-enum neph_status neph_written_file(const char *path, neph_writer *write, const void *what,
-                                   struct neph_diag *diag)
+enum neph_status neph_write_to_file(const char *path, neph_writer *write, const void *what,
+                                    struct neph_diag *diag)
 {
     char *text = NULL;
-    enum neph_status status = neph_written(write, what, &text, diag);
+    enum neph_status status = neph_write_to_text(write, what, &text, diag);
     if (!status)
         status = neph_file_write(path, text, strlen(text), diag);
     free(text);

@@ -139,7 +139,7 @@ static enum neph_status check_is_there(const char *path_or_name, struct neph_dia
 
 static enum neph_status compare_names(const char *first, const char *second, struct neph_diag *diag)
 {
-    char *a = neph_scene_name_of(first), *b = neph_scene_name_of(second);
+    char *a = neph_scene_name_from_path(first), *b = neph_scene_name_from_path(second);
     enum neph_status status = a && b ? NEPH_OK : neph_fail_memory(diag);
     if (!status && strcmp(a, b) == 0) {
         status = neph_fail(diag, NEPH_ERR_USAGE,

@@ -25,8 +25,8 @@ struct neph_clipping *neph_clipping_create(int mask_count, struct neph_arena *me
 {
     const struct neph_clipping clipping = {
         .mask_count = mask_count,
-        .last = neph_arena_zeroed(memory, (size_t)mask_count, sizeof(struct tally)),
-        .all = neph_arena_zeroed(memory, (size_t)mask_count, sizeof(struct tally)),
+        .last = neph_arena_allocate(memory, (size_t)mask_count, sizeof(struct tally)),
+        .all = neph_arena_allocate(memory, (size_t)mask_count, sizeof(struct tally)),
     };
     return clipping.last && clipping.all ? neph_arena_copy(memory, &clipping, sizeof(clipping))
                                          : NULL;
@@ -37,7 +37,7 @@ struct limits {
     double channel, luminance;
 };
 
-static struct limits limits_of(const struct neph_viewing *viewing)
+static struct limits compute_clipping_limits(const struct neph_viewing *viewing)
 {
     const double gain = exp2(viewing->exposure_ev);
     return (struct limits){1.0 / gain, pu21_most_cd_per_m2 / (viewing->white_cd_per_m2 * gain)};
@@ -154,10 +154,10 @@ static void add_to_all(struct neph_clipping *clipping)
     clipping->frame_count++;
 }
 
-void neph_clipping_look(struct neph_clipping *clipping, const struct neph_frame_pair *pair,
-                        const struct neph_mask *const *masks)
+void neph_clipping_add_frame(struct neph_clipping *clipping, const struct neph_frame_pair *pair,
+                             const struct neph_mask *const *masks)
 {
-    const struct limits limits = limits_of(pair->viewing);
+    const struct limits limits = compute_clipping_limits(pair->viewing);
     const size_t width = (size_t)pair->width_px, count = width * (size_t)pair->height_px;
     memset(clipping->last, 0, (size_t)clipping->mask_count * sizeof(*clipping->last));
     for (size_t first = 0; first < count; first += width) {

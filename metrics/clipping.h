@@ -16,8 +16,8 @@ struct neph_clipping;
 struct neph_clipping *neph_clipping_create(int mask_count, struct neph_arena *memory);
 
 /* Count the next frame of a quantity with three planes. `masks`: as many as at creation. */
-void neph_clipping_look(struct neph_clipping *clipping, const struct neph_frame_pair *pair,
-                        const struct neph_mask *const *masks);
+void neph_clipping_add_frame(struct neph_clipping *clipping, const struct neph_frame_pair *pair,
+                             const struct neph_mask *const *masks);
 
 /* Share of a mask's pixels that are beyond the bound, in the last frame or (`of_all`) in all
  * frames. 0 for NEPH_BOUND_NONE and for an empty mask. */

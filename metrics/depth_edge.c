@@ -113,10 +113,10 @@ enum neph_status neph_edge_field_create(const float *depth_m, int width_px, int 
     size_t width = (size_t)width_px, height = (size_t)height_px, count = width * height;
     struct neph_edge_field made = {.near_px = malloc(count), .far_px = malloc(count)};
     struct neph_arena memory = {.is_short = !made.near_px || !made.far_px};
-    uint8_t *near = neph_arena_zeroed(&memory, count, 1),
-            *far = neph_arena_zeroed(&memory, count, 1);
-    uint8_t *sideways = neph_arena_zeroed(&memory, count, 1);
-    uint8_t *padded = neph_arena_zeroed(&memory, width + 2 * REACH, 1);
+    uint8_t *near = neph_arena_allocate(&memory, count, 1),
+            *far = neph_arena_allocate(&memory, count, 1);
+    uint8_t *sideways = neph_arena_allocate(&memory, count, 1);
+    uint8_t *padded = neph_arena_allocate(&memory, width + 2 * REACH, 1);
     const enum neph_status status = neph_arena_check(&memory, diag);
     if (status) {
         neph_edge_field_finish(&made);

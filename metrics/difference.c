@@ -69,7 +69,8 @@ static void colour_between(const struct neph_display_legend *colours, double pos
     }
 }
 
-static void colour_of(const struct neph_display_legend *colours, double position, uint8_t rgb[3])
+static void map_to_colour(const struct neph_display_legend *colours, double position,
+                          uint8_t rgb[3])
 {
     if (isnan(position))
         memcpy(rgb, colours->not_a_number, 3);
@@ -121,7 +122,7 @@ enum neph_status neph_display_difference(const float *const *reference, const fl
     for (size_t i = 0; i < pixel_count; i++) {
         double d = plane_count == 1 ? plane_difference(reference[0][i], test[0][i])
                                     : luminance_difference(reference, test, i);
-        colour_of(&legend, d / scale, out_rgb + 3 * i);
+        map_to_colour(&legend, d / scale, out_rgb + 3 * i);
     }
     return NEPH_OK;
 }
@@ -139,7 +140,7 @@ enum neph_status neph_display_map(const float *const *planes, int plane_count, s
                                  ? (double)planes[0][i]
                                  : neph_luminance((double)planes[0][i], (double)planes[1][i],
                                                   (double)planes[2][i]);
-        colour_of(colours, value / scale, out_rgb + 3 * i);
+        map_to_colour(colours, value / scale, out_rgb + 3 * i);
     }
     return NEPH_OK;
 }

@@ -72,7 +72,7 @@ bool has_nan(const float *const rgb[3], size_t pixel)
     return std::isnan(rgb[0][pixel]) || std::isnan(rgb[1][pixel]) || std::isnan(rgb[2][pixel]);
 }
 
-uint8_t code_of(float encoded)
+uint8_t round_to_code(float encoded)
 {
     return static_cast<uint8_t>(std::lround(255.0f * std::clamp(encoded, 0.0f, 1.0f)));
 }
@@ -95,8 +95,9 @@ void encode(const float *const rgb[3], size_t pixel_count, double scale, uint8_t
         processor->apply(image);
         for (size_t i = 0; i < count; i++)
             for (size_t c = 0; c < 3; c++)
-                out_rgb[3 * (first + i) + c] = has_nan(rgb, first + i) ? magenta[c]
-                                                                       : code_of(block[3 * i + c]);
+                out_rgb[3 * (first + i) + c] = has_nan(rgb, first + i)
+                                                   ? magenta[c]
+                                                   : round_to_code(block[3 * i + c]);
     }
 }
 

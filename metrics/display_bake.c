@@ -6,7 +6,7 @@
 
 enum { CODES = 256, ROUNDS = 32 }; /* rounds: number of bits of a float */
 
-static float float_of(uint32_t bits)
+static float float_from_bits(uint32_t bits)
 {
     float value;
     memcpy(&value, &bits, sizeof(value));
@@ -27,7 +27,7 @@ enum neph_status neph_display_bake(float thresholds[256], struct neph_diag *diag
     }
     for (int round = 0; round < ROUNDS; round++) {
         for (int k = 0; k < CODES; k++)
-            grey[k] = float_of(below[k] + (above[k] - below[k]) / 2);
+            grey[k] = float_from_bits(below[k] + (above[k] - below[k]) / 2);
         const enum neph_status status = neph_display_encode(planes, CODES, 0.0, rgb, diag);
         if (status)
             return status;
@@ -41,6 +41,6 @@ enum neph_status neph_display_bake(float thresholds[256], struct neph_diag *diag
     }
     thresholds[0] = -INFINITY;
     for (int k = 1; k < CODES; k++)
-        thresholds[k] = float_of(above[k]);
+        thresholds[k] = float_from_bits(above[k]);
     return NEPH_OK;
 }

@@ -31,19 +31,19 @@ constexpr size_t node_count = static_cast<size_t>(side) * side * side;
 constexpr double knee = 1.0 / 512.0, top = 64.0; /* 15 stops of logarithm above the knee */
 constexpr int probe_count = 20000;
 
-double value_at(double place)
+double cube_axis_value(double place)
 {
     return knee * (std::exp2(place * std::log2(1.0 + top / knee)) - 1.0);
 }
 
-double place_of(double value)
+double axis_position(double value)
 {
     const double place = std::log2(1.0 + std::max(value, 0.0) / knee) / std::log2(1.0 + top / knee);
     return std::min(place, 1.0);
 }
 
 /* The names in a config, for the message about an unknown name. */
-std::string names_of(const ocio::ConstConfigRcPtr &config, const char *display)
+std::string list_config_names(const ocio::ConstConfigRcPtr &config, const char *display)
 {
     std::string names;
     const int count = display ? config->getNumViews(display) : config->getNumDisplays();
@@ -78,14 +78,14 @@ enum neph_status check_names(const ocio::ConstConfigRcPtr &config, const char *s
     if (!has_display(config, display))
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "the OpenColorIO config has no display '%s'; it has %s", display,
-                         names_of(config, nullptr).c_str());
+                         list_config_names(config, nullptr).c_str());
     if (!has_view(config, display, view))
         return neph_fail(diag, NEPH_ERR_INPUT, "display '%s' has no view '%s'; it has %s", display,
-                         view, names_of(config, display).c_str());
+                         view, list_config_names(config, display).c_str());
     return NEPH_OK;
 }
 
-bool is_torn(const float rgb[3])
+bool has_nan_channel(const float rgb[3])
 {
     return std::isnan(rgb[0]) || std::isnan(rgb[1]) || std::isnan(rgb[2]);
 }
@@ -97,7 +97,7 @@ int apply(const ocio::ConstCPUProcessorRcPtr &processor, std::vector<float> &rgb
     ocio::PackedImageDesc image(rgb.data(), static_cast<long>(rgb.size() / 3), 1, 3);
     processor->apply(image);
     for (size_t i = 0; i < rgb.size(); i += 3)
-        not_numbers += is_torn(&rgb[i]);
+        not_numbers += has_nan_channel(&rgb[i]);
     for (float &value : rgb)
         value = std::isinf(value) && value > 0.0f ? 255.0f
                 : std::isfinite(value)            ? 255.0f * value
@@ -105,45 +105,45 @@ int apply(const ocio::ConstCPUProcessorRcPtr &processor, std::vector<float> &rgb
     return not_numbers;
 }
 
-int count_torn(const ocio::Lut3DTransform &table)
+int count_nan_entries(const ocio::Lut3DTransform &table)
 {
     const unsigned long size = table.getGridSize();
     int torn = 0;
     for (unsigned long i = 0; i < size * size * size; i++) {
         float rgb[3];
         table.getValue(i / size / size, i / size % size, i % size, rgb[0], rgb[1], rgb[2]);
-        torn += is_torn(rgb);
+        torn += has_nan_channel(rgb);
     }
     return torn;
 }
 
-int count_torn(const ocio::Lut1DTransform &table)
+int count_nan_entries(const ocio::Lut1DTransform &table)
 {
     int torn = 0;
     for (unsigned long i = 0; i < table.getLength(); i++) {
         float rgb[3];
         table.getValue(i, rgb[0], rgb[1], rgb[2]);
-        torn += is_torn(rgb);
+        torn += has_nan_channel(rgb);
     }
     return torn;
 }
 
 /* Count the NaN values in the tables of a config: OpenColorIO silently treats them as 0. */
-int count_torn(const ocio::ConstProcessorRcPtr &processor)
+int count_nan_entries(const ocio::ConstProcessorRcPtr &processor)
 {
     const ocio::GroupTransformRcPtr group = processor->createGroupTransform();
     int torn = 0;
     for (int i = 0; i < group->getNumTransforms(); i++) {
         const ocio::TransformRcPtr one = group->getTransform(i);
         if (const auto cube = OCIO_DYNAMIC_POINTER_CAST<ocio::Lut3DTransform>(one))
-            torn += count_torn(*cube);
+            torn += count_nan_entries(*cube);
         else if (const auto curve = OCIO_DYNAMIC_POINTER_CAST<ocio::Lut1DTransform>(one))
-            torn += count_torn(*curve);
+            torn += count_nan_entries(*curve);
     }
     return torn;
 }
 
-double shown(double code)
+double clamp_code(double code)
 {
     return std::clamp(code, 0.0, 255.0);
 }
@@ -155,7 +155,7 @@ void fill(const ocio::ConstCPUProcessorRcPtr &processor, struct neph_display_cub
         const size_t steps[3] = {i % side, i / side % side, i / side / side};
         for (size_t c = 0; c < 3; c++)
             rgb[3 * i + c] = static_cast<float>(
-                value_at(static_cast<double>(steps[c]) / (side - 1)));
+                cube_axis_value(static_cast<double>(steps[c]) / (side - 1)));
     }
     cube->not_numbers += apply(processor, rgb);
     for (size_t i = 0; i < node_count; i++)
@@ -169,7 +169,7 @@ void look_up(const struct neph_display_cube *cube, const float rgb[3], double ou
     int low[3];
     double share[3];
     for (int c = 0; c < 3; c++) {
-        const double place = place_of(static_cast<double>(rgb[c])) * (side - 1);
+        const double place = axis_position(static_cast<double>(rgb[c])) * (side - 1);
         low[c] = std::min(static_cast<int>(place), side - 2);
         share[c] = place - low[c];
         out[c] = 0.0;
@@ -188,7 +188,7 @@ void look_up(const struct neph_display_cube *cube, const float rgb[3], double ou
 }
 
 /* Random test colours: any brightness on the axis, each channel within a factor of 2 of it. */
-std::vector<float> probes()
+std::vector<float> make_test_colours()
 {
     std::vector<float> rgb(3 * static_cast<size_t>(probe_count));
     uint64_t state = 1;
@@ -199,14 +199,15 @@ std::vector<float> probes()
             draw = static_cast<double>(state >> 11) / 9007199254740992.0;
         }
         for (size_t c = 0; c < 3; c++)
-            rgb[i + c] = static_cast<float>(value_at(draws[3]) * std::exp2(2.0 * draws[c] - 1.0));
+            rgb[i + c] = static_cast<float>(cube_axis_value(draws[3]) *
+                                            std::exp2(2.0 * draws[c] - 1.0));
     }
     return rgb;
 }
 
 void measure(const ocio::ConstCPUProcessorRcPtr &processor, struct neph_display_cube *cube)
 {
-    const std::vector<float> linear = probes();
+    const std::vector<float> linear = make_test_colours();
     std::vector<float> truth = linear;
     double sum = 0.0;
     apply(processor, truth);
@@ -215,8 +216,8 @@ void measure(const ocio::ConstCPUProcessorRcPtr &processor, struct neph_display_
         double out[3];
         look_up(cube, &linear[i], out);
         for (size_t c = 0; c < 3; c++) {
-            const double error = std::fabs(shown(out[c]) -
-                                           shown(static_cast<double>(truth[i + c])));
+            const double error = std::fabs(clamp_code(out[c]) -
+                                           clamp_code(static_cast<double>(truth[i + c])));
             sum += error;
             cube->error_max = std::max(cube->error_max, error);
         }
@@ -241,7 +242,7 @@ enum neph_status bake(const struct neph_display_choice *choice, struct neph_disp
     const ocio::ConstProcessorRcPtr whole = config->getProcessor(transform);
     const ocio::ConstCPUProcessorRcPtr processor = whole->getOptimizedCPUProcessor(
         ocio::OPTIMIZATION_LOSSLESS);
-    cube->not_numbers = count_torn(whole);
+    cube->not_numbers = count_nan_entries(whole);
     std::snprintf(cube->name, sizeof(cube->name), "%.60s on %.60s", view, display);
     cube->knee = knee;
     cube->top = top;

@@ -103,12 +103,12 @@ double neph_eye_spatial(double cycles_per_degree)
     return exp(-0.0242 * fmax(cycles_per_degree - 1.0, 0.0));
 }
 
-double neph_eye_seen(double contrast_over_threshold)
+double neph_eye_flicker_probability(double contrast_over_threshold)
 {
     return -expm1(-M_LN2 * contrast_over_threshold * contrast_over_threshold);
 }
 
-double neph_eye_pop_seen(double response_cd_per_m2)
+double neph_eye_pop_probability(double response_cd_per_m2)
 {
     return -expm1(-0.1008 * pow(response_cd_per_m2, 0.9061));
 }

@@ -51,11 +51,11 @@ double neph_eye_spatial(double cycles_per_degree);
 
 /* Probability that flicker is seen, from its contrast R in units of the threshold: 1 - 0.5^(R^2)
  * (Denes and Mantiuk 2020). One half at 1. */
-double neph_eye_seen(double contrast_over_threshold);
+double neph_eye_flicker_probability(double contrast_over_threshold);
 
 /* Probability that a temporal edge is seen, from the response in cd/m2 of the edge filter with a
  * positive part of sum 1: 1 - exp(-0.1008 x^0.9061) (Ebelin et al. 2024; the response to a step is
  * its height). One half at 8.4 cd/m2. */
-double neph_eye_pop_seen(double response_cd_per_m2);
+double neph_eye_pop_probability(double response_cd_per_m2);
 
 #endif

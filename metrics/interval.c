@@ -26,7 +26,7 @@ static const uint64_t resample_seed = 0x6e6570685f626f6fu;
 
 static const double low_share = 0.025, high_share = 0.975;
 
-struct neph_tiling neph_tiling_of(int width_px, int height_px)
+struct neph_tiling neph_tiling_make(int width_px, int height_px)
 {
     for (int side_px = NEPH_TILE_SIDE_PX;; side_px /= 2) {
         struct neph_tiling tiling = {.side_px = side_px,
@@ -66,7 +66,7 @@ static void count_draws(int resample, int tile_count, uint8_t *counts)
 }
 
 /* The counts of a group: GROUP for each tile. */
-static uint8_t *group_of(const struct neph_resampling *resampling, int group)
+static uint8_t *group_counts(const struct neph_resampling *resampling, int group)
 {
     return resampling->counts + (size_t)group * (size_t)resampling->tile_count * GROUP;
 }
@@ -80,7 +80,7 @@ static enum neph_status draw_all(struct neph_resampling *resampling, int tile_co
         return neph_fail_memory(diag);
     resampling->tile_count = tile_count;
     for (int r = 0; r < NEPH_BOOTSTRAP_RESAMPLES; r++)
-        count_draws(r, tile_count, group_of(resampling, r / GROUP) + r % GROUP);
+        count_draws(r, tile_count, group_counts(resampling, r / GROUP) + r % GROUP);
     return NEPH_OK;
 }
 
@@ -127,7 +127,7 @@ static void resample(const struct neph_resampling *resampling, const double *til
 {
     for (int first = 0; first < NEPH_BOOTSTRAP_RESAMPLES; first += GROUP) {
         group_sums totals[NEPH_BOOTSTRAP_SUMS_MAX];
-        add_group(group_of(resampling, first / GROUP), tiles, resampling->tile_count, sum_count,
+        add_group(group_counts(resampling, first / GROUP), tiles, resampling->tile_count, sum_count,
                   totals);
         for (int r = 0; r < GROUP && first + r < NEPH_BOOTSTRAP_RESAMPLES; r++) {
             double sums[NEPH_BOOTSTRAP_SUMS_MAX];
@@ -145,7 +145,7 @@ static void resample(const struct neph_resampling *resampling, const double *til
 
 /* ---- bounds ---------------------------------------------------------------------------------- */
 
-static struct neph_bootstrap_bounds bounds_of(double *draws, double value)
+static struct neph_bootstrap_bounds compute_draw_bounds(double *draws, double value)
 {
     for (int r = 0; r < NEPH_BOOTSTRAP_RESAMPLES; r++)
         if (!isfinite(draws[r]))
@@ -198,7 +198,7 @@ enum neph_status neph_bootstrap_tiles(struct neph_resampling *resampling, const 
     for (int k = 0; k < statistic_count; k++) {
         double value = 0.0;
         if (statistics[k].value(statistics[k].context, totals, &value))
-            bounds[k] = bounds_of(draws + (size_t)k * NEPH_BOOTSTRAP_RESAMPLES, value);
+            bounds[k] = compute_draw_bounds(draws + (size_t)k * NEPH_BOOTSTRAP_RESAMPLES, value);
     }
     free(draws);
     return NEPH_OK;

@@ -24,7 +24,7 @@ enum {
                                     * is given */
     NEPH_BOOTSTRAP_SUMS_MAX = 48,
     NEPH_TILE_SIDE_PX = 16,
-    NEPH_TILING_TILES_MIN = 64, /* smaller images get smaller tiles, see neph_tiling_of() */
+    NEPH_TILING_TILES_MIN = 64, /* smaller images get smaller tiles, see neph_tiling_make() */
 };
 
 /* The division of the image into squares from the top left; the last column and row may be
@@ -36,7 +36,7 @@ struct neph_tiling {
 
 /* Choose the tile side: the largest of 16, 8, 4, 2 and 1 with at least 64 tiles; 1 if there is
  * none. */
-struct neph_tiling neph_tiling_of(int width_px, int height_px);
+struct neph_tiling neph_tiling_make(int width_px, int height_px);
 
 /* A statistic, as a function of sums over pixels; false: undefined for these sums. */
 typedef bool neph_statistic(const void *context, const double *sums, double *value);

@@ -33,7 +33,7 @@ struct source {
     const struct neph_mask_options *options;
 };
 
-static size_t pixel_count_of(const struct source *source)
+static size_t source_pixel_count(const struct source *source)
 {
     return (size_t)source->width_px * (size_t)source->height_px;
 }
@@ -44,7 +44,7 @@ static enum neph_status mark_all(const struct source *source, uint8_t *inside,
                                  struct neph_diag *diag)
 {
     (void)diag;
-    memset(inside, 1, pixel_count_of(source));
+    memset(inside, 1, source_pixel_count(source));
     return NEPH_OK;
 }
 
@@ -52,7 +52,7 @@ static enum neph_status mark_sky(const struct source *source, uint8_t *inside,
                                  struct neph_diag *diag)
 {
     (void)diag;
-    for (size_t i = 0; i < pixel_count_of(source); i++)
+    for (size_t i = 0; i < source_pixel_count(source); i++)
         inside[i] = isinf(source->planes[0][i]) ? 1 : 0;
     return NEPH_OK;
 }
@@ -61,7 +61,7 @@ static enum neph_status mark_solid(const struct source *source, uint8_t *inside,
                                    struct neph_diag *diag)
 {
     (void)diag;
-    for (size_t i = 0; i < pixel_count_of(source); i++)
+    for (size_t i = 0; i < source_pixel_count(source); i++)
         inside[i] = isfinite(source->planes[0][i]) ? 1 : 0;
     return NEPH_OK;
 }
@@ -71,7 +71,7 @@ static enum neph_status mark_medium(const struct source *source, uint8_t *inside
 {
     (void)diag;
     double clear = exp(-source->options->medium_optical_depth);
-    for (size_t i = 0; i < pixel_count_of(source); i++) {
+    for (size_t i = 0; i < source_pixel_count(source); i++) {
         float least = fminf(source->planes[0][i],
                             fminf(source->planes[1][i], source->planes[2][i]));
         inside[i] = (double)least < clear ? 1 : 0;
@@ -118,7 +118,7 @@ static enum neph_status mark_non_edge(const struct source *source, uint8_t *insi
                                       struct neph_diag *diag)
 {
     enum neph_status status = mark_depth_edge(source, inside, diag);
-    for (size_t i = 0; i < pixel_count_of(source) && !status; i++)
+    for (size_t i = 0; i < source_pixel_count(source) && !status; i++)
         inside[i] = !inside[i];
     return status;
 }
@@ -151,7 +151,7 @@ static enum neph_status mark_ring(const struct source *source, uint8_t *inside,
         &field, diag);
     if (status)
         return status;
-    pick_ring(source->kind->ring, field.near_px, field.far_px, pixel_count_of(source), inside);
+    pick_ring(source->kind->ring, field.near_px, field.far_px, source_pixel_count(source), inside);
     neph_edge_field_finish(&field);
     return NEPH_OK;
 }
@@ -440,9 +440,10 @@ enum neph_status neph_mask_unite(struct neph_mask *mask, const struct neph_mask 
 
 /* ---- by name --------------------------------------------------------------------------------- */
 
-static enum neph_status create_of_kind(const struct neph_image *reference, const struct kind *kind,
-                                       const struct neph_mask_options *options,
-                                       struct neph_mask **mask, struct neph_diag *diag)
+static enum neph_status create_from_kind(const struct neph_image *reference,
+                                         const struct kind *kind,
+                                         const struct neph_mask_options *options,
+                                         struct neph_mask **mask, struct neph_diag *diag)
 {
     struct source source = {.kind = kind,
                             .width_px = reference->width_px,
@@ -481,7 +482,7 @@ enum neph_status neph_mask_create(const struct neph_image *reference, const char
     if (status)
         return status;
     return channel ? create_from_channel(reference, name, channel, mask, diag)
-                   : create_of_kind(reference, kind, options ? options : &defaults, mask, diag);
+                   : create_from_kind(reference, kind, options ? options : &defaults, mask, diag);
 }
 
 void neph_mask_destroy(struct neph_mask *mask)

@@ -50,7 +50,8 @@ struct neph_meter {
     int measurement_count, measurement_room;
 };
 
-bool neph_meter_wants(const struct neph_meter_number *wanted, const char *metric, const char *mask)
+bool neph_meter_is_wanted(const struct neph_meter_number *wanted, const char *metric,
+                          const char *mask)
 {
     for (const struct neph_meter_number *one = wanted; one && one->metric; one++)
         if ((!metric || strcmp(one->metric, metric) == 0) &&
@@ -94,11 +95,11 @@ static enum neph_status copy_params(struct neph_meter *meter,
                  mask_count = (size_t)params->mask_count;
     const size_t quantity_count = (size_t)neph_quantity_count();
     struct neph_arena *memory = &meter->memory;
-    meter->choices = neph_arena_zeroed(memory, choice_count, sizeof(*meter->choices));
-    meter->masks = neph_arena_zeroed(memory, mask_count, sizeof(*meter->masks));
-    meter->codes = neph_arena_zeroed(memory, quantity_count, sizeof(*meter->codes));
-    meter->clipping = neph_arena_zeroed(memory, quantity_count, sizeof(*meter->clipping));
-    meter->bare_masks = neph_arena_zeroed(memory, mask_count, sizeof(*meter->bare_masks));
+    meter->choices = neph_arena_allocate(memory, choice_count, sizeof(*meter->choices));
+    meter->masks = neph_arena_allocate(memory, mask_count, sizeof(*meter->masks));
+    meter->codes = neph_arena_allocate(memory, quantity_count, sizeof(*meter->codes));
+    meter->clipping = neph_arena_allocate(memory, quantity_count, sizeof(*meter->clipping));
+    meter->bare_masks = neph_arena_allocate(memory, mask_count, sizeof(*meter->bare_masks));
     enum neph_status status = neph_arena_check(memory, diag);
     for (int i = 0; i < params->choice_count && !status; i++)
         meter->choices[meter->choice_count++] = params->choices[i];
@@ -274,15 +275,16 @@ static struct neph_measurement blank(const struct run *run, const struct neph_me
     return measured;
 }
 
-static enum neph_display_bound bound_of(const struct run *run, const struct neph_metric *metric)
+static enum neph_display_bound find_metric_bound(const struct run *run,
+                                                 const struct neph_metric *metric)
 {
     const struct neph_extractor *extractor = run->choice->extractor;
     return extractor->bound && metric->unit ? extractor->bound(&run->choice->settings)
                                             : NEPH_BOUND_NONE;
 }
 
-static struct neph_clipping *clipping_of(const struct neph_meter *meter,
-                                         const struct neph_quantity *quantity)
+static struct neph_clipping *find_clipping(const struct neph_meter *meter,
+                                           const struct neph_quantity *quantity)
 {
     return meter->clipping[quantity - neph_quantity_at(0)];
 }
@@ -292,8 +294,8 @@ static struct neph_clipping *clipping_of(const struct neph_meter *meter,
 static void note_clipping(const struct neph_meter *meter, const struct run *run, int mask,
                           struct neph_measurement *measured)
 {
-    const struct neph_clipping *clipping = clipping_of(meter, run->quantity);
-    const enum neph_display_bound bound = bound_of(run, measured->metric);
+    const struct neph_clipping *clipping = find_clipping(meter, run->quantity);
+    const enum neph_display_bound bound = find_metric_bound(run, measured->metric);
     const bool of_all = measured->frame < 0;
     if (!clipping || bound == NEPH_BOUND_NONE)
         return;
@@ -333,8 +335,8 @@ static bool map_applies(const struct neph_map *map, const struct neph_quantity *
     return map->quantities == 0 || (map->quantities & (unsigned)quantity->bit) != 0;
 }
 
-static struct neph_pool_source source_of(const struct neph_meter *meter, const struct run *run,
-                                         int map)
+static struct neph_pool_source make_pool_source(const struct neph_meter *meter,
+                                                const struct run *run, int map)
 {
     const struct neph_extractor *extractor = run->choice->extractor;
     const int planes = extractor->maps[map].plane_count;
@@ -357,7 +359,7 @@ static int count_metrics(const struct neph_extractor *extractor)
     return count;
 }
 
-static enum neph_pool_certainty certainty_of(const struct neph_meter *meter, int frame)
+static enum neph_pool_certainty choose_certainty(const struct neph_meter *meter, int frame)
 {
     const bool is_final = frame < 0 || meter->announced_frame_count == 1;
     if (!meter->intervals)
@@ -373,7 +375,7 @@ static enum neph_status pool_one_map(const struct neph_meter *meter, const struc
     int count = 0, index[NEPH_POOL_METRICS_MAX];
     for (int m = 0; all[m].name && count < NEPH_POOL_METRICS_MAX; m++)
         if (all[m].map == map && all[m].pool != NEPH_POOL_SCALAR &&
-            neph_meter_wants(meter->wanted, all[m].name, NULL)) {
+            neph_meter_is_wanted(meter->wanted, all[m].name, NULL)) {
             index[count] = m;
             some[count++] = &all[m];
         }
@@ -382,9 +384,9 @@ static enum neph_status pool_one_map(const struct neph_meter *meter, const struc
     struct neph_pooled *pooled = calloc((size_t)(count * meter->mask_count), sizeof(*pooled));
     if (!pooled)
         return neph_fail_memory(diag);
-    const struct neph_pool_source source = source_of(meter, run, map);
+    const struct neph_pool_source source = make_pool_source(meter, run, map);
     const enum neph_status status = neph_pool_map(&source, some, count, meter->masks,
-                                                  meter->mask_count, certainty_of(meter, frame),
+                                                  meter->mask_count, choose_certainty(meter, frame),
                                                   pooled, diag);
     for (int k = 0; k < meter->mask_count; k++)
         for (int m = 0; m < count; m++)
@@ -407,8 +409,8 @@ static enum neph_status take_pooled(struct neph_meter *meter, const struct run *
         for (int m = 0; m < metric_count && !status; m++) {
             struct neph_pooled *number = &numbers[m * mask_count + k];
             const bool is_of_quantity = number->defined || number->undefined_because;
-            if (!is_of_quantity || !neph_meter_wants(meter->wanted, extractor->metrics[m].name,
-                                                     meter->masks[k].mask->name))
+            if (!is_of_quantity || !neph_meter_is_wanted(meter->wanted, extractor->metrics[m].name,
+                                                         meter->masks[k].mask->name))
                 continue;
             status = append_pooled(meter, run, &extractor->metrics[m], k, bad ? bad[k] : 0, frame,
                                    number, diag);
@@ -430,7 +432,7 @@ static enum neph_status take_scalars(struct neph_meter *meter, const struct run 
     enum neph_status status = NEPH_OK;
     for (const struct neph_metric *m = run->choice->extractor->metrics; m->name && !status; m++) {
         if (m->pool != NEPH_POOL_SCALAR ||
-            !neph_meter_wants(meter->wanted, m->name, meter->masks[0].mask->name))
+            !neph_meter_is_wanted(meter->wanted, m->name, meter->masks[0].mask->name))
             continue;
         struct neph_measurement measured = blank(run, m, meter->masks[0].mask, frame);
         double value = 0.0;
@@ -465,7 +467,7 @@ static enum neph_status start_run(struct run *run, struct neph_frame_pair *pair,
     if (run->obstacle)
         return NEPH_OK;
     pair->memory = &run->memory;
-    run->state = neph_arena_zeroed(&run->memory, 1, extractor->state_size);
+    run->state = neph_arena_allocate(&run->memory, 1, extractor->state_size);
     if (!run->state)
         return neph_fail_memory(diag);
     return extractor->init ? extractor->init(run->state, pair, settings, diag) : NEPH_OK;
@@ -487,7 +489,7 @@ static enum neph_status start_runs(struct neph_meter *meter,
                                    const struct neph_image *const images[3], struct neph_diag *diag)
 {
     const size_t room = (size_t)neph_quantity_count() * (size_t)meter->choice_count;
-    meter->runs = neph_arena_zeroed(&meter->memory, room, sizeof(*meter->runs));
+    meter->runs = neph_arena_allocate(&meter->memory, room, sizeof(*meter->runs));
     if (!meter->runs)
         return neph_fail_memory(diag);
     meter->width_px = images[0]->width_px;
@@ -602,8 +604,8 @@ enum neph_status neph_meter_frame(struct neph_meter *meter, const struct neph_im
             }
             memset(bad, 0, (size_t)meter->mask_count * sizeof(*bad));
             all_bad = count_bad(meter, &pair, bad);
-            if (clipping_of(meter, quantity))
-                neph_clipping_look(clipping_of(meter, quantity), &pair, meter->bare_masks);
+            if (find_clipping(meter, quantity))
+                neph_clipping_add_frame(find_clipping(meter, quantity), &pair, meter->bare_masks);
         }
         status = measure_run(meter, run, &pair, bad, all_bad, diag);
     }
@@ -701,8 +703,8 @@ static const struct run *find_run(const struct neph_meter *meter,
     return NULL;
 }
 
-bool neph_meter_takes(const struct neph_meter *meter, const struct neph_quantity *quantity,
-                      const struct neph_extractor *extractor)
+bool neph_meter_has_extractor(const struct neph_meter *meter, const struct neph_quantity *quantity,
+                              const struct neph_extractor *extractor)
 {
     return find_run(meter, quantity, extractor) != NULL;
 }
@@ -756,7 +758,7 @@ enum neph_status neph_meter_map(const struct neph_meter *meter,
     if (!run || run->obstacle)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "there is no map of %s: %s", extractor->name,
                          neph_meter_obstacle(meter, quantity, extractor));
-    const struct neph_pool_source source = source_of(meter, run, map);
+    const struct neph_pool_source source = make_pool_source(meter, run, map);
     struct neph_image *created = NULL;
     float *planes[3] = {NULL, NULL, NULL};
     enum neph_status status = neph_image_create(source.width_px, source.height_px, &created, diag);

@@ -43,7 +43,8 @@ struct neph_meter;
 
 /* Whether a list of wanted numbers contains this metric and mask (NULL: any). A NULL list contains
  * all. */
-bool neph_meter_wants(const struct neph_meter_number *wanted, const char *metric, const char *mask);
+bool neph_meter_is_wanted(const struct neph_meter_number *wanted, const char *metric,
+                          const char *mask);
 
 /* Create a meter. Except for masks and wanted, the params are needed only during the call.
  * NEPH_ERR_INPUT: a viewing condition is out of range. */
@@ -80,8 +81,8 @@ enum neph_status neph_meter_map(const struct neph_meter *meter,
                                 struct neph_image **image, struct neph_diag *diag);
 
 /* Whether an extractor measures a quantity, or has only an obstacle. */
-bool neph_meter_takes(const struct neph_meter *meter, const struct neph_quantity *quantity,
-                      const struct neph_extractor *extractor);
+bool neph_meter_has_extractor(const struct neph_meter *meter, const struct neph_quantity *quantity,
+                              const struct neph_extractor *extractor);
 
 /* Why a chosen extractor gave no numbers for a quantity; NULL: it did. */
 const char *neph_meter_obstacle(const struct neph_meter *meter,

@@ -18,7 +18,7 @@ struct lens {
     double centre_x_px, centre_y_px, px_per_slope;
 };
 
-static struct lens lens_of(const struct neph_motion_camera *camera, int width_px, int height_px)
+static struct lens make_lens(const struct neph_motion_camera *camera, int width_px, int height_px)
 {
     return (struct lens){.centre_x_px = 0.5 * width_px,
                          .centre_y_px = 0.5 * height_px,
@@ -26,8 +26,9 @@ static struct lens lens_of(const struct neph_motion_camera *camera, int width_px
 }
 
 /* The direction through a pixel, with length 1 along the camera axis. */
-static void direction_of(const struct neph_motion_camera *camera, const struct lens *lens,
-                         double x_px, double y_px, double direction[3])
+static void compute_pixel_direction(const struct neph_motion_camera *camera,
+                                    const struct lens *lens, double x_px, double y_px,
+                                    double direction[3])
 {
     const double right = (x_px - lens->centre_x_px) / lens->px_per_slope;
     const double up = (lens->centre_y_px - y_px) / lens->px_per_slope;
@@ -36,9 +37,10 @@ static void direction_of(const struct neph_motion_camera *camera, const struct l
 }
 
 /* Vector from the previous camera to the visible point; for the sky only its direction matters. */
-static void place_of(const struct neph_motion_camera *now, const struct neph_motion_camera *before,
-                     const double direction[3], double depth_m, enum neph_motion_depth kind,
-                     double place[3])
+static void compute_previous_vector(const struct neph_motion_camera *now,
+                                    const struct neph_motion_camera *before,
+                                    const double direction[3], double depth_m,
+                                    enum neph_motion_depth kind, double place[3])
 {
     const double along = kind == NEPH_MOTION_DISTANCE ? depth_m / sqrt(dot(direction, direction))
                                                       : depth_m;
@@ -51,8 +53,9 @@ struct moved {
     double x_px, y_px, depth_m;
 };
 
-static struct moved moved_of(const struct neph_motion_camera *before, const struct lens *lens,
-                             const double place[3], double depth_m, enum neph_motion_depth kind)
+static struct moved project_previous_point(const struct neph_motion_camera *before,
+                                           const struct lens *lens, const double place[3],
+                                           double depth_m, enum neph_motion_depth kind)
 {
     const double axial = dot(place, before->forward);
     const double seen = kind == NEPH_MOTION_DISTANCE && axial > 0.0 ? sqrt(dot(place, place))
@@ -77,14 +80,14 @@ static enum neph_status fail_depth(double depth_m, int i, int j, struct neph_dia
                      i, j, depth_m);
 }
 
-enum neph_status neph_motion_of_depth(const struct neph_motion_camera *now,
-                                      const struct neph_motion_camera *before, int width_px,
-                                      int height_px, const float *depth_m,
-                                      enum neph_motion_depth kind, float *x_px, float *y_px,
-                                      float *before_m, struct neph_diag *diag)
+enum neph_status neph_motion_from_depth(const struct neph_motion_camera *now,
+                                        const struct neph_motion_camera *before, int width_px,
+                                        int height_px, const float *depth_m,
+                                        enum neph_motion_depth kind, float *x_px, float *y_px,
+                                        float *before_m, struct neph_diag *diag)
 {
-    const struct lens lens_now = lens_of(now, width_px, height_px);
-    const struct lens lens_before = lens_of(before, width_px, height_px);
+    const struct lens lens_now = make_lens(now, width_px, height_px);
+    const struct lens lens_before = make_lens(before, width_px, height_px);
     for (int j = 0; j < height_px; j++) {
         for (int i = 0; i < width_px; i++) {
             const size_t p = (size_t)j * (size_t)width_px + (size_t)i;
@@ -92,9 +95,10 @@ enum neph_status neph_motion_of_depth(const struct neph_motion_camera *now,
             if (!(depth > 0.0))
                 return fail_depth(depth, i, j, diag);
             double direction[3], place[3];
-            direction_of(now, &lens_now, x, y, direction);
-            place_of(now, before, direction, depth, kind, place);
-            const struct moved moved = moved_of(before, &lens_before, place, depth, kind);
+            compute_pixel_direction(now, &lens_now, x, y, direction);
+            compute_previous_vector(now, before, direction, depth, kind, place);
+            const struct moved moved = project_previous_point(before, &lens_before, place, depth,
+                                                              kind);
             x_px[p] = motion_from(moved.x_px, x, moved.depth_m > 0.0);
             y_px[p] = motion_from(moved.y_px, y, moved.depth_m > 0.0);
             if (before_m)

@@ -30,10 +30,10 @@ enum neph_motion_depth {
  * the depth in the previous frame, of the same kind, +inf for the sky, 0 behind the camera: the
  * layer motion.depth. Planes of width * height, exact up to the rounding to float. NEPH_ERR_INPUT:
  * a depth is NaN or not above 0. */
-enum neph_status neph_motion_of_depth(const struct neph_motion_camera *now,
-                                      const struct neph_motion_camera *before, int width_px,
-                                      int height_px, const float *depth_m,
-                                      enum neph_motion_depth kind, float *x_px, float *y_px,
-                                      float *before_m, struct neph_diag *diag);
+enum neph_status neph_motion_from_depth(const struct neph_motion_camera *now,
+                                        const struct neph_motion_camera *before, int width_px,
+                                        int height_px, const float *depth_m,
+                                        enum neph_motion_depth kind, float *x_px, float *y_px,
+                                        float *before_m, struct neph_diag *diag);
 
 #endif

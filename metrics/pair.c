@@ -116,7 +116,7 @@ enum neph_status neph_pair_compare(const struct neph_image *const frames[4],
         if (!neph_image_rgb(frames[i], NULL, planes[i]))
             return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "a frame has no radiance");
     }
-    const struct neph_tiling tiling = neph_tiling_of(mask->width_px, mask->height_px);
+    const struct neph_tiling tiling = neph_tiling_make(mask->width_px, mask->height_px);
     double *tiles = calloc((size_t)tiling.columns * (size_t)tiling.rows, SUMS * sizeof(*tiles));
     if (!tiles)
         return neph_fail_memory(diag);

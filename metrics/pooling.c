@@ -32,9 +32,9 @@ struct tile {
 enum neph_status neph_pool_mask_create(const struct neph_mask *mask, struct neph_arena *memory,
                                        struct neph_pool_mask *pooled, struct neph_diag *diag)
 {
-    const struct neph_tiling tiling = neph_tiling_of(mask->width_px, mask->height_px);
-    uint32_t *counts = neph_arena_zeroed(memory, (size_t)tiling.columns * (size_t)tiling.rows,
-                                         sizeof(*counts));
+    const struct neph_tiling tiling = neph_tiling_make(mask->width_px, mask->height_px);
+    uint32_t *counts = neph_arena_allocate(memory, (size_t)tiling.columns * (size_t)tiling.rows,
+                                           sizeof(*counts));
     if (!counts)
         return neph_fail_memory(diag);
     const uint8_t *inside = mask->inside;
@@ -147,7 +147,7 @@ NEPH_VECTOR static void add_plain_keys(const double *restrict v, int rows, size_
     for (int y = 0; y < rows; y++, v += stride, keys += NEPH_TILE_SIDE_PX) {
         NEPH_LANES
         for (int x = 0; x < NEPH_TILE_SIDE_PX; x++)
-            keys[x] = neph_key_of(v[x]);
+            keys[x] = neph_key_from_value(v[x]);
     }
 }
 
@@ -157,14 +157,14 @@ NEPH_VECTOR static void add_plain_keys(const double *restrict v, int rows, size_
 static uint32_t *add_some_keys(const double *v, const uint8_t *inside, int count, uint32_t *keys)
 {
     for (int x = 0; x < count; x++) {
-        *keys = neph_key_of(v[x]);
+        *keys = neph_key_from_value(v[x]);
         keys += inside[x] && v[x] == v[x];
     }
     return keys;
 }
 
 /* Add up the lanes by halving, which is vectorised. */
-NEPH_VECTOR static struct tile tile_of(struct lanes *lanes)
+NEPH_VECTOR static struct tile sum_lanes(struct lanes *lanes)
 {
     for (int half = NEPH_TILE_SIDE_PX / 2; half > 0; half /= 2) {
         for (int l = 0; l < half; l++) {
@@ -198,7 +198,7 @@ static struct tile sum_plain_tile(const struct place *place)
         add_plain_tile(place->v[p] + place->first, place->w[p] + place->first, place->rows,
                        place->stride, &lanes);
     lanes.n[0] = (double)(place->columns * place->rows * place->plane_count);
-    return tile_of(&lanes);
+    return sum_lanes(&lanes);
 }
 
 static struct tile sum_masked_tile(const struct place *place)
@@ -208,7 +208,7 @@ static struct tile sum_masked_tile(const struct place *place)
     for (int p = 0; p < place->plane_count; p++)
         add_masked_tile(place->v[p] + place->first, place->w[p] + place->first, place->inside,
                         place->columns, place->rows, place->stride, &lanes);
-    return tile_of(&lanes);
+    return sum_lanes(&lanes);
 }
 
 /* Add the keys of a tile; returns their number. */
@@ -301,14 +301,14 @@ static enum neph_status prepare_set(const struct walk *walk, struct neph_pool_ma
 {
     const size_t tile_count = (size_t)walk->tiling.columns * (size_t)walk->tiling.rows;
     set->mask = mask;
-    set->tiles = neph_arena_zeroed(memory, tile_count, sizeof(*set->tiles));
+    set->tiles = neph_arena_allocate(memory, tile_count, sizeof(*set->tiles));
     if (!with_keys || mask->is_bad)
         return neph_arena_check(memory, diag);
     const size_t planes = (size_t)walk->source->plane_count;
     const size_t room = mask->mask->pixel_count * planes + (size_t)walk->tiling.rows;
-    set->keys = neph_arena_zeroed(memory, room, sizeof(*set->keys));
-    set->first = neph_arena_zeroed(memory, tile_count, sizeof(*set->first));
-    set->counts = neph_arena_zeroed(memory, tile_count, sizeof(*set->counts));
+    set->keys = neph_arena_allocate(memory, room, sizeof(*set->keys));
+    set->first = neph_arena_allocate(memory, tile_count, sizeof(*set->first));
+    set->counts = neph_arena_allocate(memory, tile_count, sizeof(*set->counts));
     size_t next = 0;
     for (size_t t = 0; set->first && t < tile_count; t++) {
         set->first[t] = next;
@@ -401,16 +401,16 @@ struct table {
     struct statistic statistics[METRICS_MAX];
 };
 
-static double *row_of(const struct table *table, int row)
+static double *table_row(const struct table *table, int row)
 {
     return table->rows + (size_t)row * (size_t)table->column_count;
 }
 
-static double total_of(const struct table *table, int column)
+static double sum_table_column(const struct table *table, int column)
 {
     struct neph_sum total = {0};
     for (int r = 0; r < table->row_count; r++)
-        neph_sum_add(&total, row_of(table, r)[column]);
+        neph_sum_add(&total, table_row(table, r)[column]);
     return neph_sum_value(&total);
 }
 
@@ -432,8 +432,8 @@ static enum neph_status fill_table(struct table *table, int tile_count, struct n
 {
     const size_t columns = (size_t)table->column_count;
     table->max = -INFINITY;
-    table->rows = neph_arena_zeroed(memory, (size_t)tile_count, columns * sizeof(*table->rows));
-    table->tiles = neph_arena_zeroed(memory, (size_t)tile_count, sizeof(*table->tiles));
+    table->rows = neph_arena_allocate(memory, (size_t)tile_count, columns * sizeof(*table->rows));
+    table->tiles = neph_arena_allocate(memory, (size_t)tile_count, sizeof(*table->tiles));
     if (!table->rows || !table->tiles)
         return neph_fail_memory(diag);
     for (int t = 0; t < tile_count; t++) {
@@ -445,7 +445,7 @@ static enum neph_status fill_table(struct table *table, int tile_count, struct n
         table->tiles[table->row_count++] = t;
     }
     for (int c = 0; c < SUM_COUNT; c++)
-        table->totals[c] = total_of(table, c);
+        table->totals[c] = sum_table_column(table, c);
     return NEPH_OK;
 }
 
@@ -503,15 +503,15 @@ static void fill_part(struct table *table, const struct statistic *statistic, ui
     for (int r = 0; r < table->row_count; r++) {
         const int tile = table->tiles[r];
         if (with_n)
-            row_of(table, r)[statistic->part_n] = (double)count_in_row(table, r, low, high);
+            table_row(table, r)[statistic->part_n] = (double)count_in_row(table, r, low, high);
         if (with_v)
-            row_of(table, r)[statistic->part_v] = sum_keys(set->keys + set->first[tile],
-                                                           set->counts[tile], high);
+            table_row(table, r)[statistic->part_v] = sum_keys(set->keys + set->first[tile],
+                                                              set->counts[tile], high);
     }
     if (with_n)
-        table->totals[statistic->part_n] = total_of(table, statistic->part_n);
+        table->totals[statistic->part_n] = sum_table_column(table, statistic->part_n);
     if (with_v)
-        table->totals[statistic->part_v] = total_of(table, statistic->part_v);
+        table->totals[statistic->part_v] = sum_table_column(table, statistic->part_v);
 }
 
 /* Fill the part columns with the `kept` smallest keys. Among keys equal to the largest of them,
@@ -529,11 +529,11 @@ static void part_smallest(struct table *table, const struct statistic *statistic
     for (int r = 0; r < table->row_count; r++) {
         const double tied = (double)count_in_row(table, r, last, last);
         const double taken = tied * (surplus / tied_count);
-        row_of(table, r)[statistic->part_n] -= taken;
-        row_of(table, r)[statistic->part_v] -= taken * neph_key_value(last);
+        table_row(table, r)[statistic->part_n] -= taken;
+        table_row(table, r)[statistic->part_v] -= taken * neph_key_value(last);
     }
-    table->totals[statistic->part_n] = total_of(table, statistic->part_n);
-    table->totals[statistic->part_v] = total_of(table, statistic->part_v);
+    table->totals[statistic->part_n] = sum_table_column(table, statistic->part_n);
+    table->totals[statistic->part_v] = sum_table_column(table, statistic->part_v);
 }
 
 static bool is_percentile(const struct neph_metric *metric)
@@ -548,7 +548,8 @@ static double percentile_at(const struct neph_metric *metric, struct neph_select
                                                 : neph_select_weighted(selector, share);
 }
 
-static bool value_of(struct table *table, const struct statistic *statistic, double *value)
+static bool compute_pooled_value(struct table *table, const struct statistic *statistic,
+                                 double *value)
 {
     const struct neph_metric *metric = statistic->metric;
     const size_t n = (size_t)table->totals[SUM_N];
@@ -560,7 +561,7 @@ static bool value_of(struct table *table, const struct statistic *statistic, dou
     if (is_percentile(metric))
         return known(percentile_at(metric, table->selector, metric->parameter), value);
     if (metric->pool == NEPH_POOL_SHARE_ABOVE)
-        fill_part(table, statistic, neph_key_of(metric->parameter) + 1, UINT32_MAX);
+        fill_part(table, statistic, neph_key_from_value(metric->parameter) + 1, UINT32_MAX);
     if (metric->pool == NEPH_POOL_TRIMMED_MEAN) {
         const size_t dropped = (size_t)ceil(metric->parameter * (double)n);
         part_smallest(table, statistic, n > dropped ? n - dropped : 1);
@@ -590,7 +591,7 @@ static enum neph_status add_intervals(struct table *table, int metric_count,
         const struct statistic *statistic = &table->statistics[m];
         statistics[m] = (struct neph_bootstrapped){evaluate, statistic};
         if (pooled[m].defined && is_percentile(statistic->metric))
-            fill_part(table, statistic, 0, neph_key_of(pooled[m].value));
+            fill_part(table, statistic, 0, neph_key_from_value(pooled[m].value));
     }
     const enum neph_status status = neph_bootstrap_tiles(&table->set->mask->resampling, table->rows,
                                                          table->row_count, table->column_count,
@@ -722,7 +723,7 @@ static void take_values(const struct neph_pool_source *source, struct table *tab
         double value = 0.0;
         if (because)
             continue;
-        pooled[m].defined = value_of(table, &table->statistics[m], &value);
+        pooled[m].defined = compute_pooled_value(table, &table->statistics[m], &value);
         pooled[m].value = pooled[m].defined ? value : 0.0;
         if (!pooled[m].defined)
             pooled[m].undefined_because = undefined_because(table->statistics[m].metric);
@@ -776,7 +777,7 @@ enum neph_status neph_pool_map(const struct neph_pool_source *source,
                                struct neph_diag *diag)
 {
     struct walk walk = {.source = source,
-                        .tiling = neph_tiling_of(source->width_px, source->height_px),
+                        .tiling = neph_tiling_make(source->width_px, source->height_px),
                         .map = metrics[0]->map,
                         .over = -1,
                         .set_count = mask_count};
@@ -787,7 +788,7 @@ enum neph_status neph_pool_map(const struct neph_pool_source *source,
             walk.over = metrics[m]->over;
     }
     struct neph_arena memory = {0};
-    walk.sets = neph_arena_zeroed(&memory, (size_t)mask_count, sizeof(*walk.sets));
+    walk.sets = neph_arena_allocate(&memory, (size_t)mask_count, sizeof(*walk.sets));
     enum neph_status status = walk.sets ? NEPH_OK : neph_fail_memory(diag);
     for (int s = 0; s < mask_count && !status; s++) {
         walk.any_good |= !masks[s].is_bad;

@@ -14,7 +14,7 @@
 /* A mask with data that pooling precomputes. */
 struct neph_pool_mask {
     const struct neph_mask *mask; /* borrowed */
-    uint32_t *tile_pixels;        /* pixels of the mask in each tile of neph_tiling_of() */
+    uint32_t *tile_pixels;        /* pixels of the mask in each tile of neph_tiling_make() */
     bool is_bad; /* contains pixels with inputs that are not finite: nothing is pooled over it */
     struct neph_resampling resampling; /* of the last interval over this mask; owned */
 };

@@ -82,7 +82,7 @@ static long long count_buckets(struct neph_selector *selector)
     return (long long)largest;
 }
 
-static size_t count_of(const struct neph_selector *selector, int bucket)
+static size_t bucket_key_count(const struct neph_selector *selector, int bucket)
 {
     return selector->below[bucket + 1] - selector->below[bucket];
 }
@@ -199,7 +199,7 @@ static void count_middles(const uint32_t *keys, size_t count, uint32_t bucket, u
 
 static bool is_crowded(const struct neph_selector *selector, int bucket)
 {
-    return count_of(selector, bucket) > selector->runs->key_count / CROWD_SHARE;
+    return bucket_key_count(selector, bucket) > selector->runs->key_count / CROWD_SHARE;
 }
 
 /* Count the keys of a bucket by their next digit. */
@@ -272,7 +272,7 @@ uint32_t neph_select_rank(struct neph_selector *selector, size_t rank)
     return key_from(selector, last);
 }
 
-static double position_of(const struct neph_selector *selector, double share)
+static double percentile_position(const struct neph_selector *selector, double share)
 {
     return (double)(selector->runs->key_count - 1) * share;
 }
@@ -284,11 +284,12 @@ enum neph_status neph_select_expect(struct neph_selector *selector, const double
     size_t room = 1;
     int found = 0;
     for (int i = 0; i < count && found < TOGETHER; i++) {
-        const int bucket = bucket_of_rank(selector, (size_t)position_of(selector, shares[i]));
+        const int bucket = bucket_of_rank(selector,
+                                          (size_t)percentile_position(selector, shares[i]));
         if (is_crowded(selector, bucket))
             continue;
         wanted.upper[found++] = (uint32_t)bucket;
-        room += count_of(selector, bucket);
+        room += bucket_key_count(selector, bucket);
     }
     if (found < 2)
         return NEPH_OK;
@@ -303,7 +304,7 @@ enum neph_status neph_select_expect(struct neph_selector *selector, const double
 
 double neph_select_percentile(struct neph_selector *selector, double share)
 {
-    const double position = position_of(selector, share);
+    const double position = percentile_position(selector, share);
     const size_t rank = (size_t)position;
     const double below = neph_key_value(neph_select_rank(selector, rank));
     if (rank + 1 >= selector->runs->key_count)
@@ -373,8 +374,9 @@ static double first_above(struct neph_selector *selector, double target)
         if (running > target)
             break;
     }
-    return count_of(selector, selector->open_bucket) > 0 ? neph_key_value(key_from(selector, found))
-                                                         : 0.0;
+    return bucket_key_count(selector, selector->open_bucket) > 0
+               ? neph_key_value(key_from(selector, found))
+               : 0.0;
 }
 
 double neph_select_weighted(struct neph_selector *selector, double share)

@@ -15,7 +15,7 @@
 #define NEPH_KEY_OF_ZERO 0x80000000u
 
 /* The key of a finite double, rounded to float (relative error 6e-8) and clamped to FLT_MAX. */
-static inline uint32_t neph_key_of(double value)
+static inline uint32_t neph_key_from_value(double value)
 {
     const float rounded_freely = (float)value;
     const float above = rounded_freely < -FLT_MAX ? -FLT_MAX : rounded_freely;

@@ -24,7 +24,7 @@ static bool all_finite(const double *values, int count)
     return true;
 }
 
-static double mean_of(const double *values, int count)
+static double compute_plain_mean(const double *values, int count)
 {
     struct neph_sum sum = {0.0, 0.0};
     for (int i = 0; i < count; i++)
@@ -33,7 +33,7 @@ static double mean_of(const double *values, int count)
 }
 
 /* Unbiased variance of a single value. */
-static double variance_of(const double *values, int count, double mean)
+static double compute_plain_variance(const double *values, int count, double mean)
 {
     double sum = 0.0;
     for (int i = 0; i < count; i++)
@@ -57,14 +57,14 @@ static void batch_means(const double *frames, int count, int batch_count, int ba
 {
     const double *first = frames + (count - batch_count * batch_frames);
     for (int b = 0; b < batch_count; b++)
-        means[b] = mean_of(first + b * batch_frames, batch_frames);
+        means[b] = compute_plain_mean(first + b * batch_frames, batch_frames);
 }
 
 struct batching {
     int count, frames; /* count 0: too few frames */
 };
 
-static struct batching batching_of(int count)
+static struct batching choose_batching(int count)
 {
     int frames = NEPH_BATCH_FRAMES;
     if (count < NEPH_BATCHES_MIN * frames)
@@ -96,7 +96,7 @@ static double neighbour_correlation(const double *frames, int count)
 
 /* The variance of the mean of `count` consecutive values of a first-order autoregressive series
  * with variance 1. */
-static double variance_of_mean(double correlation, int count)
+static double ar1_variance_of_the_mean(double correlation, int count)
 {
     const double n = count, apart = 1.0 - correlation;
     return (1.0 + correlation) / (apart * n) -
@@ -107,8 +107,8 @@ static double variance_of_mean(double correlation, int count)
  * mean: 1 without correlation. */
 static double shortfall(double correlation, struct batching batching)
 {
-    const double of_batch = variance_of_mean(correlation, batching.frames);
-    const double of_all = variance_of_mean(correlation, batching.frames * batching.count);
+    const double of_batch = ar1_variance_of_the_mean(correlation, batching.frames);
+    const double of_all = ar1_variance_of_the_mean(correlation, batching.frames * batching.count);
     return fmax(1.0, of_all * (batching.count - 1) / (of_batch - of_all));
 }
 
@@ -141,13 +141,13 @@ static struct neph_mean exact(double value, enum neph_interval_kind kind, int n)
 
 static struct neph_mean mean_of_runs(const double *values, int count)
 {
-    const double value = mean_of(values, count);
+    const double value = compute_plain_mean(values, count);
     if (repeats(values, count, 1))
         return exact(values[0], NEPH_INTERVAL_DETERMINISTIC, count);
     if (count < 2)
         return exact(value, NEPH_INTERVAL_NONE, count);
-    return with_interval(value, variance_of(values, count, value) / count, NEPH_INTERVAL_RUNS,
-                         count);
+    return with_interval(value, compute_plain_variance(values, count, value) / count,
+                         NEPH_INTERVAL_RUNS, count);
 }
 
 /* Number of frames beyond whole cycles; 0 if there is no whole cycle. */
@@ -160,17 +160,18 @@ static struct neph_mean mean_of_frames(const double *values, int count)
 {
     const double *frames = values + frames_over(count);
     const int used = count - frames_over(count);
-    const double value = mean_of(frames, used);
+    const double value = compute_plain_mean(frames, used);
     if (repeats(values, count, 1))
         return exact(values[0], NEPH_INTERVAL_DETERMINISTIC, count);
     if (repeats(values, count, NEPH_CYCLE_FRAMES) || repeats(values, count, NEPH_BATCH_FRAMES))
         return exact(value, NEPH_INTERVAL_DETERMINISTIC, used);
-    const struct batching batching = batching_of(used);
+    const struct batching batching = choose_batching(used);
     if (batching.count == 0)
         return exact(value, NEPH_INTERVAL_NONE, used);
     double means[NEPH_BATCHES_LIMIT];
     batch_means(frames, used, batching.count, batching.frames, means);
-    const double of_batch = variance_of(means, batching.count, mean_of(means, batching.count)) *
+    const double of_batch = compute_plain_variance(means, batching.count,
+                                                   compute_plain_mean(means, batching.count)) *
                             shortfall(neighbour_correlation(frames, used), batching);
     return with_interval(value, of_batch * batching.frames / used, NEPH_INTERVAL_CYCLES,
                          batching.count);
@@ -209,7 +210,7 @@ static struct neph_paired judge(const double *differences, int count, enum neph_
     paired.p = student_p(&paired.difference);
     if (!paired.difference.defined)
         return paired;
-    const struct batching batching = batching_of(count - frames_over(count));
+    const struct batching batching = choose_batching(count - frames_over(count));
     double means[NEPH_BATCHES_LIMIT];
     if (replicate == NEPH_REPLICATE_RUNS) {
         count_signs(differences, count, &paired);
@@ -245,8 +246,8 @@ struct neph_paired neph_series_paired_draws(double a, const struct neph_draws *d
     if (draws_a->tile_count != draws_b->tile_count || draws_a->tiles != draws_b->tiles ||
         !all_finite(differences, NEPH_DRAWS_COUNT) || !isfinite(a - b))
         return paired;
-    const double mean = mean_of(differences, NEPH_DRAWS_COUNT);
-    const double error = sqrt(variance_of(differences, NEPH_DRAWS_COUNT, mean));
+    const double mean = compute_plain_mean(differences, NEPH_DRAWS_COUNT);
+    const double error = sqrt(compute_plain_variance(differences, NEPH_DRAWS_COUNT, mean));
     paired.difference = (struct neph_mean){
         .defined = true,
         .value = a - b,

@@ -55,9 +55,9 @@ double neph_percentile(double *values, size_t count, double share)
     return below + (position - (double)rank) * (above - below);
 }
 
-struct neph_relative_error neph_relative_error_of(const float *const reference[],
-                                                  const float *const test[], int plane_count,
-                                                  size_t count)
+struct neph_relative_error neph_relative_error_compute(const float *const reference[],
+                                                       const float *const test[], int plane_count,
+                                                       size_t count)
 {
     struct neph_sum differences = {0.0, 0.0}, squares = {0.0, 0.0}, whole = {0.0, 0.0};
     for (int p = 0; p < plane_count; p++)

@@ -38,8 +38,8 @@ struct neph_relative_error {
 };
 
 /* `count` finite samples per plane. NaN: the mean of the reference is not above 0. */
-struct neph_relative_error neph_relative_error_of(const float *const reference[],
-                                                  const float *const test[], int plane_count,
-                                                  size_t count);
+struct neph_relative_error neph_relative_error_compute(const float *const reference[],
+                                                       const float *const test[], int plane_count,
+                                                       size_t count);
 
 #endif

@@ -28,7 +28,7 @@ static const struct rule rules[] = {
 
 static const struct rule unknown = {"", false, true};
 
-static const struct rule *rule_of(const char *channel)
+static const struct rule *find_channel_rule(const char *channel)
 {
     for (size_t i = 0; i < sizeof(rules) / sizeof(rules[0]); i++) {
         size_t length = strlen(rules[i].name);
@@ -40,9 +40,9 @@ static const struct rule *rule_of(const char *channel)
     return &unknown;
 }
 
-bool neph_validity_knows(const char *channel)
+bool neph_validity_has_rule(const char *channel)
 {
-    return rule_of(channel) != &unknown;
+    return find_channel_rule(channel) != &unknown;
 }
 
 static void count_finite(struct neph_validity_channel *counts, float value)
@@ -116,7 +116,7 @@ enum neph_status neph_validity_count(const struct neph_image *image, struct neph
     }
     for (int i = 0; i < image->channel_count; i++) {
         const struct neph_channel *channel = &image->channels[i];
-        const struct rule *rule = rule_of(channel->name);
+        const struct rule *rule = find_channel_rule(channel->name);
         struct neph_validity_channel *counts = &counted.channels[i];
         counts->name = channel->name;
         for (int y = 0; y < image->height_px; y++)

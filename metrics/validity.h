@@ -34,7 +34,7 @@ struct neph_validity {
 
 /* Whether neph knows the meaning of a channel (base/image.h). Other channels may contain anything,
  * such as the bits of an object's name. */
-bool neph_validity_knows(const char *channel);
+bool neph_validity_has_rule(const char *channel);
 
 /* Count invalid values. Radiance, volume, transmittance, variance and depth must not be negative;
  * other channels may have any sign. Free with neph_validity_finish(); the names live as long as the

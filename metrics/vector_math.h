@@ -37,14 +37,14 @@
  * the sum are that integer. */
 #define NEPH_ROUNDER 0x1.8p52
 
-static inline uint64_t neph_bits_of(double x)
+static inline uint64_t neph_bits_from_double(double x)
 {
     uint64_t bits;
     memcpy(&bits, &x, sizeof(bits));
     return bits;
 }
 
-static inline double neph_of_bits(uint64_t bits)
+static inline double neph_double_from_bits(uint64_t bits)
 {
     double x;
     memcpy(&x, &bits, sizeof(x));
@@ -54,7 +54,7 @@ static inline double neph_of_bits(uint64_t bits)
 /* 2^k for an integer -1022 <= k <= 1023. */
 static inline double neph_power_of_two(double k)
 {
-    return neph_of_bits((neph_bits_of(k + NEPH_ROUNDER) + 1023u) << 52);
+    return neph_double_from_bits((neph_bits_from_double(k + NEPH_ROUNDER) + 1023u) << 52);
 }
 
 /* Base-2 logarithm, also of denormals. Relative error below 1e-15. log2(0) = -inf, log2(+inf) =
@@ -66,9 +66,10 @@ static inline double neph_log2(double x)
     const double lift = x < 0x1p-1022 ? 54.0 : 0.0;
 
     /* x = 2^k m with m in [sqrt(1/2), sqrt(2)], so that log2 is small near x = 1, not 1 - small. */
-    const uint64_t bits = neph_bits_of(lifted) + to_range;
-    const double k = (neph_of_bits((bits >> 52) | 0x4330000000000000u) - 0x1p52) - 1023.0 - lift;
-    const double m = neph_of_bits((bits & 0x000fffffffffffffu) + 0x3fe6a09e667f3bcdu);
+    const uint64_t bits = neph_bits_from_double(lifted) + to_range;
+    const double k = (neph_double_from_bits((bits >> 52) | 0x4330000000000000u) - 0x1p52) - 1023.0 -
+                     lift;
+    const double m = neph_double_from_bits((bits & 0x000fffffffffffffu) + 0x3fe6a09e667f3bcdu);
 
     /* log m = 2 atanh s; atanh s = s + s^3 r(s^2) */
     const double s = (m - 1.0) / (m + 1.0);
@@ -121,9 +122,10 @@ static inline double neph_cbrt(double x)
 
     /* Minus a third of the exponent is a first guess of 1 / cbrt, with an error of 3.4 % [as Kahan
      * 1991]; the bits are divided as a double, because there is no vector division of integers. */
-    const double upper = neph_of_bits((neph_bits_of(scaled) >> 32) | 0x4330000000000000u) - 0x1p52;
+    const double upper =
+        neph_double_from_bits((neph_bits_from_double(scaled) >> 32) | 0x4330000000000000u) - 0x1p52;
     const double third = 1430186011.0 - upper * (1.0 / 3.0);
-    double r = neph_of_bits(neph_bits_of(third + 0x1p52) << 32);
+    double r = neph_double_from_bits(neph_bits_from_double(third + 0x1p52) << 32);
 
     /* With e = 1 - x r^3, 1 / cbrt x is r (1 - e)^(-1/3) and cbrt x is x r^2 (1 - e)^(-2/3), as far
      * as their series are needed: |e| is at most 0.103, and then 5e-6. */

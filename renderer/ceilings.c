@@ -40,10 +40,10 @@ enum { grid_side = 128 };
 
 /* --- the fastest of many runs ------------------------------------------------------------- */
 
-static enum neph_status find_least(struct neph_vulkan *vulkan,
-                                   const struct neph_kernel_params *params,
-                                   const struct neph_dispatch *dispatch, double seconds,
-                                   double *least_s, struct neph_diag *diag)
+static enum neph_status find_fastest_run(struct neph_vulkan *vulkan,
+                                         const struct neph_kernel_params *params,
+                                         const struct neph_dispatch *dispatch, double seconds,
+                                         double *least_s, struct neph_diag *diag)
 {
     const struct neph_kernel *kernel;
     enum neph_status status = neph_kernel_get(vulkan, params, &kernel, diag);
@@ -76,11 +76,11 @@ static enum neph_status run_copies(struct neph_vulkan *vulkan,
         .buffers = {&buffers[0], &buffers[1]},
         .group_count = (uint32_t)(buffers[0].size_bytes / (word_bytes * local_size)),
     };
-    return find_least(vulkan, &params, &dispatch, seconds, least_s, diag);
+    return find_fastest_run(vulkan, &params, &dispatch, seconds, least_s, diag);
 }
 
 /* Reduced to the largest buffer and to the largest copy by one dispatch of groups along x. */
-static size_t copy_bytes_of(const struct neph_vulkan *vulkan, const struct sizes *sizes)
+static size_t choose_copy_bytes(const struct neph_vulkan *vulkan, const struct sizes *sizes)
 {
     const size_t groups_max = vulkan->limits.maxComputeWorkGroupCount[0];
     const size_t dispatch_max = groups_max * local_size * word_bytes;
@@ -91,12 +91,12 @@ static size_t copy_bytes_of(const struct neph_vulkan *vulkan, const struct sizes
 }
 
 static enum neph_status measure_copies(struct neph_vulkan *vulkan, const struct sizes *sizes,
-                                       double seconds, struct neph_ceilings *ceilings,
+                                       double seconds, struct neph_roofline_limits *ceilings,
                                        struct neph_diag *diag)
 {
     struct neph_buffer buffers[copy_buffers] = {{0}, {0}};
     double least_s = NAN;
-    ceilings->copy_bytes = copy_bytes_of(vulkan, sizes);
+    ceilings->copy_bytes = choose_copy_bytes(vulkan, sizes);
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < copy_buffers && !status; i++)
         status = neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, ceilings->copy_bytes, "copy",
@@ -131,13 +131,14 @@ static enum neph_status run_arithmetic(struct neph_vulkan *vulkan, const struct 
         .group_count = sizes->thread_count / local_size,
     };
     double least_s;
-    const enum neph_status status = find_least(vulkan, &params, &dispatch, seconds, &least_s, diag);
+    const enum neph_status status = find_fastest_run(vulkan, &params, &dispatch, seconds, &least_s,
+                                                     diag);
     *per_s = (double)sizes->thread_count * sizes->turns * arithmetic_rows / least_s;
     return status;
 }
 
 static enum neph_status measure_arithmetic(struct neph_vulkan *vulkan, const struct sizes *sizes,
-                                           double seconds, struct neph_ceilings *ceilings,
+                                           double seconds, struct neph_roofline_limits *ceilings,
                                            struct neph_diag *diag)
 {
     struct neph_buffer results = {0};
@@ -158,7 +159,7 @@ static enum neph_status measure_arithmetic(struct neph_vulkan *vulkan, const str
 
 /* Rays through the grid from one face to the opposite one, in squares of 8 x 8 neighbours half a
  * node apart; each square has its own position. */
-static void fill_lines(struct neph_gpu_ceiling_line *lines, const struct sizes *sizes)
+static void fill_rays(struct neph_gpu_ceiling_line *lines, const struct sizes *sizes)
 {
     const float stride = (float)(grid_side - 4) / (float)sizes->sample_count;
     for (uint32_t i = 0; i < sizes->line_count; i++) {
@@ -173,17 +174,17 @@ static void fill_lines(struct neph_gpu_ceiling_line *lines, const struct sizes *
     }
 }
 
-static float node_value(size_t node)
+static float compute_node_value(size_t node)
 {
     return (float)(node % 97) / 97.0f;
 }
 
-static void slab_of_nodes(const void *context, int z, float *values)
+static void write_node_slab(const void *context, int z, float *values)
 {
     const size_t slab_count = (size_t)grid_side * grid_side;
     (void)context;
     for (size_t i = 0; i < slab_count; i++)
-        values[i] = node_value((size_t)z * slab_count + i);
+        values[i] = compute_node_value((size_t)z * slab_count + i);
 }
 
 static enum neph_status create_texture(const struct neph_vulkan *vulkan,
@@ -193,7 +194,7 @@ static enum neph_status create_texture(const struct neph_vulkan *vulkan,
     const struct neph_texture_params params = {
         .format = format,
         .size = {grid_side, grid_side, grid_side},
-        .slab = slab_of_nodes,
+        .slab = write_node_slab,
         .name = "samples",
     };
     return neph_texture_create(vulkan, &params, texture, diag);
@@ -208,12 +209,12 @@ static enum neph_status fill_samples(const struct neph_vulkan *vulkan, const str
     struct neph_gpu_ceiling_line *lines = malloc(sizes->line_count * sizeof(*lines));
     enum neph_status status = nodes && lines ? NEPH_OK : neph_fail_memory(diag);
     for (size_t i = 0; i < node_count && !status; i++)
-        nodes[i] = node_value(i);
+        nodes[i] = compute_node_value(i);
     if (!status)
         status = neph_buffer_upload(vulkan, &buffers[0], 0, nodes, node_count * sizeof(*nodes),
                                     diag);
     if (!status) {
-        fill_lines(lines, sizes);
+        fill_rays(lines, sizes);
         status = neph_buffer_upload(vulkan, &buffers[1], 0, lines,
                                     sizes->line_count * sizeof(*lines), diag);
     }
@@ -222,7 +223,7 @@ static enum neph_status fill_samples(const struct neph_vulkan *vulkan, const str
     return status;
 }
 
-/* Pairs of each node and its successor, read together on a CPU (neph_buffer_see_texels()). */
+/* Pairs of each node and its successor, read together on a CPU (neph_buffer_create_texel_views()). */
 static enum neph_status fill_pairs(const struct neph_vulkan *vulkan, struct neph_buffer *pairs,
                                    struct neph_diag *diag)
 {
@@ -231,29 +232,30 @@ static enum neph_status fill_pairs(const struct neph_vulkan *vulkan, struct neph
     float *nodes = malloc(bytes);
     enum neph_status status = nodes ? NEPH_OK : neph_fail_memory(diag);
     for (size_t i = 0; i < 2 * node_count && !status; i++)
-        nodes[i] = node_value(i / 2 + i % 2);
+        nodes[i] = compute_node_value(i / 2 + i % 2);
     if (!status)
         status = neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, bytes, "samples in pairs", pairs,
                                     diag);
     if (!status)
         status = neph_buffer_upload(vulkan, pairs, 0, nodes, bytes, diag);
     if (!status)
-        status = neph_buffer_see_texels(vulkan, pairs, diag);
+        status = neph_buffer_create_texel_views(vulkan, pairs, diag);
     free(nodes);
     return status;
 }
 
 /* The grid in all forms that the kernel samples. */
-struct sampled {
+struct sample_source {
     const struct sizes *sizes;
     struct neph_buffer buffers[sample_buffers];
     struct neph_buffer pairs; /* only on a CPU */
     struct neph_texture texture;
 };
 
-static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sampled *sampled,
-                                    bool by_texture, bool waits, double seconds,
-                                    double *samples_per_s, struct neph_diag *diag)
+static enum neph_status run_samples(struct neph_vulkan *vulkan,
+                                    const struct sample_source *sample_source, bool by_texture,
+                                    bool waits, double seconds, double *samples_per_s,
+                                    struct neph_diag *diag)
 {
     const struct neph_kernel_params params = {
         .name = "ceiling_samples",
@@ -266,95 +268,100 @@ static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sam
         .constant_count = 3,
         .constants = {by_texture, waits, vulkan->description.is_cpu},
     };
-    const struct sizes *sizes = sampled->sizes;
+    const struct sizes *sizes = sample_source->sizes;
     const struct neph_gpu_ceiling_run run = {grid_side, sizes->sample_count};
     const struct neph_dispatch dispatch = {
-        .buffers = {&sampled->buffers[0], &sampled->buffers[1], &sampled->buffers[2]},
-        .images = {&sampled->texture},
+        .buffers = {&sample_source->buffers[0], &sample_source->buffers[1],
+                    &sample_source->buffers[2]},
+        .images = {&sample_source->texture},
         .push = &run,
         .group_count = sizes->line_count / local_size,
     };
     double least_s;
-    const enum neph_status status = find_least(vulkan, &params, &dispatch, seconds, &least_s, diag);
+    const enum neph_status status = find_fastest_run(vulkan, &params, &dispatch, seconds, &least_s,
+                                                     diag);
     *samples_per_s = (double)sizes->line_count * sizes->sample_count / least_s;
     return status;
 }
 
 /* Sampling from the buffer; the kernel also needs a texture bound, in a format of every device. */
-static enum neph_status run_buffer(struct neph_vulkan *vulkan, struct sampled *sampled,
-                                   double seconds, struct neph_ceilings *ceilings,
+static enum neph_status run_buffer(struct neph_vulkan *vulkan, struct sample_source *sample_source,
+                                   double seconds, struct neph_roofline_limits *ceilings,
                                    struct neph_diag *diag)
 {
-    enum neph_status status = create_texture(vulkan, NEPH_TEXEL_R8, &sampled->texture, diag);
+    enum neph_status status = create_texture(vulkan, NEPH_TEXEL_R8, &sample_source->texture, diag);
     if (!status)
-        status = run_samples(vulkan, sampled, false, false, seconds,
+        status = run_samples(vulkan, sample_source, false, false, seconds,
                              &ceilings->buffer_samples_per_s, diag);
     if (!status)
-        status = run_samples(vulkan, sampled, false, true, seconds, &ceilings->buffer_chain_per_s,
-                             diag);
-    neph_texture_destroy(vulkan, &sampled->texture);
+        status = run_samples(vulkan, sample_source, false, true, seconds,
+                             &ceilings->buffer_chain_per_s, diag);
+    neph_texture_destroy(vulkan, &sample_source->texture);
     return status;
 }
 
-static enum neph_status run_textures(struct neph_vulkan *vulkan, struct sampled *sampled,
-                                     double seconds, unsigned texel_formats,
-                                     struct neph_ceilings *ceilings, struct neph_diag *diag)
+static enum neph_status run_textures(struct neph_vulkan *vulkan,
+                                     struct sample_source *sample_source, double seconds,
+                                     unsigned texel_formats, struct neph_roofline_limits *ceilings,
+                                     struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT && !status; f++) {
         const enum neph_texel_format format = (enum neph_texel_format)f;
         ceilings->texture_samples_per_s[f] = ceilings->texture_chain_per_s[f] = NAN;
-        if (!(texel_formats & 1u << f) || !neph_texture_filters(vulkan, format))
+        if (!(texel_formats & 1u << f) || !neph_texture_can_filter(vulkan, format))
             continue;
-        status = create_texture(vulkan, format, &sampled->texture, diag);
+        status = create_texture(vulkan, format, &sample_source->texture, diag);
         if (!status)
-            status = run_samples(vulkan, sampled, true, false, seconds,
+            status = run_samples(vulkan, sample_source, true, false, seconds,
                                  &ceilings->texture_samples_per_s[f], diag);
         if (!status)
-            status = run_samples(vulkan, sampled, true, true, seconds,
+            status = run_samples(vulkan, sample_source, true, true, seconds,
                                  &ceilings->texture_chain_per_s[f], diag);
-        neph_texture_destroy(vulkan, &sampled->texture);
+        neph_texture_destroy(vulkan, &sample_source->texture);
     }
     return status;
 }
 
 static enum neph_status measure_samples(struct neph_vulkan *vulkan, const struct sizes *sizes,
                                         double seconds, unsigned texel_formats,
-                                        struct neph_ceilings *ceilings, struct neph_diag *diag)
+                                        struct neph_roofline_limits *ceilings,
+                                        struct neph_diag *diag)
 {
     const size_t sizes_bytes[sample_buffers] = {
         (size_t)grid_side * grid_side * grid_side * sizeof(float),
         sizes->line_count * sizeof(struct neph_gpu_ceiling_line),
         sizes->line_count * sizeof(float),
     };
-    struct sampled sampled = {.sizes = sizes};
+    struct sample_source sample_source = {.sizes = sizes};
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < sample_buffers && !status; i++)
         status = neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, sizes_bytes[i], "samples",
-                                    &sampled.buffers[i], diag);
+                                    &sample_source.buffers[i], diag);
     if (!status)
-        status = fill_samples(vulkan, sizes, sampled.buffers, diag);
+        status = fill_samples(vulkan, sizes, sample_source.buffers, diag);
     if (!status && vulkan->description.is_cpu)
-        status = fill_pairs(vulkan, &sampled.pairs, diag);
-    sampled.buffers[0].texels = sampled.pairs.texels;
-    sampled.pairs.texels = (struct neph_texel_views){{VK_NULL_HANDLE}};
+        status = fill_pairs(vulkan, &sample_source.pairs, diag);
+    sample_source.buffers[0].texels = sample_source.pairs.texels;
+    sample_source.pairs.texels = (struct neph_texel_views){{VK_NULL_HANDLE}};
     if (!status)
-        status = run_buffer(vulkan, &sampled, seconds, ceilings, diag);
+        status = run_buffer(vulkan, &sample_source, seconds, ceilings, diag);
     if (!status)
-        status = run_textures(vulkan, &sampled, seconds, texel_formats, ceilings, diag);
+        status = run_textures(vulkan, &sample_source, seconds, texel_formats, ceilings, diag);
     ceilings->grid_side = grid_side;
     for (int i = 0; i < sample_buffers; i++)
-        neph_buffer_destroy(vulkan, &sampled.buffers[i]);
-    neph_buffer_destroy(vulkan, &sampled.pairs);
+        neph_buffer_destroy(vulkan, &sample_source.buffers[i]);
+    neph_buffer_destroy(vulkan, &sample_source.pairs);
     return status;
 }
 
-enum neph_status neph_ceilings_measure(struct neph_vulkan *vulkan, double seconds,
-                                       unsigned texel_formats, struct neph_ceilings *ceilings,
+enum neph_status neph_roofline_measure(struct neph_vulkan *vulkan, double seconds,
+                                       unsigned texel_formats,
+                                       struct neph_roofline_limits *ceilings,
                                        struct neph_diag *diag)
 {
     const struct sizes *sizes = vulkan->description.is_cpu ? &cpu_sizes : &gpu_sizes;
-    struct neph_ceilings measured;
+    struct neph_roofline_limits measured;
     enum neph_status status = measure_copies(vulkan, sizes, seconds, &measured, diag);
     if (!status)
         status = measure_samples(vulkan, sizes, seconds, texel_formats, &measured, diag);

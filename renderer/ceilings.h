@@ -12,7 +12,7 @@
 
 #include <stddef.h>
 
-struct neph_ceilings {
+struct neph_roofline_limits {
     double copy_bytes_per_s; /* bytes read plus bytes written */
     size_t copy_bytes;       /* of each of the two buffers: larger than the caches */
     /* grid_density() of shaders/grid.glsl from a storage buffer. On a CPU from texels of two nodes,
@@ -31,8 +31,9 @@ struct neph_ceilings {
 /* Measure each limit for about `seconds`, after a warm-up of equal length, and report the best of
  * several runs. NaN: the device has no clock. `texel_formats`: bits 1 << format of the formats to
  * measure. */
-enum neph_status neph_ceilings_measure(struct neph_vulkan *vulkan, double seconds,
-                                       unsigned texel_formats, struct neph_ceilings *ceilings,
+enum neph_status neph_roofline_measure(struct neph_vulkan *vulkan, double seconds,
+                                       unsigned texel_formats,
+                                       struct neph_roofline_limits *ceilings,
                                        struct neph_diag *diag);
 
 #endif

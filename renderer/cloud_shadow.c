@@ -32,7 +32,7 @@ static const double stride_part = 1.0 / 16.0;
 /* The reference point of the texels: the displacement of the noise of Horizon clouds, which the
  * wind moves within their bounds; for other media a corner of the bounds, which moves with the
  * wind. */
-static struct neph_vec3 anchor_of(const struct neph_scene *scene, const struct neph_bounds *box)
+static struct neph_vec3 find_anchor(const struct neph_scene *scene, const struct neph_bounds *box)
 {
     for (int i = 0; i < scene->medium_count; i++)
         if (scene->media[i].kind == NEPH_MEDIUM_HORIZON)
@@ -92,25 +92,25 @@ static void project_box(const struct neph_shadow_space *space, const struct neph
 
 /* --- maps ------------------------------------------------------------------------------------ */
 
-static double rounded_up(double size_m)
+static double round_up_texel_size(double size_m)
 {
     return exp2(ceil(8.0 * log2(size_m)) / 8.0);
 }
 
 /* Cover an interval, centred on its middle. On a horizontal plane the texels then stay in place
  * under any sun. */
-static void cover(const struct neph_shadow_map *map, int axis, double low_m, double high_m,
-                  struct neph_shadow_level *level)
+static void cover_interval(const struct neph_shadow_map *map, int axis, double low_m, double high_m,
+                           struct neph_shadow_level *level)
 {
-    const double texel_m = rounded_up((high_m - low_m) / (map->texels - 2));
+    const double texel_m = round_up_texel_size((high_m - low_m) / (map->texels - 2));
     const double middle = 0.5 * (low_m + high_m) / texel_m;
     level->texel_m[axis] = texel_m;
     level->low_m[axis] = texel_m * round(middle - 0.5 * (map->texels - 1));
 }
 
 /* Place a side of length `side_m` around a position, in steps of the stride. */
-static void surround(const struct neph_shadow_map *map, int axis, double place_m, double side_m,
-                     struct neph_shadow_level *level)
+static void place_around(const struct neph_shadow_map *map, int axis, double place_m, double side_m,
+                         struct neph_shadow_level *level)
 {
     const double texel_m = side_m / (map->texels - 1);
     const double stride_m = texel_m * ceil(stride_part * map->texels);
@@ -124,27 +124,27 @@ static void set_maps(const struct neph_shadow_map *map, const double low[3], con
     struct neph_shadow_level *widest = &space->levels[map->levels - 1];
     for (int axis = 0; axis < 2; axis++) {
         if (map->extent_m > 0.0)
-            surround(map, axis, camera[axis], map->extent_m, widest);
+            place_around(map, axis, camera[axis], map->extent_m, widest);
         else
-            cover(map, axis, low[axis], high[axis], widest);
+            cover_interval(map, axis, low[axis], high[axis], widest);
         double side_m = widest->texel_m[axis] * (map->texels - 1);
         for (int level = map->levels - 2; level >= 0; level--) {
             side_m /= level_ratio;
-            surround(map, axis, camera[axis], side_m, &space->levels[level]);
+            place_around(map, axis, camera[axis], side_m, &space->levels[level]);
         }
     }
 }
 
-struct neph_shadow_space neph_shadow_space_of(const struct neph_shadow_map *map,
-                                              const struct neph_scene *scene,
-                                              struct neph_vec3 camera_m)
+struct neph_shadow_space neph_shadow_space_compute(const struct neph_shadow_map *map,
+                                                   const struct neph_scene *scene,
+                                                   struct neph_vec3 camera_m)
 {
     const struct neph_vec3 sun = scene->sun.direction;
     struct neph_shadow_space space = {.start_m = 0.0};
     struct neph_bounds box = {0};
     double low[3], high[3], camera[3];
-    neph_shapes_box(scene, &box);
-    space.origin_m = anchor_of(scene, &box);
+    neph_find_media_bounds(scene, &box);
+    space.origin_m = find_anchor(scene, &box);
     if (map->plane == NEPH_SHADOW_LEVEL && fabs(sun.y) >= level_least) {
         space.origin_m.y = 0.5 * (box.min_m.y + box.max_m.y);
         set_level_plane(sun, &space);
@@ -167,16 +167,16 @@ static uint64_t texel_count(const struct neph_shadow_map *map)
 }
 
 /* The ray of a texel passes through all media and has one sun ray for each depth. */
-static enum neph_status plan(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                             const struct neph_gpu_scene *gpu,
-                             const struct neph_march_params *params,
-                             struct neph_cloud_shadow *shadow, struct neph_diag *diag)
+static enum neph_status
+plan_map_dispatches(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                    const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
+                    struct neph_cloud_shadow *shadow, struct neph_diag *diag)
 {
     static const struct neph_sun_fill_shader shader = {"cloud_shadow", cloud_shadow_code,
                                                        sizeof(cloud_shadow_code), NEPH_SUN_MAP};
-    struct neph_march_cut cut;
+    struct neph_march_split cut;
     const uint64_t layers = (uint64_t)shadow->map.layers;
-    const enum neph_status status = neph_march_cut_make_whole(
+    const enum neph_status status = neph_march_split_make_whole(
         vulkan, scene, gpu, params, NEPH_GPU_SHADOW_SAMPLES + 1, layers + 1,
         texel_count(&shadow->map), &cut, diag);
     return status ? status
@@ -191,7 +191,7 @@ enum neph_status neph_cloud_shadow_create(struct neph_vulkan *vulkan,
                                           struct neph_cloud_shadow *shadow, struct neph_diag *diag)
 {
     struct neph_bounds box;
-    if (!params->shortcuts.cloud_shadow || !neph_shapes_box(scene, &box))
+    if (!params->shortcuts.cloud_shadow || !neph_find_media_bounds(scene, &box))
         return NEPH_OK;
     enum neph_status status = neph_lattice_check(&box, "cloud_shadow=map", "cloud_shadow=off",
                                                  diag);
@@ -200,7 +200,7 @@ enum neph_status neph_cloud_shadow_create(struct neph_vulkan *vulkan,
     const size_t channels = gpu->constants[1] & NEPH_GPU_COLOURED ? 3 : 1;
     shadow->map = params->shortcuts.shadow;
     shadow->texel_values = 2 + channels * (size_t)shadow->map.layers;
-    return plan(vulkan, scene, gpu, params, shadow, diag);
+    return plan_map_dispatches(vulkan, scene, gpu, params, shadow, diag);
 }
 
 size_t neph_cloud_shadow_values(const struct neph_cloud_shadow *shadow)
@@ -216,8 +216,9 @@ void neph_cloud_shadow_destroy(struct neph_cloud_shadow *shadow)
 
 /* --- frames ---------------------------------------------------------------------------------- */
 
-static void pack(const struct neph_shadow_space *space, const struct neph_shadow_map *map,
-                 struct neph_vec3 camera_m, size_t first, struct neph_gpu_shadow_map *gpu)
+static void pack_shadow_map(const struct neph_shadow_space *space,
+                            const struct neph_shadow_map *map, struct neph_vec3 camera_m,
+                            size_t first, struct neph_gpu_shadow_map *gpu)
 {
     double camera[3];
     project(space, camera_m, camera);
@@ -256,11 +257,11 @@ enum neph_status neph_cloud_shadow_fill(struct neph_cloud_shadow *shadow,
                                         struct neph_sun_fill_cost *cost, struct neph_diag *diag)
 {
     struct neph_bounds box;
-    if (shadow->texel_values == 0 || !is_lit(scene) || !neph_shapes_box(scene, &box))
+    if (shadow->texel_values == 0 || !is_lit(scene) || !neph_find_media_bounds(scene, &box))
         return NEPH_OK;
     const struct neph_vec3 camera_m = neph_scene_camera(scene, frame).position_m;
-    const struct neph_shadow_space space = neph_shadow_space_of(&shadow->map, scene, camera_m);
-    pack(&space, &shadow->map, camera_m, cache->value_count, &gpu->frame->shadow);
+    const struct neph_shadow_space space = neph_shadow_space_compute(&shadow->map, scene, camera_m);
+    pack_shadow_map(&space, &shadow->map, camera_m, cache->value_count, &gpu->frame->shadow);
     const bool has_moved = memcmp(shadow->levels, space.levels, sizeof(space.levels)) != 0;
     memcpy(shadow->levels, space.levels, sizeof(space.levels));
     return neph_sun_fill_run(&shadow->fill, scene, gpu, skip, &cache->nodes, has_moved, cost, diag);

@@ -35,9 +35,9 @@ struct neph_shadow_space {
 };
 
 /* The light space of a scene with a sun and bounded media, in one frame. */
-struct neph_shadow_space neph_shadow_space_of(const struct neph_shadow_map *map,
-                                              const struct neph_scene *scene,
-                                              struct neph_vec3 camera_m);
+struct neph_shadow_space neph_shadow_space_compute(const struct neph_shadow_map *map,
+                                                   const struct neph_scene *scene,
+                                                   struct neph_vec3 camera_m);
 
 struct neph_cloud_shadow {
     struct neph_shadow_map map;

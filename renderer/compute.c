@@ -69,7 +69,7 @@ static VkResult allocate_memory(const struct neph_vulkan *vulkan, enum neph_buff
     };
     VkResult result = vulkan->api.vkAllocateMemory(vulkan->device, &info, NULL, &buffer->memory);
     if (result == VK_SUCCESS)
-        neph_device_memory_take(buffer->size_bytes);
+        neph_device_memory_add(buffer->size_bytes);
     if (result == VK_SUCCESS)
         result = vulkan->api.vkBindBufferMemory(vulkan->device, buffer->handle, buffer->memory, 0);
     if (result == VK_SUCCESS && (needed & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT))
@@ -78,7 +78,7 @@ static VkResult allocate_memory(const struct neph_vulkan *vulkan, enum neph_buff
     return result;
 }
 
-/* The smallest buffer for which neph_buffer_see_texels() can create views. */
+/* The smallest buffer for which neph_buffer_create_texel_views() can create views. */
 enum { TEXEL_BYTES_MAX = 4 * sizeof(uint32_t) };
 
 enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_buffer_use use,
@@ -109,8 +109,8 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
     return NEPH_OK;
 }
 
-enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan,
-                                        struct neph_buffer *buffer, struct neph_diag *diag)
+enum neph_status neph_buffer_create_texel_views(const struct neph_vulkan *vulkan,
+                                                struct neph_buffer *buffer, struct neph_diag *diag)
 {
     static const VkFormat formats[] = {VK_FORMAT_R32_UINT, VK_FORMAT_R32G32_UINT,
                                        VK_FORMAT_R32G32B32A32_UINT};
@@ -140,13 +140,13 @@ enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan,
 void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *buffer)
 {
     if (buffer->handle)
-        neph_kernel_sets_forget_buffer(vulkan, buffer->handle);
+        neph_kernel_sets_remove_buffer(vulkan, buffer->handle);
     for (int f = 0; f < NEPH_GPU_TEXEL_FORMATS; f++)
         vulkan->api.vkDestroyBufferView(vulkan->device, buffer->texels.formats[f], NULL);
     vulkan->api.vkDestroyBuffer(vulkan->device, buffer->handle, NULL);
     vulkan->api.vkFreeMemory(vulkan->device, buffer->memory, NULL); /* unmaps it too */
     if (buffer->memory)
-        neph_device_memory_give(buffer->size_bytes);
+        neph_device_memory_subtract(buffer->size_bytes);
     *buffer = (struct neph_buffer){0};
 }
 
@@ -197,8 +197,8 @@ static void bind(struct neph_batch *batch, const struct neph_kernel *kernel, VkD
     batch->bound_set = set;
 }
 
-static struct neph_kernel_bound bound_by(const struct neph_kernel *kernel,
-                                         const struct neph_dispatch *dispatch)
+static struct neph_kernel_bound list_bindings(const struct neph_kernel *kernel,
+                                              const struct neph_dispatch *dispatch)
 {
     struct neph_kernel_bound bound = {.buffers = {VK_NULL_HANDLE}};
     for (int i = 0; i < neph_kernel_buffer_count(&kernel->params); i++) {
@@ -218,8 +218,8 @@ static struct neph_kernel_bound bound_by(const struct neph_kernel *kernel,
 static enum neph_status await_kernel(struct neph_batch *batch, const struct neph_kernel *kernel,
                                      struct neph_diag *diag)
 {
-    if (!neph_kernel_is_made(kernel) && batch->bound) {
-        enum neph_status status = neph_batch_send(batch, batch->bound->params.name, diag);
+    if (!neph_kernel_is_compiled(kernel) && batch->bound) {
+        enum neph_status status = neph_batch_submit(batch, batch->bound->params.name, diag);
         if (!status)
             status = neph_batch_begin(batch->vulkan, batch, diag);
         if (status)
@@ -242,7 +242,7 @@ static enum neph_status record(struct neph_batch *batch, const struct neph_kerne
             "the kernel '%s' needs %u work groups in one dispatch; the device allows %u",
             kernel->params.name, dispatch->group_count, groups_max);
     VkDescriptorSet set;
-    const struct neph_kernel_bound bound = bound_by(kernel, dispatch);
+    const struct neph_kernel_bound bound = list_bindings(kernel, dispatch);
     const VkResult result = neph_kernel_sets_get(kernel, &bound, &set);
     if (result != VK_SUCCESS)
         return neph_vulkan_fail(result, kernel->params.name, diag);
@@ -277,27 +277,28 @@ void neph_batch_stamp(struct neph_batch *batch, double *seconds)
         neph_lane_stamp(batch->vulkan, batch->lane, seconds);
 }
 
-enum neph_status neph_batch_send(struct neph_batch *batch, const char *what, struct neph_diag *diag)
+enum neph_status neph_batch_submit(struct neph_batch *batch, const char *what,
+                                   struct neph_diag *diag)
 {
     if (batch->status)
         return batch->status;
-    const VkResult result = neph_lane_send(batch->vulkan, batch->lane);
+    const VkResult result = neph_lane_submit(batch->vulkan, batch->lane);
     return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, what, diag);
 }
 
-enum neph_status neph_dispatch_send(const struct neph_vulkan *vulkan,
-                                    const struct neph_kernel *kernel,
-                                    const struct neph_dispatch *dispatch, const char *what,
-                                    double *gpu_s, struct neph_diag *diag)
+enum neph_status neph_dispatch_submit(const struct neph_vulkan *vulkan,
+                                      const struct neph_kernel *kernel,
+                                      const struct neph_dispatch *dispatch, const char *what,
+                                      double *gpu_s, struct neph_diag *diag)
 {
     struct neph_batch batch;
     neph_batch_begin(vulkan, &batch, diag);
     neph_batch_dispatch(&batch, kernel, dispatch, diag);
     neph_batch_stamp(&batch, gpu_s);
-    return neph_batch_send(&batch, what, diag);
+    return neph_batch_submit(&batch, what, diag);
 }
 
-uint64_t neph_batches_sent(const struct neph_vulkan *vulkan)
+uint64_t neph_batches_submitted(const struct neph_vulkan *vulkan)
 {
     return vulkan->lanes->sent;
 }
@@ -321,9 +322,10 @@ enum neph_status neph_kernel_run(const struct neph_vulkan *vulkan, const struct 
     if (!status && dispatch->copy_to)
         record_copy(vulkan, batch.lane, dispatch->copy_from, dispatch->copy_to,
                     dispatch->copy_size_bytes);
-    status = neph_batch_send(&batch, kernel->params.name, diag);
+    status = neph_batch_submit(&batch, kernel->params.name, diag);
     if (!status)
-        status = neph_batches_wait(vulkan, neph_batches_sent(vulkan), kernel->params.name, diag);
+        status = neph_batches_wait(vulkan, neph_batches_submitted(vulkan), kernel->params.name,
+                                   diag);
     if (!status && gpu_s)
         *gpu_s = measured_s;
     return status;
@@ -334,7 +336,7 @@ enum neph_status neph_kernel_run(const struct neph_vulkan *vulkan, const struct 
 /* Submit the recorded commands and wait for them. */
 static VkResult run_lane(const struct neph_vulkan *vulkan, struct neph_lane *lane)
 {
-    const VkResult result = neph_lane_send(vulkan, lane);
+    const VkResult result = neph_lane_submit(vulkan, lane);
     return result == VK_SUCCESS ? neph_lanes_wait(vulkan, vulkan->lanes->sent) : result;
 }
 

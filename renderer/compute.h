@@ -15,7 +15,7 @@
  * final failing test. lavapipe leaves every loop after 65535 iterations without an error (Mesa,
  * lp_bld_limits.h: LP_MAX_TGSI_LOOP_ITERATIONS, "shared between every loop"); a GPU has a watchdog
  * instead. Longer work must be split into several dispatches. */
-#define NEPH_KERNEL_LOOP_TURNS_MAX 65000
+#define NEPH_KERNEL_LOOP_ITERATIONS_MAX 65000
 
 /* --- buffers ------------------------------------------------------------------------------ */
 
@@ -37,7 +37,7 @@ struct neph_buffer {
     VkDeviceMemory memory;
     size_t size_bytes;
     void *mapped;                   /* coherent; NULL for NEPH_BUFFER_DEVICE */
-    struct neph_texel_views texels; /* made by neph_buffer_see_texels() */
+    struct neph_texel_views texels; /* made by neph_buffer_create_texel_views() */
 };
 
 /* NEPH_ERR_UNSUPPORTED: larger than the device lets a kernel bind. Zero-initialise `buffer`; free
@@ -52,8 +52,8 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
  * array must have the format of the array, so kernels have one array for each format (from
  * NEPH_GPU_TEXELS_BINDING on), and each buffer needs all three views. On a GPU this does nothing.
  * NEPH_ERR_UNSUPPORTED: the buffer has more words than a texel view may have. */
-enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan,
-                                        struct neph_buffer *buffer, struct neph_diag *diag);
+enum neph_status neph_buffer_create_texel_views(const struct neph_vulkan *vulkan,
+                                                struct neph_buffer *buffer, struct neph_diag *diag);
 
 /* The index of a memory type: the first of `allowed_types` (a bit each) with all `needed`
  * properties, preferably with the `liked` ones as well; UINT32_MAX: none. */
@@ -146,17 +146,17 @@ void neph_batch_stamp(struct neph_batch *batch, double *seconds);
 
 /* Submit the batch, unless an earlier call failed. Memory that its kernels read must not change
  * until the batch is collected. `what` names it in errors. NEPH_ERR_ENGINE: the device was lost. */
-enum neph_status neph_batch_send(struct neph_batch *batch, const char *what,
-                                 struct neph_diag *diag);
+enum neph_status neph_batch_submit(struct neph_batch *batch, const char *what,
+                                   struct neph_diag *diag);
 
 /* Submit a batch of one dispatch; its time is added to `*gpu_s` when it is collected. */
-enum neph_status neph_dispatch_send(const struct neph_vulkan *vulkan,
-                                    const struct neph_kernel *kernel,
-                                    const struct neph_dispatch *dispatch, const char *what,
-                                    double *gpu_s, struct neph_diag *diag);
+enum neph_status neph_dispatch_submit(const struct neph_vulkan *vulkan,
+                                      const struct neph_kernel *kernel,
+                                      const struct neph_dispatch *dispatch, const char *what,
+                                      double *gpu_s, struct neph_diag *diag);
 
 /* The number of batches submitted to the device so far, for _wait. */
-uint64_t neph_batches_sent(const struct neph_vulkan *vulkan);
+uint64_t neph_batches_submitted(const struct neph_vulkan *vulkan);
 
 /* Wait until the first `count` batches are collected: done, visible to the CPU, their times added.
  */

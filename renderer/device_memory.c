@@ -5,7 +5,7 @@
 
 static _Atomic uint64_t taken, most;
 
-void neph_device_memory_take(uint64_t bytes)
+void neph_device_memory_add(uint64_t bytes)
 {
     const uint64_t now = atomic_fetch_add(&taken, bytes) + bytes;
     uint64_t before = atomic_load(&most);
@@ -13,7 +13,7 @@ void neph_device_memory_take(uint64_t bytes)
         continue;
 }
 
-void neph_device_memory_give(uint64_t bytes)
+void neph_device_memory_subtract(uint64_t bytes)
 {
     atomic_fetch_sub(&taken, bytes);
 }
@@ -23,12 +23,12 @@ uint64_t neph_device_memory(void)
     return atomic_load(&taken);
 }
 
-uint64_t neph_device_memory_most(void)
+uint64_t neph_device_memory_peak(void)
 {
     return atomic_load(&most);
 }
 
-void neph_device_memory_watch(void)
+void neph_device_memory_reset_peak(void)
 {
     atomic_store(&most, atomic_load(&taken));
 }

@@ -67,8 +67,8 @@ static double depth_above(const struct neph_scene *scene, struct neph_vec3 at_m)
 }
 
 /* The height above which the optical depth is at most `depth`, by bisection. */
-static double height_of(const struct neph_scene *scene, struct neph_vec3 at_m, double low_m,
-                        double high_m, double depth)
+static double find_height(const struct neph_scene *scene, struct neph_vec3 at_m, double low_m,
+                          double high_m, double depth)
 {
     for (int i = 0; i < 64; i++) {
         at_m.y = 0.5 * (low_m + high_m);
@@ -78,7 +78,7 @@ static double height_of(const struct neph_scene *scene, struct neph_vec3 at_m, d
 }
 
 /* The top of the highest box on the vertical line through a point. */
-static double ground_m(const struct neph_scene *scene, struct neph_vec3 at_m)
+static double find_ground_m(const struct neph_scene *scene, struct neph_vec3 at_m)
 {
     double ground = -column_reach_m;
     for (int i = 0; i < scene->solid_count; i++) {
@@ -90,7 +90,7 @@ static double ground_m(const struct neph_scene *scene, struct neph_vec3 at_m)
     return ground;
 }
 
-static struct neph_bounds support_of(const struct neph_scene *scene)
+static struct neph_bounds compute_support(const struct neph_scene *scene)
 {
     struct neph_bounds all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     for (int i = 0; i < scene->medium_count; i++)
@@ -99,25 +99,25 @@ static struct neph_bounds support_of(const struct neph_scene *scene)
 }
 
 /* The column at the camera of frame 0: from the top of the fogs down to column_depth_max. */
-static struct neph_bounds column_of(const struct neph_scene *scene)
+static struct neph_bounds compute_column(const struct neph_scene *scene)
 {
     const struct neph_vec3 at_m = neph_scene_camera(scene, 0.0).position_m;
-    const double ground = ground_m(scene, at_m);
+    const double ground = find_ground_m(scene, at_m);
     struct neph_bounds box = {at_m, at_m}, support;
-    box.max_m.y = height_of(scene, at_m, ground, column_reach_m, column_depth_min);
-    box.min_m.y = height_of(scene, at_m, ground, box.max_m.y, column_depth_max);
-    support = support_of(scene);
+    box.max_m.y = find_height(scene, at_m, ground, column_reach_m, column_depth_min);
+    box.min_m.y = find_height(scene, at_m, ground, box.max_m.y, column_depth_max);
+    support = compute_support(scene);
     box.min_m.y = fmin(fmax(box.min_m.y, support.min_m.y), box.max_m.y);
     return box;
 }
 
 /* The bounds of bounded media, or of fogs that are not an infinite layer. */
-static bool find_room(const struct neph_scene *scene, struct neph_bounds *box)
+static bool find_grid_bounds(const struct neph_scene *scene, struct neph_bounds *box)
 {
     double sides_m[3];
-    if (neph_shapes_box(scene, box))
+    if (neph_find_media_bounds(scene, box))
         return true;
-    *box = support_of(scene);
+    *box = compute_support(scene);
     neph_lattice_sides_m(box, sides_m);
     return fmax(sides_m[0], sides_m[2]) <= layer_aspect * sides_m[1] && isfinite(sides_m[1]);
 }
@@ -137,7 +137,7 @@ void neph_diffused_light_place(struct neph_diffused_light *light, const struct n
 {
     const struct neph_vec3 camera_m = neph_scene_camera(scene, frame).position_m;
     if (!light->is_column)
-        find_room(scene, &light->box); /* the wind moves it */
+        find_grid_bounds(scene, &light->box); /* the wind moves it */
     struct neph_bounds box = light->box;
     if (light->is_column) {
         box.min_m.x = camera_m.x;
@@ -155,7 +155,7 @@ static uint32_t cell_count(const struct neph_gpu_diffusion_level *level)
     return level->size[0] * level->size[1] * level->size[2];
 }
 
-static uint32_t all_cells(const struct neph_diffused_light *light)
+static uint32_t count_all_cells(const struct neph_diffused_light *light)
 {
     const struct neph_gpu_diffusion_level *last = &light->levels[light->level_count - 1];
     return last->first + cell_count(last);
@@ -179,9 +179,9 @@ static void make_levels(struct neph_diffused_light *light)
 static enum neph_status find_box(struct neph_diffused_light *light, const struct neph_scene *scene,
                                  struct neph_diag *diag)
 {
-    light->is_column = !find_room(scene, &light->box);
+    light->is_column = !find_grid_bounds(scene, &light->box);
     if (light->is_column)
-        light->box = column_of(scene);
+        light->box = compute_column(scene);
     if (light->is_column)
         return NEPH_OK;
     return light->is_shown
@@ -191,13 +191,15 @@ static enum neph_status find_box(struct neph_diffused_light *light, const struct
 }
 
 /* The sample points of a cell are the steps of its march and must fit into one dispatch. */
-static enum neph_status plan(struct neph_diffused_light *light, const struct neph_scene *scene,
-                             const struct neph_gpu_scene *gpu, struct neph_diag *diag)
+static enum neph_status plan_cell_dispatches(struct neph_diffused_light *light,
+                                             const struct neph_scene *scene,
+                                             const struct neph_gpu_scene *gpu,
+                                             struct neph_diag *diag)
 {
     light->params.steps = POINTS;
-    const enum neph_status status = neph_march_cut_make(light->vulkan, scene, gpu, &light->params,
-                                                        cell_count(&light->levels[0]), &light->cut,
-                                                        diag);
+    const enum neph_status status = neph_march_split_make(light->vulkan, scene, gpu, &light->params,
+                                                          cell_count(&light->levels[0]),
+                                                          &light->cut, diag);
     if (status || light->cut.steps == light->cut.step_count)
         return status;
     return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
@@ -206,9 +208,10 @@ static enum neph_status plan(struct neph_diffused_light *light, const struct nep
                      POINTS, light->params.sun_steps);
 }
 
-static enum neph_status clear(const struct neph_diffused_light *light, struct neph_diag *diag)
+static enum neph_status clear_buffers(const struct neph_diffused_light *light,
+                                      struct neph_diag *diag)
 {
-    const size_t bytes = all_cells(light) * sizeof(struct neph_gpu_diffusion_cell);
+    const size_t bytes = count_all_cells(light) * sizeof(struct neph_gpu_diffusion_cell);
     void *zeros = calloc(1, bytes);
     const enum neph_status status = zeros ? neph_buffer_upload(light->vulkan, &light->cells, 0,
                                                                zeros, bytes, diag)
@@ -221,12 +224,12 @@ static enum neph_status create_buffers(struct neph_diffused_light *light, struct
 {
     const struct neph_buffer_row rows[] = {
         {&light->cells, NEPH_BUFFER_DEVICE,
-         all_cells(light) * sizeof(struct neph_gpu_diffusion_cell), "diffusion cells"},
+         count_all_cells(light) * sizeof(struct neph_gpu_diffusion_cell), "diffusion cells"},
         {&light->field, NEPH_BUFFER_DEVICE, cell_count(&light->levels[0]) * 4 * sizeof(float),
          "diffused light"},
     };
     const enum neph_status status = neph_buffers_create(light->vulkan, rows, 2, diag);
-    return status ? status : clear(light, diag);
+    return status ? status : clear_buffers(light, diag);
 }
 
 enum neph_status
@@ -251,7 +254,7 @@ neph_diffused_light_create(struct neph_vulkan *vulkan, const struct neph_scene *
     else
         choose_size(&light->box, params->diffusion.cells, size);
     make_levels(light);
-    status = plan(light, scene, gpu, diag);
+    status = plan_cell_dispatches(light, scene, gpu, diag);
     return status ? status : create_buffers(light, diag);
 }
 
@@ -322,17 +325,17 @@ static enum neph_status get_kernels(struct work *work, const struct neph_gpu_sce
     return status;
 }
 
-static enum neph_status begin(struct work *work, struct neph_diag *diag)
+static enum neph_status begin_batch_work(struct work *work, struct neph_diag *diag)
 {
     if (neph_interrupted())
         return neph_fail(diag, NEPH_ERR_INTERRUPTED, "diffused light: interrupted");
     return neph_batch_begin(work->light->vulkan, &work->batch, diag);
 }
 
-static enum neph_status end(struct work *work, struct neph_diag *diag)
+static enum neph_status end_batch_work(struct work *work, struct neph_diag *diag)
 {
     neph_batch_stamp(&work->batch, work->gpu_s);
-    return neph_batch_send(&work->batch, "diffused light", diag);
+    return neph_batch_submit(&work->batch, "diffused light", diag);
 }
 
 static enum neph_status fill_run(const struct neph_gpu_march_run *run, void *context,
@@ -344,11 +347,11 @@ static enum neph_status fill_run(const struct neph_gpu_march_run *run, void *con
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &work->light->cells; /* unused binding */
     dispatch.push = run;
     dispatch.group_count = (run->ray_count + local_size - 1) / local_size;
-    const enum neph_status status = begin(work, diag);
+    const enum neph_status status = begin_batch_work(work, diag);
     if (status)
         return status;
     neph_batch_dispatch(&work->batch, work->fill, &dispatch, diag);
-    return end(work, diag);
+    return end_batch_work(work, diag);
 }
 
 /* --- passes over levels ---------------------------------------------------------------------- */
@@ -396,13 +399,13 @@ static enum neph_status run_cycles(struct work *work, int count, struct neph_dia
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < count && !status; i++) {
-        status = begin(work, diag);
+        status = begin_batch_work(work, diag);
         if (status)
             break;
         add_cycle(work, diag);
         if (i + 1 == count)
             add_pass(work, work->field, 0, 0, CLEAR, diag);
-        status = end(work, diag);
+        status = end_batch_work(work, diag);
     }
     return status;
 }
@@ -411,17 +414,18 @@ static enum neph_status run_cycles(struct work *work, int count, struct neph_dia
 static enum neph_status run_cells(struct work *work, const struct neph_kernel *kernel,
                                   struct neph_diag *diag)
 {
-    const enum neph_status status = begin(work, diag);
+    const enum neph_status status = begin_batch_work(work, diag);
     if (status)
         return status;
     add_pass(work, kernel, 0, 0, CLEAR, diag);
-    return end(work, diag);
+    return end_batch_work(work, diag);
 }
 
 /* --- a frame --------------------------------------------------------------------------------- */
 
 /* Whether the solids are unchanged: they cast shadows on cells and block them. */
-static bool holds_solids(const struct neph_diffused_light *light, const struct neph_scene *scene)
+static bool has_unchanged_solids(const struct neph_diffused_light *light,
+                                 const struct neph_scene *scene)
 {
     return scene->solid_count == light->solid_count &&
            (scene->solid_count == 0 ||
@@ -429,8 +433,8 @@ static bool holds_solids(const struct neph_diffused_light *light, const struct n
                    (size_t)scene->solid_count * sizeof(*scene->solids)) == 0);
 }
 
-static enum neph_status keep_solids(struct neph_diffused_light *light,
-                                    const struct neph_scene *scene, struct neph_diag *diag)
+static enum neph_status store_solids(struct neph_diffused_light *light,
+                                     const struct neph_scene *scene, struct neph_diag *diag)
 {
     const size_t bytes = (size_t)scene->solid_count * sizeof(*scene->solids);
     struct neph_solid *solids = bytes > 0 ? malloc(bytes) : NULL;
@@ -444,29 +448,29 @@ static enum neph_status keep_solids(struct neph_diffused_light *light,
     return NEPH_OK;
 }
 
-static bool holds(const struct neph_diffused_light *light, const struct neph_scene *scene)
+static bool has_same_inputs(const struct neph_diffused_light *light, const struct neph_scene *scene)
 {
     struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX];
-    neph_gpu_scene_media(scene, media);
-    return light->is_filled && neph_gpu_same_sun(&scene->sun, &light->sun) &&
-           memcmp(media, light->media, sizeof(media)) == 0 && holds_solids(light, scene);
+    neph_gpu_scene_pack_media(scene, media);
+    return light->is_filled && neph_gpu_is_same_sun(&scene->sun, &light->sun) &&
+           memcmp(media, light->media, sizeof(media)) == 0 && has_unchanged_solids(light, scene);
 }
 
 static enum neph_status fill(struct work *work, const struct neph_scene *scene,
                              struct neph_diag *diag)
 {
     struct neph_diffused_light *light = work->light;
-    if (holds(light, scene))
+    if (has_same_inputs(light, scene))
         return NEPH_OK;
-    enum neph_status status = neph_march_cut_run(&light->cut, fill_run, work, diag);
+    enum neph_status status = neph_march_split_run(&light->cut, fill_run, work, diag);
     if (!status)
         status = run_cells(work, work->links, diag);
     if (!status)
-        status = keep_solids(light, scene, diag);
+        status = store_solids(light, scene, diag);
     light->is_filled = !status;
     light->settled = 0;
     light->sun = scene->sun;
-    neph_gpu_scene_media(scene, light->media);
+    neph_gpu_scene_pack_media(scene, light->media);
     return status;
 }
 
@@ -475,9 +479,9 @@ static enum neph_status fill(struct work *work, const struct neph_scene *scene,
  * better. */
 static const float marshak_outward = 0.5f;
 
-static struct neph_gpu_diffusion_run run_of(const struct neph_diffused_light *light,
-                                            const struct neph_scene *scene,
-                                            const struct neph_gpu_lattice *lattice)
+static struct neph_gpu_diffusion_run make_diffusion_run(const struct neph_diffused_light *light,
+                                                        const struct neph_scene *scene,
+                                                        const struct neph_gpu_lattice *lattice)
 {
     struct neph_gpu_diffusion_run run = {
         .job = CLEAR,
@@ -492,7 +496,7 @@ static struct neph_gpu_diffusion_run run_of(const struct neph_diffused_light *li
     return run;
 }
 
-static int cycles_of(const struct neph_diffused_light *light, bool continues)
+static int choose_cycle_count(const struct neph_diffused_light *light, bool continues)
 {
     const int wanted = light->params.diffusion.cycles;
     if (!continues)
@@ -510,9 +514,9 @@ enum neph_status neph_diffused_light_solve(struct neph_diffused_light *light,
         return NEPH_OK;
     struct work work = {.light = light, .bound = bound, .gpu_s = gpu_s};
     neph_diffused_light_place(light, scene, frame, gpu);
-    if (!continues && light->is_alone && holds(light, scene))
+    if (!continues && light->is_alone && has_same_inputs(light, scene))
         return NEPH_OK; /* an independent frame with equal inputs */
-    work.run = run_of(light, scene, &gpu->frame->light_lattice);
+    work.run = make_diffusion_run(light, scene, &gpu->frame->light_lattice);
     enum neph_status status = get_kernels(&work, gpu, diag);
     if (!continues)
         light->settled = 0;
@@ -521,7 +525,7 @@ enum neph_status neph_diffused_light_solve(struct neph_diffused_light *light,
     if (!status)
         status = fill(&work, scene, diag);
     light->is_filled &= !will_change;
-    const int cycles = cycles_of(light, continues);
+    const int cycles = choose_cycle_count(light, continues);
     if (!status)
         status = run_cycles(&work, cycles, diag);
     light->settled += status ? 0 : cycles;

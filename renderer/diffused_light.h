@@ -30,7 +30,7 @@ struct neph_diffused_light {
     struct neph_bounds box;   /* bounds of the grid */
     struct neph_buffer cells; /* of all levels */
     struct neph_buffer field; /* at binding 8 of a march */
-    struct neph_march_cut cut;
+    struct neph_march_split cut;
     bool is_filled;
     struct neph_sun sun;                              /* sun of the last filling */
     struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX]; /* in world space */

@@ -26,20 +26,20 @@ _Static_assert(NEPH_FOG_UNREAL == 0 && NEPH_FOG_FILAMENT == 1, "fog_look.glsl's 
 
 /* --- fog parameters --------------------------------------------------------------------------- */
 
-static void put_rgb(float out[3], double r, double g, double b)
+static void write_rgb_floats(float out[3], double r, double g, double b)
 {
     out[0] = (float)r;
     out[1] = (float)g;
     out[2] = (float)b;
 }
 
-static float or_nowhere(double distance_m)
+static float replace_zero_by_far(double distance_m)
 {
     return distance_m > 0.0 ? (float)distance_m : 2.0f * NEPH_GPU_FAR_M;
 }
 
-static struct neph_gpu_fog_look_layer layer_from(const struct neph_fog_layer *layer,
-                                                 double observer_y_m)
+static struct neph_gpu_fog_look_layer pack_fog_layer(const struct neph_fog_layer *layer,
+                                                     double observer_y_m)
 {
     const double ln2 = M_LN2, falloff_per_m = layer->falloff_per_m / ln2;
     const double exponent = falloff_per_m * (observer_y_m - layer->height_m);
@@ -54,32 +54,31 @@ static struct neph_gpu_fog_look_layer layer_from(const struct neph_fog_layer *la
 }
 
 /* Layers without extinction are omitted: the shader stores logarithms. */
-static void put_layers(const struct neph_scene *scene, double observer_y_m,
-                       struct neph_gpu_fog_look *gpu)
+static void write_fog_layers(const struct neph_scene *scene, double observer_y_m,
+                             struct neph_gpu_fog_look *gpu)
 {
-    const struct neph_medium *fog = neph_fog_look_medium(scene);
+    const struct neph_medium *fog = neph_fog_look_find_medium(scene);
     for (int l = 0; fog && l < fog->layer_count; l++)
         if (fog->layers[l].extinction_per_m > 0.0)
-            gpu->layers[gpu->layer_count++] = layer_from(&fog->layers[l], observer_y_m);
+            gpu->layers[gpu->layer_count++] = pack_fog_layer(&fog->layers[l], observer_y_m);
 }
 
 /* Filament has no end distance, no froxels and no maximum observer height. */
-static void put_distances(const struct neph_fog_look *look, enum neph_fog_model model,
-                          double camera_y_m, struct neph_gpu_fog_look *gpu)
+static void write_fog_distances(const struct neph_fog_look *look, enum neph_fog_model model,
+                                double camera_y_m, struct neph_gpu_fog_look *gpu)
 {
     const bool is_unreal = model == NEPH_FOG_UNREAL;
     const double hand_over_m = is_unreal ? look->volumetric_fog_distance_m : 0.0;
     const double drop_m = is_unreal ? camera_y_m - look->observer_height_max_m : 0.0;
     gpu->start_m = (float)fmax(look->start_distance_m, hand_over_m);
-    gpu->end_m = or_nowhere(is_unreal ? look->end_distance_m : 0.0);
-    gpu->cutoff_m = or_nowhere(look->cutoff_distance_m);
+    gpu->end_m = replace_zero_by_far(is_unreal ? look->end_distance_m : 0.0);
+    gpu->cutoff_m = replace_zero_by_far(look->cutoff_distance_m);
     gpu->observer_drop_m = (float)fmax(0.0, drop_m);
 }
 
-struct neph_gpu_fog_look neph_gpu_fog_look_from(const struct neph_scene *scene,
-                                                const struct neph_fog_look *look,
-                                                enum neph_fog_model model,
-                                                struct neph_vec3 camera_m)
+struct neph_gpu_fog_look neph_gpu_fog_pack(const struct neph_scene *scene,
+                                           const struct neph_fog_look *look,
+                                           enum neph_fog_model model, struct neph_vec3 camera_m)
 {
     const struct neph_rgb own = look->inscattering_w_per_m2_sr, dim = look->sky_light,
                           sky = scene->background_w_per_m2_sr, sun = look->directional_w_per_m2_sr;
@@ -89,28 +88,29 @@ struct neph_gpu_fog_look neph_gpu_fog_look_from(const struct neph_scene *scene,
         .directional_start_m = (float)look->directional_start_m,
         .model = (uint32_t)model,
     };
-    put_rgb(gpu.inscattering, own.r + dim.r * sky.r, own.g + dim.g * sky.g, own.b + dim.b * sky.b);
+    write_rgb_floats(gpu.inscattering, own.r + dim.r * sky.r, own.g + dim.g * sky.g,
+                     own.b + dim.b * sky.b);
     if (scene->sun.present)
-        put_rgb(gpu.directional, sun.r, sun.g, sun.b);
-    put_distances(look, model, camera_m.y, &gpu);
-    put_layers(scene, camera_m.y - gpu.observer_drop_m, &gpu);
+        write_rgb_floats(gpu.directional, sun.r, sun.g, sun.b);
+    write_fog_distances(look, model, camera_m.y, &gpu);
+    write_fog_layers(scene, camera_m.y - gpu.observer_drop_m, &gpu);
     return gpu;
 }
 
 /* --- frames ----------------------------------------------------------------------------------- */
 
-struct neph_fog_looks {
+struct neph_fog_renderer {
     struct neph_vulkan *vulkan; /* borrowed */
     struct neph_fog_look_params params;
     const struct neph_kernel *kernel;
     struct neph_gpu_scene gpu;
-    struct neph_turns frame_turns, solid_turns;
+    struct neph_buffer_ring frame_ring, solid_ring;
     struct neph_buffer pixels, readback;
     struct neph_in_flight flight;
     double flights_gpu_s[NEPH_IN_FLIGHT_FRAMES];
 };
 
-static enum neph_status get_kernel(struct neph_fog_looks *looks, struct neph_diag *diag)
+static enum neph_status get_kernel(struct neph_fog_renderer *looks, struct neph_diag *diag)
 {
     const struct neph_kernel_params kernel = {
         .name = "fog_look",
@@ -125,16 +125,16 @@ static enum neph_status get_kernel(struct neph_fog_looks *looks, struct neph_dia
     return neph_kernel_get(looks->vulkan, &kernel, &looks->kernel, diag);
 }
 
-static enum neph_status create_buffers(struct neph_fog_looks *looks, struct neph_diag *diag)
+static enum neph_status create_buffers(struct neph_fog_renderer *looks, struct neph_diag *diag)
 {
     const size_t pixels = (size_t)looks->params.width_px * (size_t)looks->params.height_px;
     const size_t bytes = (pixels < RAYS_MAX ? pixels : RAYS_MAX) *
                          sizeof(struct neph_gpu_fog_look_pixel);
-    enum neph_status status = neph_turns_create(looks->vulkan, &looks->gpu.buffers[0],
-                                                "scene frame", &looks->frame_turns, diag);
+    enum neph_status status = neph_buffer_ring_create(looks->vulkan, &looks->gpu.buffers[0],
+                                                      "scene frame", &looks->frame_ring, diag);
     if (!status)
-        status = neph_turns_create(looks->vulkan, &looks->gpu.buffers[1], "scene solids",
-                                   &looks->solid_turns, diag);
+        status = neph_buffer_ring_create(looks->vulkan, &looks->gpu.buffers[1], "scene solids",
+                                         &looks->solid_ring, diag);
     const struct neph_buffer_row rows[] = {
         {&looks->pixels, NEPH_BUFFER_DEVICE, bytes, "fog pixels"},
         {&looks->readback, NEPH_BUFFER_READBACK, bytes, "fog readback"},
@@ -142,11 +142,12 @@ static enum neph_status create_buffers(struct neph_fog_looks *looks, struct neph
     return status ? status : neph_buffers_create(looks->vulkan, rows, 2, diag);
 }
 
-enum neph_status neph_fog_looks_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                       const struct neph_fog_look_params *params,
-                                       struct neph_fog_looks **looks, struct neph_diag *diag)
+enum neph_status neph_fog_renderer_create(struct neph_vulkan *vulkan,
+                                          const struct neph_scene *scene,
+                                          const struct neph_fog_look_params *params,
+                                          struct neph_fog_renderer **looks, struct neph_diag *diag)
 {
-    struct neph_fog_looks *made = calloc(1, sizeof(*made));
+    struct neph_fog_renderer *made = calloc(1, sizeof(*made));
     if (!made)
         return neph_fail_memory(diag);
     made->vulkan = vulkan;
@@ -158,20 +159,20 @@ enum neph_status neph_fog_looks_create(struct neph_vulkan *vulkan, const struct 
     if (!status)
         status = get_kernel(made, diag);
     if (status)
-        neph_fog_looks_destroy(made);
+        neph_fog_renderer_destroy(made);
     else
         *looks = made;
     return status;
 }
 
-void neph_fog_looks_destroy(struct neph_fog_looks *looks)
+void neph_fog_renderer_destroy(struct neph_fog_renderer *looks)
 {
     if (!looks)
         return;
     neph_buffer_destroy(looks->vulkan, &looks->readback);
     neph_buffer_destroy(looks->vulkan, &looks->pixels);
-    neph_turns_destroy(looks->vulkan, &looks->solid_turns);
-    neph_turns_destroy(looks->vulkan, &looks->frame_turns);
+    neph_buffer_ring_destroy(looks->vulkan, &looks->solid_ring);
+    neph_buffer_ring_destroy(looks->vulkan, &looks->frame_ring);
     neph_gpu_scene_destroy(looks->vulkan, &looks->gpu);
     free(looks);
 }
@@ -184,10 +185,10 @@ struct layers {
 };
 
 struct work {
-    struct neph_fog_looks *looks;
+    struct neph_fog_renderer *looks;
     struct neph_gpu_fog_look_run run;
     const struct layers *layers; /* NULL: no image is returned */
-    double *gpu_s;               /* borrowed; one of neph_fog_looks.flights_gpu_s */
+    double *gpu_s;               /* borrowed; one of neph_fog_renderer.flights_gpu_s */
 };
 
 static enum neph_status create_image(const struct neph_fog_look_params *params,
@@ -218,7 +219,7 @@ static void unpack(const struct neph_gpu_fog_look_pixel *pixel, const struct lay
 
 static enum neph_status read_pixels(const struct work *work, struct neph_diag *diag)
 {
-    const struct neph_fog_looks *looks = work->looks;
+    const struct neph_fog_renderer *looks = work->looks;
     const enum neph_status status = neph_buffer_download(
         looks->vulkan, &looks->pixels, &looks->readback,
         work->run.ray_count * sizeof(struct neph_gpu_fog_look_pixel), diag);
@@ -229,29 +230,29 @@ static enum neph_status read_pixels(const struct work *work, struct neph_diag *d
 }
 
 /* Submit the rays of one dispatch. */
-static enum neph_status send_run(const struct work *work, struct neph_diag *diag)
+static enum neph_status submit_fog_run(const struct work *work, struct neph_diag *diag)
 {
-    struct neph_fog_looks *looks = work->looks;
+    struct neph_fog_renderer *looks = work->looks;
     struct neph_dispatch dispatch = {
         .buffers = {[NEPH_GPU_SCENE_BUFFERS] = &looks->pixels},
         .push = &work->run,
         .group_count = (work->run.ray_count + LOCAL_SIZE - 1) / LOCAL_SIZE,
     };
     neph_gpu_scene_bind(&looks->gpu, &dispatch);
-    const enum neph_status status = neph_dispatch_send(looks->vulkan, looks->kernel, &dispatch,
-                                                       "fog_look", work->gpu_s, diag);
+    const enum neph_status status = neph_dispatch_submit(looks->vulkan, looks->kernel, &dispatch,
+                                                         "fog_look", work->gpu_s, diag);
     return !status && work->layers ? read_pixels(work, diag) : status;
 }
 
-static enum neph_status send_picture(struct work *work, struct neph_diag *diag)
+static enum neph_status submit_fog_frame(struct work *work, struct neph_diag *diag)
 {
-    struct neph_fog_looks *looks = work->looks;
+    struct neph_fog_renderer *looks = work->looks;
     const uint32_t pixels = (uint32_t)(looks->params.width_px * looks->params.height_px);
     enum neph_status status = NEPH_OK;
     for (uint32_t first = 0; first < pixels && !status; first += RAYS_MAX) {
         work->run.first_ray = first;
         work->run.ray_count = pixels - first < RAYS_MAX ? pixels - first : RAYS_MAX;
-        status = send_run(work, diag);
+        status = submit_fog_run(work, diag);
     }
     if (!status)
         status = neph_vulkan_check(looks->vulkan, diag);
@@ -260,17 +261,17 @@ static enum neph_status send_picture(struct work *work, struct neph_diag *diag)
     return status;
 }
 
-static enum neph_status read_picture(struct work *work, struct neph_image **image, double *gpu_s,
-                                     struct neph_diag *diag)
+static enum neph_status read_fog_frame(struct work *work, struct neph_image **image, double *gpu_s,
+                                       struct neph_diag *diag)
 {
     struct layers layers = {.eye_depth_m = NULL};
     struct neph_image *made = NULL;
     work->layers = &layers;
     enum neph_status status = create_image(&work->looks->params, &made, &layers, diag);
     if (!status)
-        status = send_picture(work, diag);
+        status = submit_fog_frame(work, diag);
     if (!status)
-        status = neph_in_flight_land(work->looks->vulkan, &work->looks->flight, diag);
+        status = neph_in_flight_drain(work->looks->vulkan, &work->looks->flight, diag);
     if (status) {
         neph_image_destroy(made);
         return status;
@@ -281,17 +282,20 @@ static enum neph_status read_picture(struct work *work, struct neph_image **imag
 }
 
 /* Update the scene in memory that no other frame reads. */
-static void show(struct neph_fog_looks *looks, const struct neph_scene *scene, double frame)
+static void update_fog_scene(struct neph_fog_renderer *looks, const struct neph_scene *scene,
+                             double frame)
 {
-    neph_turns_take(&looks->frame_turns, &looks->gpu.buffers[0]);
-    neph_turns_take(&looks->solid_turns, &looks->gpu.buffers[1]);
+    neph_buffer_ring_advance(&looks->frame_ring, &looks->gpu.buffers[0]);
+    neph_buffer_ring_advance(&looks->solid_ring, &looks->gpu.buffers[1]);
     looks->gpu.frame = looks->gpu.buffers[0].mapped;
-    neph_gpu_scene_move(&looks->gpu, scene, frame, looks->params.width_px, looks->params.height_px);
+    neph_gpu_scene_update(&looks->gpu, scene, frame, looks->params.width_px,
+                          looks->params.height_px);
 }
 
-enum neph_status neph_fog_looks_frame(struct neph_fog_looks *looks, const struct neph_scene *scene,
-                                      double frame, struct neph_image **image, double *gpu_s,
-                                      struct neph_diag *diag)
+enum neph_status neph_fog_renderer_frame(struct neph_fog_renderer *looks,
+                                         const struct neph_scene *scene, double frame,
+                                         struct neph_image **image, double *gpu_s,
+                                         struct neph_diag *diag)
 {
     const struct neph_camera camera = neph_scene_camera(scene, frame);
     struct work work = {.looks = looks};
@@ -302,17 +306,18 @@ enum neph_status neph_fog_looks_frame(struct neph_fog_looks *looks, const struct
         return status;
     work.gpu_s = &looks->flights_gpu_s[slot];
     *work.gpu_s = 0.0;
-    work.run.look = neph_gpu_fog_look_from(scene, &looks->params.look, looks->params.model,
-                                           camera.position_m);
-    show(looks, scene, frame);
-    return image ? read_picture(&work, image, gpu_s, diag) : send_picture(&work, diag);
+    work.run.look = neph_gpu_fog_pack(scene, &looks->params.look, looks->params.model,
+                                      camera.position_m);
+    update_fog_scene(looks, scene, frame);
+    return image ? read_fog_frame(&work, image, gpu_s, diag) : submit_fog_frame(&work, diag);
 }
 
-enum neph_status neph_fog_looks_home(struct neph_fog_looks *looks, double *gpu_s,
-                                     struct neph_diag *diag)
+enum neph_status neph_fog_renderer_collect(struct neph_fog_renderer *looks, double *gpu_s,
+                                           struct neph_diag *diag)
 {
     int slot;
-    const enum neph_status status = neph_in_flight_home(looks->vulkan, &looks->flight, &slot, diag);
+    const enum neph_status status = neph_in_flight_collect(looks->vulkan, &looks->flight, &slot,
+                                                           diag);
     if (!status)
         *gpu_s = looks->flights_gpu_s[slot];
     return status;

@@ -13,9 +13,9 @@
 
 /* Zero: the froxels use the scene of the ray marcher. */
 struct neph_froxel_scene {
-    struct neph_gpu_scene gpu; /* borrows all buffers except the first */
-    struct neph_buffer frame;  /* the first buffer */
-    struct neph_turns turns;   /* of frames in flight */
+    struct neph_gpu_scene gpu;     /* borrows all buffers except the first */
+    struct neph_buffer frame;      /* the first buffer */
+    struct neph_buffer_ring turns; /* of frames in flight */
 };
 
 /* Zero-initialise `froxels`; free with _destroy, also after an error. */
@@ -27,11 +27,11 @@ void neph_froxel_scene_destroy(const struct neph_vulkan *vulkan, struct neph_fro
 
 /* Update from the current state of `marched` and add the whole height fog of `scene`. Does nothing
  * for a zero-initialised struct. */
-void neph_froxel_scene_show(struct neph_froxel_scene *froxels, const struct neph_scene *scene,
-                            double frame, const struct neph_gpu_scene *marched);
+void neph_froxel_scene_update(struct neph_froxel_scene *froxels, const struct neph_scene *scene,
+                              double frame, const struct neph_gpu_scene *marched);
 
 /* The scene for froxels: `marched` for a zero-initialised struct. */
-const struct neph_gpu_scene *neph_froxel_scene_of(const struct neph_froxel_scene *froxels,
-                                                  const struct neph_gpu_scene *marched);
+const struct neph_gpu_scene *neph_froxel_scene_select(const struct neph_froxel_scene *froxels,
+                                                      const struct neph_gpu_scene *marched);
 
 #endif

@@ -37,7 +37,7 @@ static void set_turn(const struct neph_turn *turn, struct neph_gpu_solid *box)
     box->albedo[3] = (float)turn->sine;
 }
 
-struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
+struct neph_gpu_solid neph_gpu_solid_pack(const struct neph_solid *solid,
                                           struct neph_vec3 camera_position_m)
 {
     struct neph_gpu_solid gpu = {
@@ -69,17 +69,17 @@ static void fit_octaves(const struct neph_medium *medium, struct neph_gpu_medium
 {
     const struct neph_rgb albedo = medium->albedo;
     const double g = neph_phase_mean_cosine(&medium->phase);
-    const struct neph_octaves mean = neph_octaves_of(&neph_octaves_fitted, g,
-                                                     (albedo.r + albedo.g + albedo.b) / 3.0);
+    const struct neph_octaves mean = neph_octaves_compute(&neph_octaves_fitted, g,
+                                                          (albedo.r + albedo.g + albedo.b) / 3.0);
     const double of_channels[3] = {albedo.r, albedo.g, albedo.b};
     for (int c = 0; c < 3; c++)
         gpu->octave_contribution[c] =
-            (float)neph_octaves_of(&neph_octaves_fitted, g, of_channels[c]).contribution;
+            (float)neph_octaves_compute(&neph_octaves_fitted, g, of_channels[c]).contribution;
     gpu->octave_attenuation = (float)mean.attenuation;
     gpu->octave_eccentricity = (float)mean.eccentricity;
 }
 
-static struct neph_gpu_medium medium_from(const struct neph_medium *medium,
+static struct neph_gpu_medium pack_medium(const struct neph_medium *medium,
                                           struct neph_vec3 camera_m, uint32_t first)
 {
     const struct neph_bounds support = neph_medium_support(medium);
@@ -95,12 +95,12 @@ static struct neph_gpu_medium medium_from(const struct neph_medium *medium,
     set_rgb(gpu.extinction_color, medium->extinction_color);
     set_rgb(gpu.glow, neph_medium_glow(medium));
     fit_octaves(medium, &gpu);
-    neph_gpu_kind_of(medium)->pack(medium, camera_m, first, &gpu);
+    neph_gpu_get_kind(medium)->pack(medium, camera_m, first, &gpu);
     return gpu;
 }
 
 /* Whether a medium has an effect; others are omitted. */
-static bool is_there(const struct neph_medium *medium)
+static bool has_effect(const struct neph_medium *medium)
 {
     const struct neph_rgb color = medium->extinction_color;
     return neph_gpu_largest_per_m(medium) > 0.0 &&
@@ -112,8 +112,8 @@ static bool is_black(const float rgb[3])
     return rgb[0] <= 0.0f && rgb[1] <= 0.0f && rgb[2] <= 0.0f;
 }
 
-static void fill_lamps(const struct neph_scene *scene, struct neph_vec3 camera_m,
-                       struct neph_gpu_frame *frame)
+static void fill_lights(const struct neph_scene *scene, struct neph_vec3 camera_m,
+                        struct neph_gpu_frame *frame)
 {
     for (int i = 0; i < scene->light_count; i++) {
         const struct neph_light *light = &scene->lights[i];
@@ -132,7 +132,7 @@ static void fill_lamps(const struct neph_scene *scene, struct neph_vec3 camera_m
 }
 
 /* Camera, sun and sky of a frame. */
-static struct neph_gpu_frame frame_from(const struct neph_scene *scene,
+static struct neph_gpu_frame pack_frame(const struct neph_scene *scene,
                                         const struct neph_camera *camera, int width_px,
                                         int height_px)
 {
@@ -160,39 +160,39 @@ static struct neph_gpu_frame frame_from(const struct neph_scene *scene,
 
 /* --- lists of media ----------------------------------------------------------------------- */
 
-uint32_t neph_gpu_scene_list(const struct neph_scene *scene,
-                             const struct neph_medium *media[NEPH_GPU_MEDIA_MAX])
+uint32_t neph_gpu_scene_list_media(const struct neph_scene *scene,
+                                   const struct neph_medium *media[NEPH_GPU_MEDIA_MAX])
 {
     uint32_t count = 0;
     for (int i = 0; i < scene->medium_count; i++)
-        if (is_there(&scene->media[i]))
+        if (has_effect(&scene->media[i]))
             media[count++] = &scene->media[i];
     return count;
 }
 
-bool neph_gpu_same_sun(const struct neph_sun *a, const struct neph_sun *b)
+bool neph_gpu_is_same_sun(const struct neph_sun *a, const struct neph_sun *b)
 {
     return a->direction.x == b->direction.x && a->direction.y == b->direction.y &&
            a->direction.z == b->direction.z;
 }
 
-uint32_t neph_gpu_scene_media(const struct neph_scene *scene,
-                              struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX])
+uint32_t neph_gpu_scene_pack_media(const struct neph_scene *scene,
+                                   struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX])
 {
     const struct neph_medium *list[NEPH_GPU_MEDIA_MAX];
     const struct neph_vec3 origin_m = {0.0, 0.0, 0.0};
-    const uint32_t count = neph_gpu_scene_list(scene, list);
+    const uint32_t count = neph_gpu_scene_list_media(scene, list);
     memset(media, 0, NEPH_GPU_MEDIA_MAX * sizeof(*media));
     for (uint32_t m = 0; m < count; m++)
-        media[m] = medium_from(list[m], origin_m, 0);
+        media[m] = pack_medium(list[m], origin_m, 0);
     return count;
 }
 
-bool neph_shapes_box(const struct neph_scene *scene, struct neph_bounds *box)
+bool neph_find_media_bounds(const struct neph_scene *scene, struct neph_bounds *box)
 {
     bool any = false;
     for (int i = 0; i < scene->medium_count; i++) {
-        if (neph_medium_is_fog(&scene->media[i]) || !is_there(&scene->media[i]))
+        if (neph_medium_is_fog(&scene->media[i]) || !has_effect(&scene->media[i]))
             continue;
         const struct neph_bounds own = neph_medium_support(&scene->media[i]);
         *box = any ? neph_bounds_hull(*box, own) : own;
@@ -241,7 +241,7 @@ static const struct {
 
 static size_t data_count(const struct neph_medium *medium, enum neph_gpu_data data)
 {
-    const struct neph_gpu_kind *kind = neph_gpu_kind_of(medium);
+    const struct neph_gpu_kind *kind = neph_gpu_get_kind(medium);
     return kind->data == data ? kind->data_count(medium) : 0;
 }
 
@@ -265,15 +265,15 @@ static enum neph_status upload_data(const struct neph_vulkan *vulkan,
     for (uint32_t m = 0; m < gpu->frame->medium_count && !status; m++) {
         const size_t own = data_count(media[m], data);
         if (own > 0)
-            status = neph_gpu_kind_of(media[m])->upload(vulkan, media[m], (uint32_t)first, buffer,
-                                                        diag);
+            status = neph_gpu_get_kind(media[m])->upload(vulkan, media[m], (uint32_t)first, buffer,
+                                                         diag);
         first += own;
     }
     return status;
 }
 
 /* On a CPU: the values of grids in pairs, since reading a texel takes a third of the time of
- * reading a word (neph_buffer_see_texels()). Omitted if the pairs exceed the largest buffer. */
+ * reading a word (neph_buffer_create_texel_views()). Omitted if the pairs exceed the largest buffer. */
 static enum neph_status upload_pairs(const struct neph_vulkan *vulkan,
                                      const struct neph_medium *const *media,
                                      struct neph_gpu_scene *gpu, struct neph_diag *diag)
@@ -291,20 +291,21 @@ static enum neph_status upload_pairs(const struct neph_vulkan *vulkan,
     for (uint32_t m = 0; m < gpu->frame->medium_count && gpu->has_pairs && !status; m++) {
         const size_t own = data_count(media[m], NEPH_GPU_VALUES);
         if (own > 0)
-            status = neph_gpu_kind_of(media[m])->upload_pairs(vulkan, media[m], (uint32_t)first,
-                                                              &gpu->pairs, diag);
+            status = neph_gpu_get_kind(media[m])->upload_pairs(vulkan, media[m], (uint32_t)first,
+                                                               &gpu->pairs, diag);
         first += own;
     }
     if (!status)
-        status = neph_buffer_see_texels(vulkan, &gpu->pairs, diag);
+        status = neph_buffer_create_texel_views(vulkan, &gpu->pairs, diag);
     gpu->buffers[NEPH_GPU_VALUES_BUFFER].texels = gpu->pairs.texels;
     gpu->pairs.texels = (struct neph_texel_views){{VK_NULL_HANDLE}};
     return status;
 }
 
 /* Majorants of a medium; a single cell if its density moves within its bounds. */
-static enum neph_status majorants_of(const struct neph_medium *medium, bool flows,
-                                     struct neph_majorants **majorants, struct neph_diag *diag)
+static enum neph_status create_medium_majorants(const struct neph_medium *medium, bool flows,
+                                                struct neph_majorants **majorants,
+                                                struct neph_diag *diag)
 {
     const struct neph_bounds box = neph_medium_support(medium);
     const int cell_count = flows ? 1 : neph_medium_facts(medium->kind)->majorant_cells;
@@ -349,7 +350,7 @@ static enum neph_status upload_majorants(const struct neph_vulkan *vulkan,
         struct neph_majorants *majorants = NULL;
         if (neph_medium_is_fog(media[m]))
             continue;
-        status = majorants_of(media[m], flows, &majorants, diag);
+        status = create_medium_majorants(media[m], flows, &majorants, diag);
         if (status)
             break;
         gpu->majorants[m].first = (uint32_t)count;
@@ -368,9 +369,9 @@ static enum neph_status upload_majorants(const struct neph_vulkan *vulkan,
 /* --- the scene ---------------------------------------------------------------------------- */
 
 /* Upper bound of the loop iterations of medium_optical_depth(), loop by loop of the shaders. */
-static uint64_t depth_turns(const struct neph_medium *medium)
+static uint64_t count_depth_iterations(const struct neph_medium *medium)
 {
-    const struct neph_gpu_kind *kind = neph_gpu_kind_of(medium);
+    const struct neph_gpu_kind *kind = neph_gpu_get_kind(medium);
     return 16 + (kind->integral_turns ? kind->integral_turns(medium) : 0);
 }
 
@@ -380,17 +381,18 @@ static struct neph_gpu_medium *add_medium(const struct neph_medium *medium,
                                           struct neph_gpu_scene *gpu)
 {
     struct neph_gpu_medium *made = &gpu->frame->media[gpu->frame->medium_count++];
-    *made = medium_from(medium, camera_m, first);
+    *made = pack_medium(medium, camera_m, first);
     gpu->frame->emits |= !is_black(made->glow);
     gpu->constants[0] |= 1u << medium->kind;
     gpu->constants[1] |= neph_medium_is_coloured(medium) ? NEPH_GPU_COLOURED : 0u;
     if (medium->kind == NEPH_MEDIUM_GRID && neph_grid_is_endless(medium->grid))
         gpu->constants[1] |= NEPH_GPU_ENDLESS;
-    gpu->optical_depth_turns += 1 + depth_turns(medium);
+    gpu->optical_depth_iterations += 1 + count_depth_iterations(medium);
     return made;
 }
 
-static void let_scatter(const struct neph_scene *scene, bool scatters, struct neph_gpu_frame *frame)
+static void set_scattering(const struct neph_scene *scene, bool scatters,
+                           struct neph_gpu_frame *frame)
 {
     scatters = scatters && scene->scattering != NEPH_SCATTERING_NONE;
     frame->scatters |= scatters && !is_black(frame->sun_irradiance);
@@ -404,18 +406,18 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
 {
     bool scatters = false;
     uint32_t firsts[NEPH_GPU_DATA_COUNT] = {0};
-    gpu->optical_depth_turns = 1;
+    gpu->optical_depth_iterations = 1;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
-        const enum neph_gpu_data data = neph_gpu_kind_of(medium)->data;
-        if (!is_there(medium))
+        const enum neph_gpu_data data = neph_gpu_get_kind(medium)->data;
+        if (!has_effect(medium))
             continue;
         media[gpu->frame->medium_count] = medium;
         const struct neph_gpu_medium *made = add_medium(medium, camera_m, firsts[data], gpu);
         firsts[data] += data == NEPH_GPU_NO_DATA ? 0 : (uint32_t)data_count(medium, data);
         scatters = scatters || !is_black(made->albedo);
     }
-    let_scatter(scene, scatters, gpu->frame);
+    set_scattering(scene, scatters, gpu->frame);
 }
 
 _Static_assert((int)NEPH_MEDIUM_KIND_COUNT <= 8 && NEPH_FOG_LAYERS_MAX <= 2 &&
@@ -423,7 +425,7 @@ _Static_assert((int)NEPH_MEDIUM_KIND_COUNT <= 8 && NEPH_FOG_LAYERS_MAX <= 2 &&
                "three bits for a kind, one for its layers");
 
 /* The kinds and layers of up to NEPH_GPU_KNOWN_MEDIA_MAX media, for specialization constant 1. */
-static uint32_t known_media(const struct neph_gpu_frame *frame)
+static uint32_t encode_known_media(const struct neph_gpu_frame *frame)
 {
     uint32_t known = frame->medium_count << NEPH_GPU_MEDIA_SHIFT;
     if (frame->medium_count > NEPH_GPU_KNOWN_MEDIA_MAX)
@@ -437,7 +439,7 @@ static uint32_t known_media(const struct neph_gpu_frame *frame)
 
 /* Extend a block by a solid. For a sphere or a turned box the block becomes unbounded, because
  * rounding of their intersections could exceed any box. */
-static void block_include(struct neph_gpu_solid_block *block, const struct neph_gpu_solid *solid)
+static void extend_block(struct neph_gpu_solid_block *block, const struct neph_gpu_solid *solid)
 {
     const bool is_box = solid->kind == NEPH_SOLID_BOX;
     for (int axis = 0; axis < 3; axis++) {
@@ -453,26 +455,26 @@ static void fill_solids(const struct neph_scene *scene, struct neph_vec3 camera_
 {
     for (int i = 0; i < scene->solid_count; i++) {
         struct neph_gpu_solid_block *block = &gpu->blocks[i / NEPH_GPU_BLOCK_SOLIDS];
-        gpu->solids[i] = neph_gpu_solid_from(&scene->solids[i], camera_m);
+        gpu->solids[i] = neph_gpu_solid_pack(&scene->solids[i], camera_m);
         if (i % NEPH_GPU_BLOCK_SOLIDS == 0)
             *block = (struct neph_gpu_solid_block){
                 .low_m = {INFINITY, INFINITY, INFINITY},
                 .high_m = {-INFINITY, -INFINITY, -INFINITY},
             };
-        block_include(block, &gpu->solids[i]);
+        extend_block(block, &gpu->solids[i]);
     }
 }
 
 /* Whether a gap is significant: float32 loses gaps below 1e-6 of the distance between face and
  * camera. */
-static bool is_room(double depth_m, double face_m)
+static bool is_significant_gap(double depth_m, double face_m)
 {
     return depth_m > 1e-6 * fabs(face_m);
 }
 
 /* Whether a solid is beyond a box as seen from the sun, along at least one axis. */
-static bool lies_behind(const struct neph_bounds *solid, const struct neph_bounds *box,
-                        struct neph_vec3 to_sun, struct neph_vec3 camera_m)
+static bool is_beyond_box(const struct neph_bounds *solid, const struct neph_bounds *box,
+                          struct neph_vec3 to_sun, struct neph_vec3 camera_m)
 {
     const double low_m[3] = {solid->min_m.x, solid->min_m.y, solid->min_m.z};
     const double high_m[3] = {solid->max_m.x, solid->max_m.y, solid->max_m.z};
@@ -482,9 +484,9 @@ static bool lies_behind(const struct neph_bounds *solid, const struct neph_bound
     const double eye_m[3] = {camera_m.x, camera_m.y, camera_m.z};
     for (int axis = 0; axis < 3; axis++)
         if ((sun[axis] >= 0.0 &&
-             is_room(box_low_m[axis] - high_m[axis], high_m[axis] - eye_m[axis])) ||
+             is_significant_gap(box_low_m[axis] - high_m[axis], high_m[axis] - eye_m[axis])) ||
             (sun[axis] <= 0.0 &&
-             is_room(low_m[axis] - box_high_m[axis], low_m[axis] - eye_m[axis])))
+             is_significant_gap(low_m[axis] - box_high_m[axis], low_m[axis] - eye_m[axis])))
             return true;
     return false;
 }
@@ -494,11 +496,11 @@ static bool solids_shade(const struct neph_scene *scene, struct neph_vec3 camera
 {
     struct neph_bounds box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     for (int i = 0; i < scene->medium_count; i++)
-        if (is_there(&scene->media[i]))
+        if (has_effect(&scene->media[i]))
             box = neph_bounds_hull(box, neph_medium_support(&scene->media[i]));
     for (int i = 0; i < scene->solid_count; i++) {
         const struct neph_bounds solid = neph_solid_bounds(&scene->solids[i]);
-        if (!lies_behind(&solid, &box, scene->sun.direction, camera_m))
+        if (!is_beyond_box(&solid, &box, scene->sun.direction, camera_m))
             return true;
     }
     return false;
@@ -520,17 +522,18 @@ static void set_pairs(struct neph_gpu_scene *gpu)
 }
 
 /* Fill the frame's buffers; `media` receives the source of each medium. */
-static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
-                 int width_px, int height_px, const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX])
+static void fill_scene_frame(struct neph_gpu_scene *gpu, const struct neph_scene *scene,
+                             double frame, int width_px, int height_px,
+                             const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX])
 {
     const struct neph_camera camera = neph_scene_camera(scene, frame);
-    *gpu->frame = frame_from(scene, &camera, width_px, height_px);
+    *gpu->frame = pack_frame(scene, &camera, width_px, height_px);
     gpu->constants[0] = 0;
     gpu->constants[1] = camera.orthographic_height_m > 0.0 ? NEPH_GPU_ORTHOGRAPHIC : 0u;
     gpu->constants[1] |= scene->light_count > 0 ? NEPH_GPU_LAMPS : 0u;
-    fill_lamps(scene, camera.position_m, gpu->frame);
+    fill_lights(scene, camera.position_m, gpu->frame);
     fill_media(scene, camera.position_m, gpu, media);
-    gpu->constants[1] |= known_media(gpu->frame) | (gpu->is_on_cpu ? NEPH_GPU_ON_CPU : 0u);
+    gpu->constants[1] |= encode_known_media(gpu->frame) | (gpu->is_on_cpu ? NEPH_GPU_ON_CPU : 0u);
     for (int i = 0; i < scene->solid_count; i++)
         gpu->constants[1] |= neph_is_turned(&scene->solids[i].turn) ? NEPH_GPU_TURNED : 0u;
     fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
@@ -555,7 +558,7 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
         return status;
     gpu->frame = gpu->buffers[0].mapped;
     gpu->is_on_cpu = vulkan->description.is_cpu;
-    fill(gpu, scene, frame, width_px, height_px, media);
+    fill_scene_frame(gpu, scene, frame, width_px, height_px, media);
     status = upload_data(vulkan, media, NEPH_GPU_VALUES, gpu, diag);
     if (!status)
         status = upload_pairs(vulkan, media, gpu, diag);
@@ -570,11 +573,11 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
     return status;
 }
 
-void neph_gpu_scene_move(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
-                         int width_px, int height_px)
+void neph_gpu_scene_update(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
+                           int width_px, int height_px)
 {
     const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX];
-    fill(gpu, scene, frame, width_px, height_px, media);
+    fill_scene_frame(gpu, scene, frame, width_px, height_px, media);
 }
 
 void neph_gpu_scene_add_fog(struct neph_gpu_scene *gpu, const struct neph_scene *scene,
@@ -582,11 +585,11 @@ void neph_gpu_scene_add_fog(struct neph_gpu_scene *gpu, const struct neph_scene 
 {
     const struct neph_vec3 camera_m = neph_scene_camera(scene, frame).position_m;
     const uint32_t known = ~0u << NEPH_GPU_MEDIA_SHIFT;
-    if (!is_there(fog))
+    if (!has_effect(fog))
         return;
     const struct neph_gpu_medium *made = add_medium(fog, camera_m, 0, gpu);
-    let_scatter(scene, !is_black(made->albedo), gpu->frame);
-    gpu->constants[1] = (gpu->constants[1] & ~known) | known_media(gpu->frame);
+    set_scattering(scene, !is_black(made->albedo), gpu->frame);
+    gpu->constants[1] = (gpu->constants[1] & ~known) | encode_known_media(gpu->frame);
     gpu->frame->solids_shade = scene->solid_count > 0; /* the fog is unbounded, so any solid shades
                                                           it */
     gpu->constants[1] |= scene->solid_count > 0 ? NEPH_GPU_SHADED : 0u;

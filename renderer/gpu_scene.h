@@ -22,12 +22,12 @@ _Static_assert(NEPH_SCENE_SOLIDS_MAX == NEPH_GPU_SOLIDS_MAX, "room for solids");
 _Static_assert(NEPH_SOLID_BOX == 0 && NEPH_SOLID_SPHERE == 1 && NEPH_SOLID_KIND_COUNT == 2,
                "solids.glsl's kinds");
 
-struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
+struct neph_gpu_solid neph_gpu_solid_pack(const struct neph_solid *solid,
                                           struct neph_vec3 camera_position_m);
 
 /* Upper bound of loop iterations (compute.h) of one ray through all solids: leaving a block of
  * solids takes one more. */
-static inline uint64_t neph_gpu_solid_turns(uint64_t solid_count)
+static inline uint64_t neph_gpu_solid_iterations(uint64_t solid_count)
 {
     return solid_count + 2 * (solid_count / NEPH_GPU_BLOCK_SOLIDS + 1) + 1;
 }
@@ -58,7 +58,7 @@ struct neph_gpu_scene {
         uint32_t size[3], first;
     } majorants[NEPH_GPU_MEDIA_MAX];
     /* Upper bound of loop iterations (compute.h) of one exact optical depth through all media. */
-    uint64_t optical_depth_turns;
+    uint64_t optical_depth_iterations;
 };
 
 /* Zero-initialise `gpu`; free with _destroy, also after an error. `with_majorants`: build majorant
@@ -72,8 +72,8 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
 
 /* Upload another frame of the scene, with another sun or moved media (neph_scene_at()): grids and
  * textures stay unchanged on the device. */
-void neph_gpu_scene_move(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
-                         int width_px, int height_px);
+void neph_gpu_scene_update(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
+                           int width_px, int height_px);
 
 /* Add one medium, an unbounded fog without data of its own, to the frame in `gpu`. The frame's
  * memory must be readable, since its other media are kept. */
@@ -81,19 +81,19 @@ void neph_gpu_scene_add_fog(struct neph_gpu_scene *gpu, const struct neph_scene 
                             const struct neph_medium *fog, double frame);
 
 /* The media that have an effect, in the order of a frame. Returns their number. */
-uint32_t neph_gpu_scene_list(const struct neph_scene *scene,
-                             const struct neph_medium *media[NEPH_GPU_MEDIA_MAX]);
+uint32_t neph_gpu_scene_list_media(const struct neph_scene *scene,
+                                   const struct neph_medium *media[NEPH_GPU_MEDIA_MAX]);
 
 /* These media in world positions; the entries after them are zero. Returns their number. */
-uint32_t neph_gpu_scene_media(const struct neph_scene *scene,
-                              struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX]);
+uint32_t neph_gpu_scene_pack_media(const struct neph_scene *scene,
+                                   struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX]);
 
 /* Whether two suns have the same direction. Transmittance towards the sun depends on the direction
  * but not on the irradiance. */
-bool neph_gpu_same_sun(const struct neph_sun *a, const struct neph_sun *b);
+bool neph_gpu_is_same_sun(const struct neph_sun *a, const struct neph_sun *b);
 
 /* The bounds of all bounded media (all except fogs); false when there is none. */
-bool neph_shapes_box(const struct neph_scene *scene, struct neph_bounds *box);
+bool neph_find_media_bounds(const struct neph_scene *scene, struct neph_bounds *box);
 
 void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu);
 

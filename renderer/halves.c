@@ -11,8 +11,8 @@ static const uint32_t code[] = {
 
 enum { half_count = 1 << 16, local_size = 64 };
 
-static enum neph_status ask(struct neph_vulkan *vulkan, const struct neph_buffer *verdict,
-                            struct neph_diag *diag)
+static enum neph_status run_halves_test(struct neph_vulkan *vulkan,
+                                        const struct neph_buffer *verdict, struct neph_diag *diag)
 {
     const struct neph_kernel_params params = {
         .name = "halves",
@@ -30,14 +30,14 @@ static enum neph_status ask(struct neph_vulkan *vulkan, const struct neph_buffer
     return status ? status : neph_kernel_run(vulkan, kernel, &dispatch, NULL, diag);
 }
 
-enum neph_status neph_halves_ask(struct neph_vulkan *vulkan, uint32_t *right,
-                                 struct neph_diag *diag)
+enum neph_status neph_halves_test(struct neph_vulkan *vulkan, uint32_t *right,
+                                  struct neph_diag *diag)
 {
     struct neph_buffer verdict = {0};
     enum neph_status status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, sizeof(uint32_t),
                                                  "verdict on halves", &verdict, diag);
     if (!status)
-        status = ask(vulkan, &verdict, diag);
+        status = run_halves_test(vulkan, &verdict, diag);
     if (!status)
         *right = (NEPH_HALVES_READ | NEPH_HALVES_WRITTEN) & ~*(const uint32_t *)verdict.mapped;
     neph_buffer_destroy(vulkan, &verdict);

@@ -13,7 +13,7 @@
 /* Run a kernel that tests the conversions. `*right` receives NEPH_HALVES_READ if unpackHalf2x16()
  * is exact for every half, and NEPH_HALVES_WRITTEN if packHalf2x16() rounds to nearest even at all
  * values where the rounding decides. */
-enum neph_status neph_halves_ask(struct neph_vulkan *vulkan, uint32_t *right,
-                                 struct neph_diag *diag);
+enum neph_status neph_halves_test(struct neph_vulkan *vulkan, uint32_t *right,
+                                  struct neph_diag *diag);
 
 #endif

@@ -19,13 +19,13 @@ enum neph_status neph_in_flight_begin(const struct neph_vulkan *vulkan,
 
 void neph_in_flight_end(const struct neph_vulkan *vulkan, struct neph_in_flight *flight)
 {
-    flight->batches[flight->sent % NEPH_IN_FLIGHT_FRAMES] = neph_batches_sent(vulkan);
+    flight->batches[flight->sent % NEPH_IN_FLIGHT_FRAMES] = neph_batches_submitted(vulkan);
     flight->sent++;
 }
 
-enum neph_status neph_in_flight_home(const struct neph_vulkan *vulkan,
-                                     struct neph_in_flight *flight, int *slot,
-                                     struct neph_diag *diag)
+enum neph_status neph_in_flight_collect(const struct neph_vulkan *vulkan,
+                                        struct neph_in_flight *flight, int *slot,
+                                        struct neph_diag *diag)
 {
     if (flight->home == flight->sent)
         return neph_fail(diag, NEPH_ERR_USAGE, "no frame is in flight");
@@ -38,16 +38,16 @@ enum neph_status neph_in_flight_home(const struct neph_vulkan *vulkan,
     return NEPH_OK;
 }
 
-enum neph_status neph_in_flight_land(const struct neph_vulkan *vulkan,
-                                     struct neph_in_flight *flight, struct neph_diag *diag)
+enum neph_status neph_in_flight_drain(const struct neph_vulkan *vulkan,
+                                      struct neph_in_flight *flight, struct neph_diag *diag)
 {
     flight->home = flight->sent;
-    return neph_batches_wait(vulkan, neph_batches_sent(vulkan), what, diag);
+    return neph_batches_wait(vulkan, neph_batches_submitted(vulkan), what, diag);
 }
 
-enum neph_status neph_turns_create(const struct neph_vulkan *vulkan, const struct neph_buffer *like,
-                                   const char *name, struct neph_turns *turns,
-                                   struct neph_diag *diag)
+enum neph_status neph_buffer_ring_create(const struct neph_vulkan *vulkan,
+                                         const struct neph_buffer *like, const char *name,
+                                         struct neph_buffer_ring *turns, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < NEPH_IN_FLIGHT_FRAMES - 1 && !status; i++)
@@ -56,13 +56,13 @@ enum neph_status neph_turns_create(const struct neph_vulkan *vulkan, const struc
     return status;
 }
 
-void neph_turns_destroy(const struct neph_vulkan *vulkan, struct neph_turns *turns)
+void neph_buffer_ring_destroy(const struct neph_vulkan *vulkan, struct neph_buffer_ring *turns)
 {
     for (int i = 0; i < NEPH_IN_FLIGHT_FRAMES - 1; i++)
         neph_buffer_destroy(vulkan, &turns->waiting[i]);
 }
 
-void neph_turns_take(struct neph_turns *turns, struct neph_buffer *buffer)
+void neph_buffer_ring_advance(struct neph_buffer_ring *turns, struct neph_buffer *buffer)
 {
     const struct neph_buffer used = *buffer;
     *buffer = turns->waiting[0];

@@ -27,29 +27,29 @@ enum neph_status neph_in_flight_begin(const struct neph_vulkan *vulkan,
 void neph_in_flight_end(const struct neph_vulkan *vulkan, struct neph_in_flight *flight);
 
 /* Wait for the oldest frame in flight and collect it. NEPH_ERR_USAGE: none is in flight. */
-enum neph_status neph_in_flight_home(const struct neph_vulkan *vulkan,
-                                     struct neph_in_flight *flight, int *slot,
-                                     struct neph_diag *diag);
+enum neph_status neph_in_flight_collect(const struct neph_vulkan *vulkan,
+                                        struct neph_in_flight *flight, int *slot,
+                                        struct neph_diag *diag);
 
 /* Wait for all submitted work, whether its frames are complete or not, and drop these frames. */
-enum neph_status neph_in_flight_land(const struct neph_vulkan *vulkan,
-                                     struct neph_in_flight *flight, struct neph_diag *diag);
+enum neph_status neph_in_flight_drain(const struct neph_vulkan *vulkan,
+                                      struct neph_in_flight *flight, struct neph_diag *diag);
 
 /* The copies of a buffer that are not in use by the current frame. */
-struct neph_turns {
+struct neph_buffer_ring {
     struct neph_buffer waiting[NEPH_IN_FLIGHT_FRAMES - 1];
 };
 
 /* Create copies with the size of an upload buffer. Zero-initialise; free with _destroy, also after
  * an error. */
-enum neph_status neph_turns_create(const struct neph_vulkan *vulkan, const struct neph_buffer *like,
-                                   const char *name, struct neph_turns *turns,
-                                   struct neph_diag *diag);
-void neph_turns_destroy(const struct neph_vulkan *vulkan, struct neph_turns *turns);
+enum neph_status neph_buffer_ring_create(const struct neph_vulkan *vulkan,
+                                         const struct neph_buffer *like, const char *name,
+                                         struct neph_buffer_ring *turns, struct neph_diag *diag);
+void neph_buffer_ring_destroy(const struct neph_vulkan *vulkan, struct neph_buffer_ring *turns);
 
 /* Swap `buffer` with the copy that has been unused longest. Called once a frame, after
  * neph_in_flight_begin(), so that no kernel reads the new `buffer`. It has the contents of an older
  * frame. */
-void neph_turns_take(struct neph_turns *turns, struct neph_buffer *buffer);
+void neph_buffer_ring_advance(struct neph_buffer_ring *turns, struct neph_buffer *buffer);
 
 #endif

@@ -100,8 +100,8 @@ static void check_loops(struct neph_vulkan *vulkan, const char *name, const uint
 }
 
 /* Prefix a diag with the name of the shader and the constants that it reads. */
-static enum neph_status blame(const struct neph_kernel *kernel, enum neph_status status,
-                              struct neph_diag *diag)
+static enum neph_status prefix_kernel_name(const struct neph_kernel *kernel,
+                                           enum neph_status status, struct neph_diag *diag)
 {
     char constants[512] = "";
     size_t length = 0;
@@ -128,7 +128,7 @@ static enum neph_status specialize(const struct neph_kernel_params *params, uint
 }
 
 /* The specialised SPIR-V, from the cache or newly made. */
-static enum neph_status get_words(const struct neph_kernel *kernel, uint32_t **words,
+static enum neph_status get_spirv(const struct neph_kernel *kernel, uint32_t **words,
                                   size_t *size_bytes, struct neph_diag *diag)
 {
     const struct neph_kernel_params *params = &kernel->params;
@@ -140,7 +140,7 @@ static enum neph_status get_words(const struct neph_kernel *kernel, uint32_t **w
         return status;
     status = specialize(params, words, size_bytes, diag);
     if (status)
-        return blame(kernel, status, diag);
+        return prefix_kernel_name(kernel, status, diag);
     neph_shader_cache_write(cache, key, *words, *size_bytes);
     return NEPH_OK;
 }
@@ -193,7 +193,7 @@ static VkResult compile(struct neph_kernel *kernel, const uint32_t *words, size_
     return result;
 }
 
-static void make(void *context)
+static void compile_in_worker(void *context)
 {
     struct neph_kernel *kernel = context;
     struct neph_vulkan *vulkan = kernel->vulkan;
@@ -203,7 +203,7 @@ static void make(void *context)
         kernel->status = neph_fail(&kernel->diag, NEPH_ERR_INTERRUPTED, "the device is closed");
         return;
     }
-    kernel->status = get_words(kernel, &words, &size_bytes, &kernel->diag);
+    kernel->status = get_spirv(kernel, &words, &size_bytes, &kernel->diag);
     if (kernel->status)
         return;
     if (vulkan->messenger && vulkan->description.is_cpu)
@@ -223,9 +223,9 @@ static void make(void *context)
                          kernel->params.name);
 }
 
-bool neph_kernel_is_made(const struct neph_kernel *kernel)
+bool neph_kernel_is_compiled(const struct neph_kernel *kernel)
 {
-    return neph_workers_have_done(kernel->vulkan->makers, &kernel->making);
+    return neph_workers_is_done(kernel->vulkan->makers, &kernel->making);
 }
 
 enum neph_status neph_kernel_finish(const struct neph_kernel *kernel, struct neph_diag *diag)
@@ -240,8 +240,8 @@ enum neph_status neph_kernel_finish(const struct neph_kernel *kernel, struct nep
 
 /* Canonical params: texels only on a CPU; bits of constants that the shader does not read become 0,
  * so that they do not lead to a second kernel. */
-static struct neph_kernel_params own_params(const struct neph_vulkan *vulkan,
-                                            const struct neph_kernel_params *params)
+static struct neph_kernel_params canonicalize_params(const struct neph_vulkan *vulkan,
+                                                     const struct neph_kernel_params *params)
 {
     struct neph_kernel_params own = *params;
     if (!vulkan->description.is_cpu)
@@ -277,7 +277,7 @@ static enum neph_status create_kernel(struct neph_vulkan *vulkan,
         return neph_fail_memory(diag);
     created->vulkan = vulkan;
     created->params = *own;
-    created->making = (struct neph_task){.work = make, .context = created};
+    created->making = (struct neph_task){.work = compile_in_worker, .context = created};
     const VkResult result = create_layouts(vulkan, created);
     if (result != VK_SUCCESS) {
         kernel_destroy(created);
@@ -292,7 +292,7 @@ enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
                                  const struct neph_kernel_params *params,
                                  const struct neph_kernel **kernel, struct neph_diag *diag)
 {
-    const struct neph_kernel_params own = own_params(vulkan, params);
+    const struct neph_kernel_params own = canonicalize_params(vulkan, params);
     for (struct neph_kernel *known = vulkan->kernels; known; known = known->next)
         if (same_kernel(&known->params, &own)) {
             *kernel = known;

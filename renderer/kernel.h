@@ -27,7 +27,7 @@ struct neph_kernel_params {
     int array_count;   /* further storage buffers, an array at binding buffer_count; 0: none */
     int image_count;   /* textures, an array at NEPH_GPU_IMAGES_BINDING; 0: none */
     /* On a CPU a kernel also reads the buffers from texels_first on as texels; the size of the
-     * array of each format (neph_buffer_see_texels()). */
+     * array of each format (neph_buffer_create_texel_views()). */
     int texels_first, texels_count[NEPH_GPU_TEXEL_FORMATS];
     size_t push_size_bytes; /* push constants, from offset 0 */
     int constant_count;     /* specialization constants 0 .. count-1 */
@@ -59,7 +59,7 @@ enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
 void neph_kernels_destroy(struct neph_vulkan *vulkan);
 
 /* Whether _finish would return at once. */
-bool neph_kernel_is_made(const struct neph_kernel *kernel);
+bool neph_kernel_is_compiled(const struct neph_kernel *kernel);
 
 /* Wait until the kernel is compiled. NEPH_ERR_INTERNAL: the optimiser refuses the shader; the
  * message has its name and the constants. NEPH_ERR_ENGINE: the driver refuses it. */

@@ -125,8 +125,8 @@ static void write_buffers(const struct neph_kernel *kernel, const struct neph_ke
     vulkan->api.vkUpdateDescriptorSets(vulkan->device, (uint32_t)binding_count, writes, 0, NULL);
 }
 
-static bool is_for(const struct kernel_set *set, const struct neph_kernel *kernel,
-                   const struct neph_kernel_bound *bound)
+static bool is_matching_set(const struct kernel_set *set, const struct neph_kernel *kernel,
+                            const struct neph_kernel_bound *bound)
 {
     bool same = set->kernel == kernel;
     for (int i = 0; i < neph_kernel_buffer_count(&kernel->params) && same; i++)
@@ -155,7 +155,7 @@ VkResult neph_kernel_sets_get(const struct neph_kernel *kernel,
 {
     const struct neph_vulkan *vulkan = kernel->vulkan;
     for (const struct kernel_set *set = vulkan->sets->first; set; set = set->next)
-        if (is_for(set, kernel, bound)) {
+        if (is_matching_set(set, kernel, bound)) {
             *handle = set->handle;
             return VK_SUCCESS;
         }
@@ -180,30 +180,31 @@ VkResult neph_kernel_sets_get(const struct neph_kernel *kernel,
 /* --- removal of sets ---------------------------------------------------------------------- */
 
 /* A destroyed resource, one of the two. Unused entries of a set are null. */
-struct going {
+struct destroyed_resource {
     VkBuffer buffer;
     VkImageView image;
 };
 
-static bool set_has(const struct kernel_set *set, struct going going)
+static bool is_in_set(const struct kernel_set *set, struct destroyed_resource destroyed_resource)
 {
     bool has = false;
     for (int i = 0; i < NEPH_KERNEL_BUFFERS_MAX; i++)
-        has |= going.buffer && set->buffers[i] == going.buffer;
+        has |= destroyed_resource.buffer && set->buffers[i] == destroyed_resource.buffer;
     for (int i = 0; i < NEPH_KERNEL_IMAGES_MAX; i++)
-        has |= going.image && set->images[i] == going.image;
+        has |= destroyed_resource.image && set->images[i] == destroyed_resource.image;
     return has;
 }
 
 /* Wait for all users and destroy the sets; a new resource may get the same handle. */
-static void forget(const struct neph_vulkan *vulkan, struct going going)
+static void remove_sets(const struct neph_vulkan *vulkan,
+                        struct destroyed_resource destroyed_resource)
 {
     neph_lanes_wait(vulkan, vulkan->lanes->sent); /* a lost device is reported by the next caller
                                                      that uses it */
     struct kernel_set **at = &vulkan->sets->first;
     while (*at) {
         struct kernel_set *set = *at;
-        if (!set_has(set, going)) {
+        if (!is_in_set(set, destroyed_resource)) {
             at = &set->next;
             continue;
         }
@@ -212,14 +213,14 @@ static void forget(const struct neph_vulkan *vulkan, struct going going)
     }
 }
 
-void neph_kernel_sets_forget_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer)
+void neph_kernel_sets_remove_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer)
 {
-    forget(vulkan, (struct going){.buffer = buffer});
+    remove_sets(vulkan, (struct destroyed_resource){.buffer = buffer});
 }
 
-void neph_kernel_sets_forget_image(const struct neph_vulkan *vulkan, VkImageView image)
+void neph_kernel_sets_remove_image(const struct neph_vulkan *vulkan, VkImageView image)
 {
-    forget(vulkan, (struct going){.image = image});
+    remove_sets(vulkan, (struct destroyed_resource){.image = image});
 }
 
 struct neph_kernel_sets *neph_kernel_sets_create(void)

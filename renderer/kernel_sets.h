@@ -22,8 +22,8 @@ VkResult neph_kernel_sets_get(const struct neph_kernel *kernel,
 
 /* Before a buffer or an image is destroyed: wait for all batches in flight and destroy the sets
  * that contain it. */
-void neph_kernel_sets_forget_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer);
-void neph_kernel_sets_forget_image(const struct neph_vulkan *vulkan, VkImageView image);
+void neph_kernel_sets_remove_buffer(const struct neph_vulkan *vulkan, VkBuffer buffer);
+void neph_kernel_sets_remove_image(const struct neph_vulkan *vulkan, VkImageView image);
 
 /* For neph_vulkan_create() and _destroy(); the latter accepts NULL. NULL: no memory. */
 struct neph_kernel_sets *neph_kernel_sets_create(void);

@@ -6,8 +6,8 @@
 static const double widest_tangent = 20.0;
 static const double farthest_px = 1e9; /* within the range of int32_t */
 
-struct neph_gpu_lamp_sight neph_lamp_sight(const struct neph_camera *camera, int width_px,
-                                           int height_px, struct neph_vec3 position_m)
+struct neph_gpu_lamp_sight neph_project_light(const struct neph_camera *camera, int width_px,
+                                              int height_px, struct neph_vec3 position_m)
 {
     const bool is_parallel = camera->orthographic_height_m > 0.0;
     const double away_m = neph_vec3_length(neph_vec3_sub(position_m, camera->position_m));

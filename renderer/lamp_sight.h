@@ -12,7 +12,7 @@
 
 /* The position of a light in camera space. depth_m is 0 for a light behind the camera, or farther
  * from its axis than all rays of the frame: float32 is then sufficient. */
-struct neph_gpu_lamp_sight neph_lamp_sight(const struct neph_camera *camera, int width_px,
-                                           int height_px, struct neph_vec3 position_m);
+struct neph_gpu_lamp_sight neph_project_light(const struct neph_camera *camera, int width_px,
+                                              int height_px, struct neph_vec3 position_m);
 
 #endif

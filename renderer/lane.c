@@ -139,7 +139,7 @@ void neph_lane_stamp(const struct neph_vulkan *vulkan, struct neph_lane *lane, d
 
 /* --- submission and completion ------------------------------------------------------------ */
 
-VkResult neph_lane_send(const struct neph_vulkan *vulkan, struct neph_lane *lane)
+VkResult neph_lane_submit(const struct neph_vulkan *vulkan, struct neph_lane *lane)
 {
     const VkSubmitInfo submit = {
         .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
@@ -166,7 +166,7 @@ static void add_time(const struct neph_lane *lane, uint32_t stamp, double second
         *lane->seconds[stamp] += seconds;
 }
 
-static VkResult take_times(const struct neph_vulkan *vulkan, const struct neph_lane *lane)
+static VkResult collect_times(const struct neph_vulkan *vulkan, const struct neph_lane *lane)
 {
     const uint32_t count = lane->stamp_count;
     uint64_t ticks[NEPH_LANE_STAMPS_MAX + 1];
@@ -191,7 +191,7 @@ VkResult neph_lanes_wait(const struct neph_vulkan *vulkan, uint64_t count)
         const struct neph_lane *lane = &lanes->lanes[lanes->home % NEPH_LANE_COUNT];
         result = vulkan->api.vkWaitForFences(vulkan->device, 1, &lane->fence, VK_TRUE, UINT64_MAX);
         if (result == VK_SUCCESS)
-            result = take_times(vulkan, lane);
+            result = collect_times(vulkan, lane);
     }
     return result;
 }

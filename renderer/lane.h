@@ -45,7 +45,7 @@ VkResult neph_lane_begin(const struct neph_vulkan *vulkan, struct neph_lane **la
 void neph_lane_stamp(const struct neph_vulkan *vulkan, struct neph_lane *lane, double *seconds);
 
 /* Submit the lane and make its writes visible to the CPU. */
-VkResult neph_lane_send(const struct neph_vulkan *vulkan, struct neph_lane *lane);
+VkResult neph_lane_submit(const struct neph_vulkan *vulkan, struct neph_lane *lane);
 
 /* Wait until the first `count` batches are done, and add up their times. */
 VkResult neph_lanes_wait(const struct neph_vulkan *vulkan, uint64_t count);

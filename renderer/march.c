@@ -129,7 +129,7 @@ bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_light
 {
     const char *obstacle = find_obstacle(scene, lighting);
     if (!obstacle)
-        return neph_float32_reaches(scene, reason, reason_size);
+        return neph_is_in_float32_range(scene, reason, reason_size);
     snprintf(reason, reason_size, "%s", obstacle);
     return false;
 }
@@ -150,31 +150,31 @@ static const char *find_obstacle_to_veils(const struct neph_scene *scene,
     return NULL;
 }
 
-bool neph_march_rest(const struct neph_scene *scene, struct neph_march_veils veils,
-                     struct neph_scene *rest, char *reason, size_t reason_size)
+bool neph_march_remove_veils(const struct neph_scene *scene, struct neph_march_veils veils,
+                             struct neph_scene *rest, char *reason, size_t reason_size)
 {
     struct neph_sky_split split;
     if (veils.sky && !neph_sky_split(scene, &split, reason, reason_size))
         return false;
-    if (veils.fog.is_look && !neph_fog_look_is_among(scene, veils.fog.model, reason, reason_size))
+    if (veils.fog.is_look &&
+        !neph_fog_look_can_model_fog_only(scene, veils.fog.model, reason, reason_size))
         return false;
     *rest = *scene;
     rest->borrows = true;
     if (veils.sky)
-        *rest = neph_sky_rest(rest, &split);
+        *rest = neph_sky_remove_air(rest, &split);
     if (veils.fog.is_look)
-        *rest = neph_fog_look_rest(rest);
+        *rest = neph_fog_look_remove_fog(rest);
     return true;
 }
 
-bool neph_march_can_render_under(const struct neph_scene *scene, struct neph_march_veils veils,
-                                 enum neph_march_lighting lighting, char *reason,
-                                 size_t reason_size)
+bool neph_march_can_render_with(const struct neph_scene *scene, struct neph_march_veils veils,
+                                enum neph_march_lighting lighting, char *reason, size_t reason_size)
 {
     struct neph_scene rest;
     if (!veils.sky && !veils.fog.is_look)
         return neph_march_can_render(scene, lighting, reason, reason_size);
-    if (!neph_march_rest(scene, veils, &rest, reason, reason_size))
+    if (!neph_march_remove_veils(scene, veils, &rest, reason, reason_size))
         return false;
     const char *obstacle = find_obstacle_to_veils(scene, veils, lighting);
     if (!obstacle)
@@ -229,9 +229,9 @@ static bool looks_ahead(const struct neph_march_params *params)
 }
 
 /* Refuse unbounded media with tables over the bounds of all media. */
-static enum neph_status check_endless(const struct neph_scene *scene,
-                                      const struct neph_march_params *params,
-                                      struct neph_diag *diag)
+static enum neph_status check_tables_bounded(const struct neph_scene *scene,
+                                             const struct neph_march_params *params,
+                                             struct neph_diag *diag)
 {
     const struct neph_shortcuts *shortcuts = &params->shortcuts;
     const struct {
@@ -258,7 +258,7 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
         status = check_range("height", params->height_px, NEPH_MARCH_SIDE_MAX_PX, diag);
     if (!status)
         status = check_range("steps", params->steps, NEPH_MARCH_STEPS_MAX, diag);
-    if (!status && neph_march_marches_sun(scene, params))
+    if (!status && neph_march_has_sun_rays(scene, params))
         status = check_range("sun_steps", params->sun_steps, NEPH_MARCH_STEPS_MAX, diag);
     if (status)
         return status;
@@ -274,12 +274,12 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
         status = check_diffusion(&params->diffusion, diag);
     if (status)
         return status;
-    status = check_endless(scene, params, diag);
+    status = check_tables_bounded(scene, params, diag);
     if (status)
         return status;
     char reason[256];
     const struct neph_march_veils veils = {params->sky.is_on, params->fog};
-    if (!neph_march_can_render_under(scene, veils, params->lighting, reason, sizeof(reason)))
+    if (!neph_march_can_render_with(scene, veils, params->lighting, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "march: cannot: %s", reason);
     return NEPH_OK;
 }
@@ -288,22 +288,22 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
 
 enum { square_px = 8 }; /* a work group of shaders/march.comp */
 
-static uint64_t squares_across(int side_px)
+static uint64_t count_squares(int side_px)
 {
     return ((uint64_t)side_px + square_px - 1) / square_px;
 }
 
-static uint64_t ray_count_of(const struct neph_march_params *params)
+static uint64_t count_rays(const struct neph_march_params *params)
 {
-    return squares_across(params->width_px) * squares_across(params->height_px) * square_px *
+    return count_squares(params->width_px) * count_squares(params->height_px) * square_px *
            square_px;
 }
 
 /* The pixel of a ray: squares in raster order, and in a square by the bits of the ray's index, as
  * in shaders/march.comp. -1: outside the image. */
-static int64_t pixel_of(const struct neph_march_params *params, uint64_t ray)
+static int64_t find_ray_pixel(const struct neph_march_params *params, uint64_t ray)
 {
-    const uint64_t side = square_px, columns = squares_across(params->width_px);
+    const uint64_t side = square_px, columns = count_squares(params->width_px);
     const uint64_t square = ray / (side * side), own = ray % (side * side);
     const uint64_t x = side * (square % columns) + ((own & 3) | (own >> 1 & 4));
     const uint64_t y = side * (square / columns) + ((own >> 2 & 1) | (own >> 3 & 6));
@@ -317,7 +317,7 @@ static int64_t pixel_of(const struct neph_march_params *params, uint64_t ray)
 struct neph_march {
     struct neph_vulkan *vulkan; /* borrowed */
     struct neph_march_params params;
-    struct neph_march_cut cut;
+    struct neph_march_split cut;
     struct neph_march_scene scene;
     struct neph_buffer pixels, states, readback;
     struct neph_in_flight flight;
@@ -354,8 +354,8 @@ enum neph_status neph_march_create(struct neph_vulkan *vulkan, const struct neph
     made->params = *params;
     status = neph_march_scene_create(vulkan, scene, params, &made->scene, diag);
     if (!status)
-        status = neph_march_cut_make(vulkan, scene, &made->scene.gpu, params, ray_count_of(params),
-                                     &made->cut, diag);
+        status = neph_march_split_make(vulkan, scene, &made->scene.gpu, params, count_rays(params),
+                                       &made->cut, diag);
     if (!status)
         status = create_buffers(made, diag);
     if (status)
@@ -412,7 +412,7 @@ static enum neph_status create_image(const struct neph_march *march, struct neph
     return NEPH_OK;
 }
 
-static float in_file_m(float distance_m)
+static float convert_distance_m(float distance_m)
 {
     return distance_m < NEPH_GPU_FAR_M ? distance_m : INFINITY;
 }
@@ -425,9 +425,9 @@ static void unpack(const struct neph_gpu_march_pixel *pixel, size_t index,
         layers->volume[c][index] = pixel->volume[c];
         layers->transmittance[c][index] = pixel->transmittance[c];
     }
-    layers->eye_depth_m[index] = in_file_m(pixel->eye_depth_m);
+    layers->eye_depth_m[index] = convert_distance_m(pixel->eye_depth_m);
     if (layers->volume_distance_m)
-        layers->volume_distance_m[index] = in_file_m(pixel->volume_distance_m);
+        layers->volume_distance_m[index] = convert_distance_m(pixel->volume_distance_m);
     stats->density_evaluations += pixel->density_evaluations;
     stats->closed_forms += pixel->closed_forms;
     stats->view_steps += pixel->view_steps;
@@ -444,8 +444,8 @@ struct work {
     struct neph_march_scene_cost cost; /* work before the march */
 };
 
-static struct neph_dispatch dispatch_of(const struct neph_march *march,
-                                        const struct neph_gpu_march_run *run)
+static struct neph_dispatch make_march_dispatch(const struct neph_march *march,
+                                                const struct neph_gpu_march_run *run)
 {
     struct neph_dispatch dispatch = {
         .push = run,
@@ -466,7 +466,7 @@ static enum neph_status read_pixels(struct work *work, const struct neph_gpu_mar
         run->ray_count * sizeof(struct neph_gpu_march_pixel), diag);
     const struct neph_gpu_march_pixel *pixels = march->readback.mapped;
     for (uint32_t i = 0; i < run->ray_count && !status; i++) {
-        const int64_t pixel = pixel_of(&march->params, (uint64_t)run->first_ray + i);
+        const int64_t pixel = find_ray_pixel(&march->params, (uint64_t)run->first_ray + i);
         if (pixel >= 0)
             unpack(&pixels[i], (size_t)pixel, &work->layers, &work->stats);
     }
@@ -474,14 +474,14 @@ static enum neph_status read_pixels(struct work *work, const struct neph_gpu_mar
 }
 
 /* Submit one dispatch; the last dispatch of its rays also returns the results. */
-static enum neph_status march_run(const struct neph_gpu_march_run *run, void *context,
-                                  struct neph_diag *diag)
+static enum neph_status submit_march_run(const struct neph_gpu_march_run *run, void *context,
+                                         struct neph_diag *diag)
 {
     struct work *work = context;
     struct neph_march *march = work->march;
-    const struct neph_dispatch dispatch = dispatch_of(march, run);
-    const enum neph_status status = neph_dispatch_send(march->vulkan, work->kernel, &dispatch,
-                                                       "march", work->gpu_s, diag);
+    const struct neph_dispatch dispatch = make_march_dispatch(march, run);
+    const enum neph_status status = neph_dispatch_submit(march->vulkan, work->kernel, &dispatch,
+                                                         "march", work->gpu_s, diag);
     work->stats.dispatches++;
     const bool is_last = run->end_step == march->cut.step_count;
     return !status && is_last && work->is_read ? read_pixels(work, run, diag) : status;
@@ -507,12 +507,12 @@ static enum neph_status get_kernel(struct neph_march *march, const struct neph_k
 }
 
 /* Submit all dispatches of a frame. */
-static enum neph_status send_frame(struct neph_march *march, struct work *work,
-                                   struct neph_diag *diag)
+static enum neph_status submit_march_frame(struct neph_march *march, struct work *work,
+                                           struct neph_diag *diag)
 {
     enum neph_status status = get_kernel(march, &work->kernel, diag);
     if (!status)
-        status = neph_march_cut_run(&march->cut, march_run, work, diag);
+        status = neph_march_split_run(&march->cut, submit_march_run, work, diag);
     if (!status)
         status = neph_vulkan_check(march->vulkan, diag);
     if (!status)
@@ -528,9 +528,9 @@ static enum neph_status read_frame(struct neph_march *march, struct work *work,
     work->is_read = true;
     enum neph_status status = create_image(march, &made, &work->layers, diag);
     if (!status)
-        status = send_frame(march, work, diag);
+        status = submit_march_frame(march, work, diag);
     if (!status)
-        status = neph_in_flight_land(march->vulkan, &march->flight, diag);
+        status = neph_in_flight_drain(march->vulkan, &march->flight, diag);
     if (status) {
         neph_image_destroy(made);
         return status;
@@ -544,18 +544,18 @@ static enum neph_status read_frame(struct neph_march *march, struct work *work,
     work->stats.density_evaluations += evaluations;
     work->stats.closed_forms += closed_forms;
     work->stats.dispatches += work->cost.fill->dispatches;
-    neph_march_cut_learn(&march->cut, *work->gpu_s);
+    neph_march_split_adapt(&march->cut, *work->gpu_s);
     *image = made;
     return NEPH_OK;
 }
 
 enum neph_status neph_march_frame(struct neph_march *march, const struct neph_scene *scene,
-                                  double frame, const struct neph_march_moment *moment,
+                                  double frame, const struct neph_march_frame_state *moment,
                                   struct neph_image **image, struct neph_march_stats *stats,
                                   struct neph_diag *diag)
 {
     const double start_s = neph_wall_s();
-    static const struct neph_march_moment alone;
+    static const struct neph_march_frame_state alone;
     struct work work = {.march = march};
     int slot;
     moment = moment ? moment : &alone;
@@ -569,13 +569,13 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
     *work.cost.light_gpu_s = 0.0;
     work.cost.sky = &march->skies[slot];
     *work.cost.sky = (struct neph_sky_times){.air_s = 0.0};
-    status = neph_march_scene_show(scene, &march->params, frame, moment, &march->scene, &work.cost,
-                                   diag);
+    status = neph_march_scene_update(scene, &march->params, frame, moment, &march->scene,
+                                     &work.cost, diag);
     if (status)
         return status;
     memcpy(march->scene.gpu.frame->jitter_px, moment->jitter_px, sizeof(moment->jitter_px));
     if (!image)
-        return send_frame(march, &work, diag);
+        return submit_march_frame(march, &work, diag);
     status = read_frame(march, &work, image, diag);
     work.stats.wall_s = neph_wall_s() - start_s;
     if (!status && stats)
@@ -583,20 +583,21 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
     return status;
 }
 
-enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct neph_diag *diag)
+enum neph_status neph_march_collect(struct neph_march *march, double *gpu_s, struct neph_diag *diag)
 {
     int slot;
-    const enum neph_status status = neph_in_flight_home(march->vulkan, &march->flight, &slot, diag);
+    const enum neph_status status = neph_in_flight_collect(march->vulkan, &march->flight, &slot,
+                                                           diag);
     if (status)
         return status;
     march->home_slot = slot;
-    neph_march_cut_learn(&march->cut, march->flights_gpu_s[slot]);
+    neph_march_split_adapt(&march->cut, march->flights_gpu_s[slot]);
     *gpu_s = march->flights_gpu_s[slot] + neph_sun_fill_gpu_s(&march->fills[slot]) +
              march->lights_gpu_s[slot] + neph_sky_gpu_s(&march->skies[slot]);
     return NEPH_OK;
 }
 
-struct neph_sky_times neph_march_home_sky(const struct neph_march *march)
+struct neph_sky_times neph_march_collected_sky(const struct neph_march *march)
 {
     return march->skies[march->home_slot];
 }

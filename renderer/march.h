@@ -55,15 +55,15 @@ bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_light
 /* Copy the scene without its veils to `rest`, which borrows everything that `scene` owns. False,
  * with the reason as text, when the scene has no such air (renderer/sky/split.h) or no such fog
  * (scenes/fog_translation.h). */
-bool neph_march_rest(const struct neph_scene *scene, struct neph_march_veils veils,
-                     struct neph_scene *rest, char *reason, size_t reason_size);
+bool neph_march_remove_veils(const struct neph_scene *scene, struct neph_march_veils veils,
+                             struct neph_scene *rest, char *reason, size_t reason_size);
 
 /* As neph_march_can_render(), with the veils rendered from tables (struct neph_march_sky) or as a
  * fog model. False also when the scene has no such air or fog, or its surroundings are outside the
  * range of the tables. */
-bool neph_march_can_render_under(const struct neph_scene *scene, struct neph_march_veils veils,
-                                 enum neph_march_lighting lighting, char *reason,
-                                 size_t reason_size);
+bool neph_march_can_render_with(const struct neph_scene *scene, struct neph_march_veils veils,
+                                enum neph_march_lighting lighting, char *reason,
+                                size_t reason_size);
 
 /* All checks of neph_march_create() that need no device. NEPH_ERR_USAGE: a parameter is out of
  * range; NEPH_ERR_UNSUPPORTED: neph_march_can_render() is false. */
@@ -91,16 +91,17 @@ void neph_march_destroy(struct neph_march *march);
  * With `image` NULL the frame is only submitted: no image is returned and `stats` is unchanged. Up
  * to NEPH_IN_FLIGHT_FRAMES frames are in flight. */
 enum neph_status neph_march_frame(struct neph_march *march, const struct neph_scene *scene,
-                                  double frame, const struct neph_march_moment *moment,
+                                  double frame, const struct neph_march_frame_state *moment,
                                   struct neph_image **image, struct neph_march_stats *stats,
                                   struct neph_diag *diag);
 
 /* Wait for the oldest frame in flight and return its device time (NaN without a clock). Frames
  * whose slot was reused, or that were followed by a frame with an image, are dropped.
  * NEPH_ERR_USAGE: none is in flight. */
-enum neph_status neph_march_home(struct neph_march *march, double *gpu_s, struct neph_diag *diag);
+enum neph_status neph_march_collect(struct neph_march *march, double *gpu_s,
+                                    struct neph_diag *diag);
 
 /* Device time of the sky's tables in the frame that _home returned last. */
-struct neph_sky_times neph_march_home_sky(const struct neph_march *march);
+struct neph_sky_times neph_march_collected_sky(const struct neph_march *march);
 
 #endif

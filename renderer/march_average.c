@@ -13,7 +13,7 @@ static double radical_inverse(unsigned index)
     return value;
 }
 
-void neph_march_point(int ray, int rays_per_px, float jitter_px[2])
+void neph_march_sample_offset(int ray, int rays_per_px, float jitter_px[2])
 {
     const double half_step = 0.5 / rays_per_px;
     jitter_px[0] = (float)((double)ray / rays_per_px + half_step - 0.5);
@@ -45,7 +45,7 @@ static void add_image(const struct neph_image *image, double *sums)
             sums[(size_t)c * count + p] += image->channels[c].samples[p];
 }
 
-static void take_means(const double *sums, int rays_per_px, struct neph_image *image)
+static void compute_means(const double *sums, int rays_per_px, struct neph_image *image)
 {
     const size_t count = neph_image_pixel_count(image);
     for (int c = 0; c < image->channel_count; c++)
@@ -55,8 +55,9 @@ static void take_means(const double *sums, int rays_per_px, struct neph_image *i
 
 /* Render one frame with an offset and add it to the sums. */
 static enum neph_status add_ray(struct neph_march *march, const struct neph_scene *scene,
-                                double frame, const struct neph_march_moment *moment, double *sums,
-                                struct neph_march_stats *total, struct neph_diag *diag)
+                                double frame, const struct neph_march_frame_state *moment,
+                                double *sums, struct neph_march_stats *total,
+                                struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
     struct neph_march_stats stats;
@@ -87,12 +88,12 @@ enum neph_status neph_march_average(struct neph_march *march, const struct neph_
         !(sums = calloc(neph_image_pixel_count(made) * (size_t)made->channel_count, sizeof(*sums))))
         status = neph_fail_memory(diag);
     for (int ray = 0; ray < rays_per_px && rays_per_px > 1 && !status; ray++) {
-        struct neph_march_moment moment = {.continues = false};
-        neph_march_point(ray, rays_per_px, moment.jitter_px);
+        struct neph_march_frame_state moment = {.continues = false};
+        neph_march_sample_offset(ray, rays_per_px, moment.jitter_px);
         status = add_ray(march, scene, frame, &moment, sums, &total, diag);
     }
     if (!status && rays_per_px > 1)
-        take_means(sums, rays_per_px, made);
+        compute_means(sums, rays_per_px, made);
     free(sums);
     if (status) {
         neph_image_destroy(made);

@@ -16,7 +16,7 @@
  * its mean is the centre. Example: each column, each row and each cell of 4 x 4 has one of 16
  * points. Equal in all pixels and frames. `rays_per_px` is a power of two; a single ray goes
  * through the centre. */
-void neph_march_point(int ray, int rays_per_px, float jitter_px[2]);
+void neph_march_sample_offset(int ray, int rays_per_px, float jitter_px[2]);
 
 /* As neph_march_frame(): R G B, volume.* and transmittance.* are means over the rays, summed in
  * double. Z and volume.distance are of an additional ray through the centre, because the mean of

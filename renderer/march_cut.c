@@ -40,7 +40,7 @@ static uint64_t most(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-bool neph_march_marches_sun(const struct neph_scene *scene, const struct neph_march_params *params)
+bool neph_march_has_sun_rays(const struct neph_scene *scene, const struct neph_march_params *params)
 {
     for (int i = 0; i < scene->medium_count; i++)
         if (!neph_medium_has_closed_form(&scene->media[i]))
@@ -50,7 +50,7 @@ bool neph_march_marches_sun(const struct neph_scene *scene, const struct neph_ma
 
 int neph_march_sun_steps(const struct neph_scene *scene, const struct neph_march_params *params)
 {
-    return neph_march_marches_sun(scene, params) ? params->sun_steps : 0;
+    return neph_march_has_sun_rays(scene, params) ? params->sun_steps : 0;
 }
 
 /* Octaves of the similar medium (octaves_fitted.h). */
@@ -63,16 +63,16 @@ static void fit_similar(struct neph_gpu_medium *medium)
     for (int c = 0; c < 3; c++) {
         const double albedo = neph_similar_albedo((double)medium->albedo[c], g);
         medium->octave_contribution[c] =
-            (float)neph_octaves_of(&neph_octaves_fitted, smooth_g, albedo).contribution;
+            (float)neph_octaves_compute(&neph_octaves_fitted, smooth_g, albedo).contribution;
         mean += albedo / 3.0;
     }
-    const struct neph_octaves octaves = neph_octaves_of(&neph_octaves_fitted, smooth_g, mean);
+    const struct neph_octaves octaves = neph_octaves_compute(&neph_octaves_fitted, smooth_g, mean);
     medium->octave_attenuation = (float)octaves.attenuation;
     medium->octave_eccentricity = (float)octaves.eccentricity;
 }
 
 /* The first length of a geometric series of lengths, relative to their sum. */
-static double first_part(double growth, uint32_t count)
+static double compute_first_length(double growth, uint32_t count)
 {
     return growth > 1.0 ? (growth - 1.0) / (pow(growth, count) - 1.0) : 1.0 / fmax(1.0, count);
 }
@@ -85,14 +85,15 @@ void neph_march_set_frame(const struct neph_scene *scene, const struct neph_marc
                             (float)params->picture_px[1];
     frame->steps = (uint32_t)params->steps;
     frame->sun_steps = (uint32_t)neph_march_sun_steps(scene, params);
-    frame->sun_first_part = (float)first_part(params->shortcuts.sun_growth, frame->sun_steps);
+    frame->sun_first_part = (float)compute_first_length(params->shortcuts.sun_growth,
+                                                        frame->sun_steps);
     frame->light_texel_px = (uint32_t)params->light.texel_px;
     neph_shortcuts_set_frame(&params->shortcuts, frame);
     for (uint32_t m = 0; m < frame->medium_count && params->lighting == NEPH_MARCH_SIMILARITY; m++)
         fit_similar(&frame->media[m]);
 }
 
-bool neph_march_sky_lights(const struct neph_march_params *params)
+bool neph_march_has_sky_light(const struct neph_march_params *params)
 {
     return params->sky.is_on && params->lighting == NEPH_MARCH_TRACED;
 }
@@ -119,13 +120,14 @@ static bool has_closed_forms(const struct neph_march_params *params)
     return params->transmittance == NEPH_MARCH_EXACT || params->sun == NEPH_MARCH_EXACT;
 }
 
-static struct turns turns_in(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
-                             const struct neph_march_params *params)
+static struct turns count_loop_iterations(const struct neph_scene *scene,
+                                          const struct neph_gpu_scene *gpu,
+                                          const struct neph_march_params *params)
 {
     struct turns turns = {
-        .solids = neph_gpu_solid_turns((uint64_t)scene->solid_count),
+        .solids = neph_gpu_solid_iterations((uint64_t)scene->solid_count),
         .media = (uint64_t)scene->medium_count + 1,
-        .exact = has_closed_forms(params) ? gpu->optical_depth_turns : 0,
+        .exact = has_closed_forms(params) ? gpu->optical_depth_iterations : 0,
     };
     for (int i = 0; i < scene->medium_count; i++)
         turns.media += (uint64_t)scene->media[i].layer_count + 1;
@@ -135,7 +137,7 @@ static struct turns turns_in(const struct neph_scene *scene, const struct neph_g
     return turns;
 }
 
-static bool is_on_cpu(const struct neph_gpu_scene *gpu)
+static bool is_scene_on_cpu(const struct neph_gpu_scene *gpu)
 {
     return (gpu->constants[1] & NEPH_GPU_ON_CPU) != 0;
 }
@@ -143,16 +145,18 @@ static bool is_on_cpu(const struct neph_gpu_scene *gpu)
 /* Upper bound of the sub-steps for one light, over all steps of a ray, in addition to one per step
  * (shaders/march_lamp_steps.glsl): 7 for each four steps but at least 112, limited to 3/4 of a
  * thread's loop iterations but at least 8. 0: no light. */
-static uint64_t lamp_parts(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
-                           uint64_t lamps, uint64_t solids, uint64_t media)
+static uint64_t count_light_substeps(const struct neph_gpu_scene *gpu,
+                                     const struct neph_march_params *params, uint64_t lamps,
+                                     uint64_t solids, uint64_t media)
 {
     const uint64_t medium_turns = 1 + 3 * media; /* two layers each */
     const bool marches = params->sun == NEPH_MARCH_MARCHED ||
                          (gpu->constants[0] >> NEPH_MEDIUM_HORIZON & 1u) != 0;
     const uint64_t sun_steps = marches ? (uint64_t)params->sun_steps : 0;
-    const uint64_t turns = neph_gpu_solid_turns(solids) + 3 * medium_turns +
-                           2 * gpu->optical_depth_turns + sun_steps * (3 + 3 * medium_turns);
-    const uint64_t all = is_on_cpu(gpu) ? NEPH_KERNEL_LOOP_TURNS_MAX : gpu_thread_turns_max;
+    const uint64_t turns = neph_gpu_solid_iterations(solids) + 3 * medium_turns +
+                           2 * gpu->optical_depth_iterations + sun_steps * (3 + 3 * medium_turns);
+    const uint64_t all = is_scene_on_cpu(gpu) ? NEPH_KERNEL_LOOP_ITERATIONS_MAX
+                                              : gpu_thread_turns_max;
     const uint64_t wanted = 7 * (uint64_t)params->steps / 4;
     if (lamps == 0)
         return 0;
@@ -160,11 +164,12 @@ static uint64_t lamp_parts(const struct neph_gpu_scene *gpu, const struct neph_m
 }
 
 /* Loop iterations of the whole shader. */
-static void count_turns(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
-                        const struct neph_march_params *params, uint64_t *per_step,
-                        uint64_t *per_dispatch)
+static void count_shader_iterations(const struct neph_scene *scene,
+                                    const struct neph_gpu_scene *gpu,
+                                    const struct neph_march_params *params, uint64_t *per_step,
+                                    uint64_t *per_dispatch)
 {
-    const struct turns turns = turns_in(scene, gpu, params);
+    const struct turns turns = count_loop_iterations(scene, gpu, params);
     uint64_t sunlight = turns.solids + turns.sun +
                         octave_count(scene, params->lighting) * (1 + turns.media);
     if (params->lighting == NEPH_MARCH_SLAB)
@@ -174,20 +179,22 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
                                (turns.solids + turns.sun + 2 * turns.media + turns.exact);
     sunlight += lamplight;
     if (params->sky.is_on)
-        sunlight += 2 * neph_sky_look_turns(scene->medium_count, params->sky.tables.field.degree);
+        sunlight += 2 * neph_sky_sample_iterations(scene->medium_count,
+                                                   params->sky.tables.field.degree);
     if (params->fog.is_look)
         sunlight += 2 * NEPH_GPU_LAYERS_MAX; /* towards the eye and towards the sun */
     *per_step = 2 + 2 * turns.media + turns.exact + sunlight + 3 * turns.empties;
     *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight +
-                    lamp_parts(gpu, params, (uint64_t)scene->light_count,
-                               (uint64_t)scene->solid_count, (uint64_t)scene->medium_count) *
+                    count_light_substeps(gpu, params, (uint64_t)scene->light_count,
+                                         (uint64_t)scene->solid_count,
+                                         (uint64_t)scene->medium_count) *
                         lamplight +
                     1;
 }
 
 /* Whether media emit nothing and the number of octaves is at most the number of cached phase values
  * of a ray, with grids as textures. */
-static bool is_sunlit_texture(const struct neph_gpu_scene *gpu,
+static bool has_only_sunlight(const struct neph_gpu_scene *gpu,
                               const struct neph_march_params *params)
 {
     return params->shortcuts.grid_texture && gpu->frame->scatters && !gpu->frame->emits &&
@@ -204,25 +211,25 @@ void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_ma
     constants[3] = params->sun;
     constants[4] = params->lighting;
     constants[5] = neph_shortcuts_bits(&params->shortcuts) | (params->sky.is_on ? 64u : 0u) |
-                   (neph_march_sky_lights(params) ? 128u : 0u) |
+                   (neph_march_has_sky_light(params) ? 128u : 0u) |
                    (params->fog.is_look ? 1024u : 0u) |
-                   (is_sunlit_texture(gpu, params) ? 2048u : 0u) |
+                   (has_only_sunlight(gpu, params) ? 2048u : 0u) |
                    (gpu->frame->octave_count > NEPH_GPU_KEPT_PHASES ? 4096u : 0u) |
-                   (uint32_t)lamp_parts(gpu, params, gpu->frame->lamp_count,
-                                        gpu->frame->solid_count, gpu->frame->medium_count)
+                   (uint32_t)count_light_substeps(gpu, params, gpu->frame->lamp_count,
+                                                  gpu->frame->solid_count, gpu->frame->medium_count)
                        << 16;
 }
 
-static uint64_t turns_of(const struct neph_march_cut *cut, uint64_t steps)
+static uint64_t count_ray_iterations(const struct neph_march_split *cut, uint64_t steps)
 {
-    return steps * cut->turns_per_step + cut->turns_per_dispatch;
+    return steps * cut->iterations_per_step + cut->iterations_per_dispatch;
 }
 
 /* Whole work groups, at least one. */
-static void set_rays(struct neph_march_cut *cut, uint64_t turns)
+static void set_rays(struct neph_march_split *cut, uint64_t turns)
 {
-    const uint64_t enough = turns > cut->turns_least ? turns : cut->turns_least;
-    const uint64_t rays = enough / turns_of(cut, cut->steps);
+    const uint64_t enough = turns > cut->iterations_least ? turns : cut->iterations_least;
+    const uint64_t rays = enough / count_ray_iterations(cut, cut->steps);
     const uint64_t groups = rays / NEPH_MARCH_LOCAL_SIZE;
     cut->rays = least(groups > 0 ? groups * NEPH_MARCH_LOCAL_SIZE : NEPH_MARCH_LOCAL_SIZE,
                       cut->rays_max);
@@ -230,7 +237,7 @@ static void set_rays(struct neph_march_cut *cut, uint64_t turns)
 
 static uint64_t thread_turns_max(const struct neph_vulkan *vulkan)
 {
-    return vulkan->description.is_cpu ? NEPH_KERNEL_LOOP_TURNS_MAX : gpu_thread_turns_max;
+    return vulkan->description.is_cpu ? NEPH_KERNEL_LOOP_ITERATIONS_MAX : gpu_thread_turns_max;
 }
 
 static enum neph_status refuse_step(const struct neph_vulkan *vulkan,
@@ -245,15 +252,15 @@ static enum neph_status refuse_step(const struct neph_vulkan *vulkan,
                      (unsigned long long)turns, (unsigned long long)thread_turns_max(vulkan));
 }
 
-enum neph_status neph_march_cut_events(const struct neph_vulkan *vulkan,
-                                       const struct neph_scene *scene,
-                                       const struct neph_gpu_scene *gpu,
-                                       const struct neph_march_params *params, uint64_t turns,
-                                       uint64_t *events, struct neph_diag *diag)
+enum neph_status neph_march_split_events(const struct neph_vulkan *vulkan,
+                                         const struct neph_scene *scene,
+                                         const struct neph_gpu_scene *gpu,
+                                         const struct neph_march_params *params, uint64_t turns,
+                                         uint64_t *events, struct neph_diag *diag)
 {
     uint64_t per_event, whole_ray;
-    count_turns(scene, gpu, params, &per_event, &whole_ray);
-    per_event += neph_gpu_solid_turns((uint64_t)scene->solid_count);
+    count_shader_iterations(scene, gpu, params, &per_event, &whole_ray);
+    per_event += neph_gpu_solid_iterations((uint64_t)scene->solid_count);
     const uint64_t beside = turns * (3 + 2 * (uint64_t)scene->medium_count);
     const uint64_t most = thread_turns_max(vulkan);
     if (beside + per_event > most)
@@ -263,66 +270,66 @@ enum neph_status neph_march_cut_events(const struct neph_vulkan *vulkan,
 }
 
 /* Split rays with known loop iterations. */
-static void cut_rays(const struct neph_vulkan *vulkan, struct neph_march_cut *cut)
+static void split_rays(const struct neph_vulkan *vulkan, struct neph_march_split *cut)
 {
     const bool is_cpu = vulkan->description.is_cpu;
     const uint64_t groups_max = vulkan->limits.maxComputeWorkGroupCount[0];
     cut->rays_max = least(least(groups_max * NEPH_MARCH_LOCAL_SIZE, dispatch_rays_max),
                           cut->ray_count);
-    cut->turns_least = is_cpu ? cpu_least_turns : gpu_least_turns;
+    cut->iterations_least = is_cpu ? cpu_least_turns : gpu_least_turns;
     set_rays(cut, is_cpu ? cpu_first_turns : gpu_first_turns);
 }
 
-enum neph_status neph_march_cut_make(const struct neph_vulkan *vulkan,
-                                     const struct neph_scene *scene,
-                                     const struct neph_gpu_scene *gpu,
-                                     const struct neph_march_params *params, uint64_t ray_count,
-                                     struct neph_march_cut *cut, struct neph_diag *diag)
+enum neph_status neph_march_split_make(const struct neph_vulkan *vulkan,
+                                       const struct neph_scene *scene,
+                                       const struct neph_gpu_scene *gpu,
+                                       const struct neph_march_params *params, uint64_t ray_count,
+                                       struct neph_march_split *cut, struct neph_diag *diag)
 {
     const uint64_t thread_max = thread_turns_max(vulkan);
-    struct neph_march_cut made = {.ray_count = ray_count, .step_count = (uint64_t)params->steps};
-    count_turns(scene, gpu, params, &made.turns_per_step, &made.turns_per_dispatch);
-    if (turns_of(&made, 1) > thread_max)
-        return refuse_step(vulkan, scene, params, turns_of(&made, 1), diag);
-    made.steps = least((thread_max - made.turns_per_dispatch) / made.turns_per_step,
+    struct neph_march_split made = {.ray_count = ray_count, .step_count = (uint64_t)params->steps};
+    count_shader_iterations(scene, gpu, params, &made.iterations_per_step,
+                            &made.iterations_per_dispatch);
+    if (count_ray_iterations(&made, 1) > thread_max)
+        return refuse_step(vulkan, scene, params, count_ray_iterations(&made, 1), diag);
+    made.steps = least((thread_max - made.iterations_per_dispatch) / made.iterations_per_step,
                        made.step_count);
-    cut_rays(vulkan, &made);
+    split_rays(vulkan, &made);
     *cut = made;
     return NEPH_OK;
 }
 
-enum neph_status neph_march_cut_make_whole(const struct neph_vulkan *vulkan,
-                                           const struct neph_scene *scene,
-                                           const struct neph_gpu_scene *gpu,
-                                           const struct neph_march_params *params, uint64_t samples,
-                                           uint64_t sun_rays, uint64_t ray_count,
-                                           struct neph_march_cut *cut, struct neph_diag *diag)
+enum neph_status neph_march_split_make_whole(
+    const struct neph_vulkan *vulkan, const struct neph_scene *scene,
+    const struct neph_gpu_scene *gpu, const struct neph_march_params *params, uint64_t samples,
+    uint64_t sun_rays, uint64_t ray_count, struct neph_march_split *cut, struct neph_diag *diag)
 {
-    const struct turns turns = turns_in(scene, gpu, params);
-    struct neph_march_cut made = {.ray_count = ray_count, .step_count = 1, .steps = 1};
-    made.turns_per_step = samples * (1 + turns.media) + sun_rays * (1 + turns.sun);
-    if (made.turns_per_step > thread_turns_max(vulkan))
-        return refuse_step(vulkan, scene, params, made.turns_per_step, diag);
-    cut_rays(vulkan, &made);
+    const struct turns turns = count_loop_iterations(scene, gpu, params);
+    struct neph_march_split made = {.ray_count = ray_count, .step_count = 1, .steps = 1};
+    made.iterations_per_step = samples * (1 + turns.media) + sun_rays * (1 + turns.sun);
+    if (made.iterations_per_step > thread_turns_max(vulkan))
+        return refuse_step(vulkan, scene, params, made.iterations_per_step, diag);
+    split_rays(vulkan, &made);
     *cut = made;
     return NEPH_OK;
 }
 
-void neph_march_cut_learn(struct neph_march_cut *cut, double gpu_s)
+void neph_march_split_adapt(struct neph_march_split *cut, double gpu_s)
 {
-    const double turns = (double)cut->ray_count * (double)turns_of(cut, cut->step_count);
-    neph_pace_learn(&cut->pace, turns, gpu_s);
+    const double turns = (double)cut->ray_count *
+                         (double)count_ray_iterations(cut, cut->step_count);
+    neph_pace_update(&cut->pace, turns, gpu_s);
     if (cut->pace.work_per_s > 0.0)
         set_rays(cut, neph_pace_work(&cut->pace, 0));
 }
 
-bool neph_march_cut_is_whole(const struct neph_march_cut *cut)
+bool neph_march_split_is_whole(const struct neph_march_split *cut)
 {
     return cut->rays >= cut->ray_count && cut->steps >= cut->step_count;
 }
 
-enum neph_status neph_march_cut_run(const struct neph_march_cut *cut, neph_march_body *body,
-                                    void *context, struct neph_diag *diag)
+enum neph_status neph_march_split_run(const struct neph_march_split *cut, neph_march_body *body,
+                                      void *context, struct neph_diag *diag)
 {
     for (uint64_t ray = 0; ray < cut->ray_count; ray += cut->rays)
         for (uint64_t step = 0; step < cut->step_count; step += cut->steps) {

@@ -4,7 +4,7 @@
  */
 #include "renderer/march_params.h"
 
-struct neph_march_fog neph_fog_for_march(int choice)
+struct neph_march_fog neph_march_fog_choose(int choice)
 {
     static const struct neph_march_fog fogs[] = {
         {.is_look = false},

@@ -112,7 +112,7 @@ struct neph_march_sky_choices {
 };
 
 /* All tables except the one in front of the camera have the defaults of engine `sky`. */
-struct neph_march_sky neph_sky_for_march(struct neph_march_sky_choices choices);
+struct neph_march_sky neph_march_sky_choose(struct neph_march_sky_choices choices);
 
 /* The height fog as a game engine renders it, by the scene's `fog_look`: in front of, between and
  * behind all other media (shaders/march_veil.glsl). Zero: the fog is a medium like all others. */
@@ -124,7 +124,7 @@ struct neph_march_fog {
 };
 
 /* The fog model for the index of the option's choice. */
-struct neph_march_fog neph_fog_for_march(int choice);
+struct neph_march_fog neph_march_fog_choose(int choice);
 
 /* The veils of a scene: media that are not marched but rendered over the marched media, the air of
  * a planet from tables and the height fog by a model. */
@@ -152,7 +152,7 @@ struct neph_march_params {
 };
 
 /* A frame of a sequence. Zero: rays through the centres of pixels, no previous frame. */
-struct neph_march_moment {
+struct neph_march_frame_state {
     float jitter_px[2];       /* offset of all rays [pixels], x to the right, y down */
     bool continues;           /* the previous frame was of the same sequence, without a cut */
     struct neph_vec3 drift_m; /* displacement of the media by the wind, since any fixed time */

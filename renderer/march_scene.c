@@ -10,29 +10,30 @@
 /* Does not compile with a new lighting: this file then needs a change. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 
-static enum neph_status create_turns(const struct neph_vulkan *vulkan,
-                                     struct neph_march_scene *scene, struct neph_diag *diag)
+static enum neph_status create_buffer_rings(const struct neph_vulkan *vulkan,
+                                            struct neph_march_scene *scene, struct neph_diag *diag)
 {
-    const enum neph_status status = neph_turns_create(vulkan, &scene->gpu.buffers[0], "scene frame",
-                                                      &scene->frame_turns, diag);
+    const enum neph_status status = neph_buffer_ring_create(
+        vulkan, &scene->gpu.buffers[0], "scene frame", &scene->frame_ring, diag);
     return status ? status
-                  : neph_turns_create(vulkan, &scene->gpu.buffers[1], "scene solids",
-                                      &scene->solid_turns, diag);
+                  : neph_buffer_ring_create(vulkan, &scene->gpu.buffers[1], "scene solids",
+                                            &scene->solid_ring, diag);
 }
 
 /* The scene without its veils: air that is rendered from tables, and fog that is rendered by a
  * model. Uses `rest` as storage if there is a veil. */
-static const struct neph_scene *marched(const struct neph_march_scene *scene,
-                                        const struct neph_scene *from, struct neph_scene *rest)
+static const struct neph_scene *get_marched_scene(const struct neph_march_scene *scene,
+                                                  const struct neph_scene *from,
+                                                  struct neph_scene *rest)
 {
     if (!scene->has_sky && !scene->has_fog_look)
         return from;
     *rest = *from;
     rest->borrows = true;
     if (scene->has_sky)
-        *rest = neph_sky_rest(from, &scene->split);
+        *rest = neph_sky_remove_air(from, &scene->split);
     if (scene->has_fog_look)
-        *rest = neph_fog_look_rest(rest);
+        *rest = neph_fog_look_remove_fog(rest);
     return rest;
 }
 
@@ -62,7 +63,7 @@ static enum neph_status create_marched(struct neph_vulkan *vulkan, const struct 
     if (!status)
         status = neph_grid_textures_create(vulkan, from, &params->shortcuts, &scene->gpu, diag);
     if (!status)
-        status = create_turns(vulkan, scene, diag);
+        status = create_buffer_rings(vulkan, scene, diag);
     if (!status)
         status = neph_skip_cells_create(vulkan, from, params, &scene->skip_cells, diag);
     if (!status)
@@ -94,9 +95,9 @@ enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struc
     struct neph_scene rest;
     enum neph_status status = create_sky(vulkan, from, params, scene, diag);
     if (!status)
-        status = create_marched(vulkan, marched(scene, from, &rest), params, scene, diag);
+        status = create_marched(vulkan, get_marched_scene(scene, from, &rest), params, scene, diag);
     if (!status)
-        neph_froxel_scene_show(&scene->froxels, from, params->frame, &scene->gpu);
+        neph_froxel_scene_update(&scene->froxels, from, params->frame, &scene->gpu);
     return status;
 }
 
@@ -112,26 +113,27 @@ void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_marc
     neph_cloud_shadow_destroy(&scene->cloud_shadow);
     neph_sun_cache_destroy(&scene->sun_cache);
     neph_skip_cells_destroy(vulkan, &scene->skip_cells);
-    neph_turns_destroy(vulkan, &scene->solid_turns);
-    neph_turns_destroy(vulkan, &scene->frame_turns);
+    neph_buffer_ring_destroy(vulkan, &scene->solid_ring);
+    neph_buffer_ring_destroy(vulkan, &scene->frame_ring);
     neph_gpu_scene_destroy(vulkan, &scene->gpu);
 }
 
 /* Update the scene itself. */
-static void show_scene(const struct neph_scene *from, const struct neph_march_params *params,
-                       double frame, struct neph_march_scene *scene)
+static void update_scene_buffers(const struct neph_scene *from,
+                                 const struct neph_march_params *params, double frame,
+                                 struct neph_march_scene *scene)
 {
-    neph_turns_take(&scene->frame_turns, &scene->gpu.buffers[0]);
-    neph_turns_take(&scene->solid_turns, &scene->gpu.buffers[1]);
+    neph_buffer_ring_advance(&scene->frame_ring, &scene->gpu.buffers[0]);
+    neph_buffer_ring_advance(&scene->solid_ring, &scene->gpu.buffers[1]);
     scene->gpu.frame = scene->gpu.buffers[0].mapped;
-    neph_gpu_scene_move(&scene->gpu, from, frame, params->width_px, params->height_px);
+    neph_gpu_scene_update(&scene->gpu, from, frame, params->width_px, params->height_px);
     neph_march_set_frame(from, params, scene->gpu.frame);
 }
 
 /* Update the fog model. With froxels it begins where they end; without froxels it covers all
  * distances. */
-static void show_fog_look(const struct neph_scene *from, const struct neph_march_params *params,
-                          double frame, struct neph_march_scene *scene)
+static void update_fog_model(const struct neph_scene *from, const struct neph_march_params *params,
+                             double frame, struct neph_march_scene *scene)
 {
     const struct neph_vec3 camera_m = neph_scene_camera(from, frame).position_m;
     struct neph_gpu_fog_look *shown = &scene->gpu.frame->fog_look;
@@ -139,12 +141,12 @@ static void show_fog_look(const struct neph_scene *from, const struct neph_march
     if (!scene->has_fog_look)
         return;
     look.volumetric_fog_distance_m = 0.0;
-    *shown = neph_gpu_fog_look_from(from, &look, params->fog.model, camera_m);
+    *shown = neph_gpu_fog_pack(from, &look, params->fog.model, camera_m);
     if (params->fog.is_handed_over)
         shown->hand_over_m = (float)from->fog_look.volumetric_fog_distance_m;
 }
 
-static bool diffuses(const struct neph_march_scene *scene)
+static bool has_diffusion(const struct neph_march_scene *scene)
 {
     return scene->diffused_light.level_count > 0;
 }
@@ -152,10 +154,10 @@ static bool diffuses(const struct neph_march_scene *scene)
 /* Solve diffused light, for rendering or as the estimate of unfinished paths. If that estimate is
  * corrected later, the solution does not change the mean (light_walk.comp) and is computed only for
  * the first frame of a sequence. */
-static enum neph_status diffuse(const struct neph_scene *from, double frame,
-                                const struct neph_march_moment *moment,
-                                struct neph_march_scene *scene, struct neph_dispatch bound,
-                                double *gpu_s, struct neph_diag *diag)
+static enum neph_status solve_diffusion(const struct neph_scene *from, double frame,
+                                        const struct neph_march_frame_state *moment,
+                                        struct neph_march_scene *scene, struct neph_dispatch bound,
+                                        double *gpu_s, struct neph_diag *diag)
 {
     struct neph_diffused_light *light = &scene->diffused_light;
     const struct neph_light_paths *paths = &scene->traced_light.params.light;
@@ -176,60 +178,63 @@ static void bind_sky(const struct neph_march_scene *scene, struct neph_dispatch 
 }
 
 /* The point at which the sky lights media: the centre of the bounded media. */
-static struct neph_vec3 lit_place_m(const struct neph_scene *rest, double frame)
+static struct neph_vec3 find_lit_position_m(const struct neph_scene *rest, double frame)
 {
     struct neph_bounds box;
-    if (!neph_shapes_box(rest, &box))
+    if (!neph_find_media_bounds(rest, &box))
         return neph_scene_camera(rest, frame).position_m;
     return neph_vec3_scale(neph_vec3_add(box.min_m, box.max_m), 0.5);
 }
 
 /* Update the sky as seen from the camera, and from the media that it lights. */
-static enum neph_status look_at_sky(const struct neph_scene *from, const struct neph_scene *rest,
-                                    const struct neph_march_params *params, double frame,
-                                    struct neph_march_scene *scene, struct neph_sky_times *times,
-                                    struct neph_diag *diag)
+static enum neph_status update_sky_tables(const struct neph_scene *from,
+                                          const struct neph_scene *rest,
+                                          const struct neph_march_params *params, double frame,
+                                          struct neph_march_scene *scene,
+                                          struct neph_sky_times *times, struct neph_diag *diag)
 {
-    struct neph_sky_look look = {.scene = from,
-                                 .frame = frame,
-                                 .width_px = params->width_px,
-                                 .height_px = params->height_px,
-                                 .lights = neph_march_sky_lights(params),
-                                 .is_shaded = scene->sky_shade.vulkan};
+    struct neph_sky_table_view look = {.scene = from,
+                                       .frame = frame,
+                                       .width_px = params->width_px,
+                                       .height_px = params->height_px,
+                                       .lights = neph_march_has_sky_light(params),
+                                       .is_shaded = scene->sky_shade.vulkan};
     if (look.lights)
-        look.place_m = lit_place_m(rest, frame);
-    return scene->has_sky ? neph_sky_tables_look(&scene->sky, &look, times, diag) : NEPH_OK;
+        look.place_m = find_lit_position_m(rest, frame);
+    return scene->has_sky ? neph_sky_tables_update(&scene->sky, &look, times, diag) : NEPH_OK;
 }
 
 /* Update multiple scattering of the selected method. Paths use majorants instead of empty cells. */
-static enum neph_status find_light(const struct neph_scene *from, double frame,
-                                   const struct neph_march_moment *moment,
-                                   struct neph_march_scene *scene, double *gpu_s,
-                                   struct neph_diag *diag)
+static enum neph_status update_scattered_light(const struct neph_scene *from, double frame,
+                                               const struct neph_march_frame_state *moment,
+                                               struct neph_march_scene *scene, double *gpu_s,
+                                               struct neph_diag *diag)
 {
     struct neph_dispatch bound = {.group_count = 0};
-    const struct neph_light_moment view = {neph_scene_camera(from, frame), moment->drift_m,
-                                           scene->gpu.frame->half_width};
+    const struct neph_traced_light_view view = {neph_scene_camera(from, frame), moment->drift_m,
+                                                scene->gpu.frame->half_width};
     neph_gpu_scene_bind(&scene->gpu, &bound);
     bound.buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &scene->sun_cache.nodes;
-    bound.buffers[NEPH_GPU_SCENE_BUFFERS + 3] = diffuses(scene) ? &scene->diffused_light.field
-                                                                : &scene->traced_light.smoothed;
+    bound.buffers[NEPH_GPU_SCENE_BUFFERS + 3] = has_diffusion(scene)
+                                                    ? &scene->diffused_light.field
+                                                    : &scene->traced_light.smoothed;
     bind_sky(scene, &bound);
-    const enum neph_status status = diffuse(from, frame, moment, scene, bound, gpu_s, diag);
+    const enum neph_status status = solve_diffusion(from, frame, moment, scene, bound, gpu_s, diag);
     return status ? status
                   : neph_traced_light_trace(&scene->traced_light, from, &scene->gpu, &bound, &view,
                                             moment->continues, gpu_s, diag);
 }
 
-static enum neph_status show_marched(const struct neph_scene *from, const struct neph_scene *whole,
-                                     const struct neph_march_params *params, double frame,
-                                     const struct neph_march_moment *moment,
-                                     struct neph_march_scene *scene,
-                                     struct neph_march_scene_cost *cost, struct neph_diag *diag)
+static enum neph_status update_marched(const struct neph_scene *from,
+                                       const struct neph_scene *whole,
+                                       const struct neph_march_params *params, double frame,
+                                       const struct neph_march_frame_state *moment,
+                                       struct neph_march_scene *scene,
+                                       struct neph_march_scene_cost *cost, struct neph_diag *diag)
 {
     *cost->fill = (struct neph_sun_fill_cost){.dispatches = 0};
-    show_scene(from, params, frame, scene);
-    show_fog_look(whole, params, frame, scene);
+    update_scene_buffers(from, params, frame, scene);
+    update_fog_model(whole, params, frame, scene);
     enum neph_status status = neph_skip_cells_place(&scene->skip_cells, from, frame,
                                                     scene->gpu.frame, diag);
     if (!status)
@@ -238,42 +243,45 @@ static enum neph_status show_marched(const struct neph_scene *from, const struct
     if (!status)
         status = neph_cloud_shadow_fill(&scene->cloud_shadow, from, frame, &scene->gpu,
                                         &scene->skip_cells, &scene->sun_cache, cost->fill, diag);
-    return status ? status : find_light(from, frame, moment, scene, cost->light_gpu_s, diag);
+    return status ? status
+                  : update_scattered_light(from, frame, moment, scene, cost->light_gpu_s, diag);
 }
 
 /* Update the air in front of the camera and the shadows on it. */
-static enum neph_status veil(const struct neph_scene *rest, struct neph_march_scene *scene,
-                             struct neph_march_scene_cost *cost, struct neph_diag *diag)
+static enum neph_status update_aerial_table(const struct neph_scene *rest,
+                                            struct neph_march_scene *scene,
+                                            struct neph_march_scene_cost *cost,
+                                            struct neph_diag *diag)
 {
     struct neph_dispatch bound = {.group_count = 0};
     neph_march_scene_bind(scene, &bound);
     const enum neph_status status = neph_sky_shade_fill(&scene->sky_shade, rest, &scene->gpu,
                                                         &bound, &scene->sky, cost->fill,
                                                         &cost->sky->shade_s, diag);
-    return status ? status : neph_sky_tables_veil(&scene->sky, cost->sky, diag);
+    return status ? status : neph_sky_tables_update_aerial(&scene->sky, cost->sky, diag);
 }
 
-enum neph_status neph_march_scene_show(const struct neph_scene *from,
-                                       const struct neph_march_params *params, double frame,
-                                       const struct neph_march_moment *moment,
-                                       struct neph_march_scene *scene,
-                                       struct neph_march_scene_cost *cost, struct neph_diag *diag)
+enum neph_status neph_march_scene_update(const struct neph_scene *from,
+                                         const struct neph_march_params *params, double frame,
+                                         const struct neph_march_frame_state *moment,
+                                         struct neph_march_scene *scene,
+                                         struct neph_march_scene_cost *cost, struct neph_diag *diag)
 {
     struct neph_scene rest;
-    const struct neph_scene *shown = marched(scene, from, &rest);
-    enum neph_status status = look_at_sky(from, shown, params, frame, scene, cost->sky, diag);
+    const struct neph_scene *shown = get_marched_scene(scene, from, &rest);
+    enum neph_status status = update_sky_tables(from, shown, params, frame, scene, cost->sky, diag);
     if (!status)
-        status = show_marched(shown, from, params, frame, moment, scene, cost, diag);
+        status = update_marched(shown, from, params, frame, moment, scene, cost, diag);
     if (!status && scene->has_sky)
-        status = veil(shown, scene, cost, diag);
+        status = update_aerial_table(shown, scene, cost, diag);
     if (!status)
-        neph_froxel_scene_show(&scene->froxels, from, frame, &scene->gpu);
+        neph_froxel_scene_update(&scene->froxels, from, frame, &scene->gpu);
     return status;
 }
 
-static const struct neph_buffer *higher_orders(const struct neph_march_scene *scene)
+static const struct neph_buffer *get_higher_orders_buffer(const struct neph_march_scene *scene)
 {
-    if (diffuses(scene) && scene->diffused_light.is_shown)
+    if (has_diffusion(scene) && scene->diffused_light.is_shown)
         return &scene->diffused_light.field;
     return scene->slab_light.vulkan ? &scene->slab_light.table : &scene->traced_light.smoothed;
 }
@@ -283,7 +291,7 @@ void neph_march_scene_bind(const struct neph_march_scene *scene, struct neph_dis
     neph_gpu_scene_bind(&scene->gpu, dispatch);
     neph_skip_cells_bind(&scene->skip_cells, dispatch);
     dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 2] = &scene->sun_cache.nodes;
-    dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 3] = higher_orders(scene);
+    dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 3] = get_higher_orders_buffer(scene);
     bind_sky(scene, dispatch);
 }
 
@@ -291,5 +299,5 @@ void neph_march_scene_bind_froxels(const struct neph_march_scene *scene,
                                    struct neph_dispatch *dispatch)
 {
     neph_march_scene_bind(scene, dispatch);
-    dispatch->buffers[0] = &neph_froxel_scene_of(&scene->froxels, &scene->gpu)->buffers[0];
+    dispatch->buffers[0] = &neph_froxel_scene_select(&scene->froxels, &scene->gpu)->buffers[0];
 }

@@ -21,7 +21,7 @@
 
 struct neph_march_scene {
     struct neph_gpu_scene gpu;
-    struct neph_turns frame_turns, solid_turns;
+    struct neph_buffer_ring frame_ring, solid_ring;
     struct neph_skip_cells skip_cells;
     struct neph_sun_cache sun_cache;
     struct neph_cloud_shadow cloud_shadow;
@@ -56,11 +56,12 @@ struct neph_march_scene_cost {
 
 /* Update to another frame, after neph_in_flight_begin(), in memory that no other frame reads.
  * Errors as of neph_march_frame(). */
-enum neph_status neph_march_scene_show(const struct neph_scene *from,
-                                       const struct neph_march_params *params, double frame,
-                                       const struct neph_march_moment *moment,
-                                       struct neph_march_scene *scene,
-                                       struct neph_march_scene_cost *cost, struct neph_diag *diag);
+enum neph_status neph_march_scene_update(const struct neph_scene *from,
+                                         const struct neph_march_params *params, double frame,
+                                         const struct neph_march_frame_state *moment,
+                                         struct neph_march_scene *scene,
+                                         struct neph_march_scene_cost *cost,
+                                         struct neph_diag *diag);
 
 /* Set the buffers of shaders/march_run.glsl, except the march's own at NEPH_GPU_SCENE_BUFFERS and
  * the next binding. */

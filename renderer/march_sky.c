@@ -4,7 +4,7 @@
  */
 #include "renderer/march_params.h"
 
-struct neph_march_sky neph_sky_for_march(struct neph_march_sky_choices choices)
+struct neph_march_sky neph_march_sky_choose(struct neph_march_sky_choices choices)
 {
     return (struct neph_march_sky){
         .is_on = choices.is_on,

@@ -41,7 +41,8 @@ extern const struct neph_octaves_fit neph_octaves_fitted;
 
 /* The octaves of a medium: `g` is the mean cosine of its phase function, `albedo` of one channel.
  */
-struct neph_octaves neph_octaves_of(const struct neph_octaves_fit *fit, double g, double albedo);
+struct neph_octaves neph_octaves_compute(const struct neph_octaves_fit *fit, double g,
+                                         double albedo);
 
 /* The similar medium: the fraction f = g^2 of the scattered light counts as unscattered (J. H.
  * Joseph, W. J. Wiscombe, J. A. Weinman, J. Atmos. Sci. 33, 1976; the first two relations of D. R.

@@ -5,7 +5,7 @@
 
 static const double dispatch_s = 0.03;
 
-void neph_pace_learn(struct neph_pace *pace, double work, double gpu_s)
+void neph_pace_update(struct neph_pace *pace, double work, double gpu_s)
 {
     if (gpu_s > 0.0 && isfinite(gpu_s))
         pace->work_per_s = work / gpu_s;

@@ -16,7 +16,7 @@ struct neph_pace {
 
 /* Record that the device did `work` in `gpu_s` seconds. Ignored unless `gpu_s` is positive (NaN
  * without a clock). */
-void neph_pace_learn(struct neph_pace *pace, double work, double gpu_s);
+void neph_pace_update(struct neph_pace *pace, double work, double gpu_s);
 
 /* Work of the next dispatch, at least 1; `first` when nothing has been measured. */
 uint64_t neph_pace_work(const struct neph_pace *pace, uint64_t first);

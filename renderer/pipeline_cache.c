@@ -118,7 +118,7 @@ enum neph_status neph_pipeline_cache_create(struct neph_vulkan *vulkan, const ch
 }
 
 /* Write the hash, then the driver's bytes. */
-static void save(const struct neph_vulkan *vulkan, const struct neph_pipeline_cache *cache)
+static void save_cache(const struct neph_vulkan *vulkan, const struct neph_pipeline_cache *cache)
 {
     size_t data_bytes = 0;
     char hash[NEPH_HASH_HEX_SIZE];
@@ -145,7 +145,7 @@ void neph_pipeline_cache_destroy(struct neph_vulkan *vulkan)
     struct neph_pipeline_cache *cache = vulkan->pipelines;
     if (!cache)
         return;
-    save(vulkan, cache);
+    save_cache(vulkan, cache);
     vulkan->api.vkDestroyPipelineCache(vulkan->device, cache->handle, NULL);
     free_cache(cache);
     vulkan->pipelines = NULL;

@@ -25,7 +25,7 @@ static bool is_same(struct neph_vec3 a, struct neph_vec3 b)
 }
 
 /* Whether the bounds cut a medium off where its density is above 0. */
-static bool is_cut(const struct neph_medium *medium)
+static bool is_cut_by_bounds(const struct neph_medium *medium)
 {
     struct neph_medium whole = *medium;
     whole.bounds = (struct neph_bounds){{-INFINITY, -INFINITY, -INFINITY},
@@ -35,41 +35,41 @@ static bool is_cut(const struct neph_medium *medium)
 }
 
 /* Extinction near the visible surface of a medium, as seen from outside [1/m]. */
-static double skin_per_m(const struct neph_medium *medium)
+static double surface_extinction_per_m(const struct neph_medium *medium)
 {
-    const struct neph_gpu_kind *kind = neph_gpu_kind_of(medium);
+    const struct neph_gpu_kind *kind = neph_gpu_get_kind(medium);
     const double largest_per_m = neph_gpu_largest_per_m(medium);
-    if (!kind->skin_per_m || is_cut(medium))
+    if (!kind->surface_extinction_per_m || is_cut_by_bounds(medium))
         return largest_per_m;
-    return fmin(largest_per_m, kind->skin_per_m(medium, largest_per_m));
+    return fmin(largest_per_m, kind->surface_extinction_per_m(medium, largest_per_m));
 }
 
 /* Extinction times distance from the camera of a medium. */
-static double eye_reach(const struct neph_medium *medium, struct neph_vec3 camera_m,
-                        double *extinction_per_m)
+static double compute_camera_product(const struct neph_medium *medium, struct neph_vec3 camera_m,
+                                     double *extinction_per_m)
 {
-    const struct neph_gpu_kind *kind = neph_gpu_kind_of(medium);
+    const struct neph_gpu_kind *kind = neph_gpu_get_kind(medium);
     const struct neph_bounds support = neph_medium_support(medium);
     if (kind->reach)
         return kind->reach(medium, &support, camera_m, extinction_per_m);
-    *extinction_per_m = skin_per_m(medium);
+    *extinction_per_m = surface_extinction_per_m(medium);
     return *extinction_per_m * neph_box_distance_m(&support, camera_m);
 }
 
-/* eye_reach() of a medium for perspective and orthographic cameras. Rays of an orthographic camera
+/* compute_camera_product() of a medium for perspective and orthographic cameras. Rays of an orthographic camera
  * start up to half a diagonal beside it, which for 16:9 is about the image height. That height is
  * therefore a lower limit of the distance, even with the camera inside the medium. */
-static double medium_reach(const struct neph_scene *scene, int m, struct neph_vec3 camera_m,
-                           double *extinction_per_m)
+static double compute_medium_product(const struct neph_scene *scene, int m,
+                                     struct neph_vec3 camera_m, double *extinction_per_m)
 {
-    const double reach = eye_reach(&scene->media[m], camera_m, extinction_per_m);
+    const double reach = compute_camera_product(&scene->media[m], camera_m, extinction_per_m);
     return hypot(reach, *extinction_per_m * scene->orthographic_height_m);
 }
 
-static bool are_known(const struct neph_scene *scene, char *reason, size_t reason_size)
+static bool are_media_supported(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
     for (int m = 0; m < scene->medium_count; m++)
-        if (!neph_gpu_kind_of(&scene->media[m])) {
+        if (!neph_gpu_get_kind(&scene->media[m])) {
             snprintf(reason, reason_size, "medium %d is a %s, for which there is no shader", m,
                      neph_medium_facts(scene->media[m].kind)->name);
             return false;
@@ -77,15 +77,15 @@ static bool are_known(const struct neph_scene *scene, char *reason, size_t reaso
     return true;
 }
 
-bool neph_float32_reaches(const struct neph_scene *scene, char *reason, size_t reason_size)
+bool neph_is_in_float32_range(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
-    if (!are_known(scene, reason, reason_size))
+    if (!are_media_supported(scene, reason, reason_size))
         return false;
     for (int k = 0; k < scene->camera_key_count; k++)
         for (int m = 0; m < scene->medium_count; m++) {
             double extinction_per_m;
-            const double reach = medium_reach(scene, m, scene->camera_keys[k].position_m,
-                                              &extinction_per_m);
+            const double reach = compute_medium_product(scene, m, scene->camera_keys[k].position_m,
+                                                        &extinction_per_m);
             if (!(reach > reach_max))
                 continue;
             snprintf(reason, reason_size,

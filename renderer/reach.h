@@ -15,6 +15,6 @@
 /* Whether the shaders support all media of a scene and these are within range of the camera at
  * every key frame. If not, `reason` names the medium and the numbers. Rays of an orthographic
  * camera start beside it: the height of its image adds to the distance of the media. */
-bool neph_float32_reaches(const struct neph_scene *scene, char *reason, size_t reason_size);
+bool neph_is_in_float32_range(const struct neph_scene *scene, char *reason, size_t reason_size);
 
 #endif

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-static double between(double low, double high, double value)
+static double clamp_double(double low, double high, double value)
 {
     return fmin(fmax(value, low), high);
 }
@@ -46,8 +46,8 @@ struct neph_gpu_globe neph_gpu_globe_from(struct neph_vec3 center_m, double radi
 
 double neph_box_distance_m(const struct neph_bounds *box, struct neph_vec3 point_m)
 {
-    const struct neph_vec3 nearest_m = {between(box->min_m.x, box->max_m.x, point_m.x),
-                                        between(box->min_m.y, box->max_m.y, point_m.y),
-                                        between(box->min_m.z, box->max_m.z, point_m.z)};
+    const struct neph_vec3 nearest_m = {clamp_double(box->min_m.x, box->max_m.x, point_m.x),
+                                        clamp_double(box->min_m.y, box->max_m.y, point_m.y),
+                                        clamp_double(box->min_m.z, box->max_m.z, point_m.z)};
     return neph_vec3_length(neph_vec3_sub(nearest_m, point_m));
 }

@@ -70,7 +70,7 @@ const struct neph_requirement *neph_requirements(int *count)
     return rows;
 }
 
-static uint32_t number_of(const struct neph_requirement *row, const struct neph_device_facts *facts)
+static uint32_t read_fact(const struct neph_requirement *row, const struct neph_device_facts *facts)
 {
     uint32_t number;
     memcpy(&number, (const char *)facts + row->offset, sizeof(number));
@@ -86,7 +86,7 @@ bool neph_requirement_applies(const struct neph_requirement *row,
 bool neph_requirement_is_met(const struct neph_requirement *row,
                              const struct neph_device_facts *facts)
 {
-    const uint32_t number = number_of(row, facts);
+    const uint32_t number = read_fact(row, facts);
     return row->kind == NEPH_REQUIREMENT_BITS ? (number & row->needed) == row->needed
                                               : number >= row->needed;
 }
@@ -108,8 +108,8 @@ static void print_number(const struct neph_requirement *row, uint32_t number, ch
     }
 }
 
-struct neph_vulkan_requirement neph_requirement_answer(const struct neph_requirement *row,
-                                                       const struct neph_device_facts *facts)
+struct neph_vulkan_requirement neph_requirement_describe(const struct neph_requirement *row,
+                                                         const struct neph_device_facts *facts)
 {
     struct neph_vulkan_requirement answer = {
         .name = row->name,
@@ -118,7 +118,7 @@ struct neph_vulkan_requirement neph_requirement_answer(const struct neph_require
         .is_required = row->necessity != NEPH_OPTIONAL,
         .is_met = neph_requirement_is_met(row, facts),
     };
-    print_number(row, number_of(row, facts), answer.value);
+    print_number(row, read_fact(row, facts), answer.value);
     print_number(row, row->needed, answer.needed);
     return answer;
 }
@@ -139,7 +139,7 @@ void neph_requirements_features(const struct neph_device_facts *facts,
 
 /* --- refusal ------------------------------------------------------------------------------ */
 
-static bool is_lacking(const struct neph_requirement *row, const struct neph_device_facts *facts)
+static bool is_unmet(const struct neph_requirement *row, const struct neph_device_facts *facts)
 {
     return row->necessity != NEPH_OPTIONAL && neph_requirement_applies(row, facts) &&
            !neph_requirement_is_met(row, facts);
@@ -151,7 +151,7 @@ enum neph_status neph_requirements_check(const struct neph_device_facts *facts,
     const struct neph_requirement *first = NULL;
     char others[400] = "";
     for (int i = 0; i < ROWS; i++) {
-        if (!is_lacking(&rows[i], facts))
+        if (!is_unmet(&rows[i], facts))
             continue;
         const size_t used = strlen(others);
         if (first)
@@ -162,7 +162,7 @@ enum neph_status neph_requirements_check(const struct neph_device_facts *facts,
     }
     if (!first)
         return NEPH_OK;
-    const struct neph_vulkan_requirement answer = neph_requirement_answer(first, facts);
+    const struct neph_vulkan_requirement answer = neph_requirement_describe(first, facts);
     neph_fail(diag, NEPH_ERR_UNAVAILABLE,
               "the Vulkan device '%.100s' cannot be used: its %s is %s, needed is %s, for %s%s",
               facts->device, answer.name, answer.value, answer.needed, answer.purpose, others);
@@ -175,13 +175,13 @@ enum neph_status neph_requirements_check(const struct neph_device_facts *facts,
 
 /* --- choice of a device ------------------------------------------------------------------- */
 
-static bool is_named(const struct neph_device_facts *facts, const char *wanted)
+static bool is_name_match(const struct neph_device_facts *facts, const char *wanted)
 {
     return !wanted || strcasestr(facts->device, wanted);
 }
 
-static enum neph_status refuse_all(const struct neph_device_facts *facts, int count,
-                                   const char *wanted, struct neph_diag *diag)
+static enum neph_status fail_no_device(const struct neph_device_facts *facts, int count,
+                                       const char *wanted, struct neph_diag *diag)
 {
     char names[600] = "";
     for (int i = 0; i < count; i++) {
@@ -189,7 +189,7 @@ static enum neph_status refuse_all(const struct neph_device_facts *facts, int co
         snprintf(names + used, sizeof(names) - used, "%s'%s'", used ? ", " : "", facts[i].device);
     }
     for (int i = 0; i < count; i++)
-        if (is_named(&facts[i], wanted))
+        if (is_name_match(&facts[i], wanted))
             return neph_requirements_check(&facts[i], diag);
     if (wanted) {
         neph_fail(diag, NEPH_ERR_UNAVAILABLE, "no Vulkan device is named like '%s'", wanted);
@@ -206,13 +206,13 @@ enum neph_status neph_requirements_choose(const struct neph_device_facts *facts,
 {
     int best = -1;
     for (int i = 0; i < count; i++) {
-        if (!is_named(&facts[i], wanted) || neph_requirements_check(&facts[i], NULL))
+        if (!is_name_match(&facts[i], wanted) || neph_requirements_check(&facts[i], NULL))
             continue;
         if (best < 0 || (facts[i].is_cpu && !facts[best].is_cpu))
             best = i;
     }
     if (best < 0)
-        return refuse_all(facts, count, wanted, diag);
+        return fail_no_device(facts, count, wanted, diag);
     *chosen = best;
     return NEPH_OK;
 }

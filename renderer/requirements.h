@@ -60,8 +60,8 @@ bool neph_requirement_is_met(const struct neph_requirement *row,
                              const struct neph_device_facts *facts);
 
 /* The device's value for a row, as text for the user. */
-struct neph_vulkan_requirement neph_requirement_answer(const struct neph_requirement *row,
-                                                       const struct neph_device_facts *facts);
+struct neph_vulkan_requirement neph_requirement_describe(const struct neph_requirement *row,
+                                                         const struct neph_device_facts *facts);
 
 /* NEPH_ERR_UNAVAILABLE when a required row is not met. The message has the feature or limit, the
  * device, its value, the needed value and the purpose; the names of all other unmet rows; and the

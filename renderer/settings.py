@@ -37,8 +37,8 @@ KEYS = {"number", "kind", "choices", "constants", "default", "range", "id", "fie
 LONGEST_OTHER = 64  # options of a table that is no file settings.toml, at most
 MARCHES = ("march", "traced", "diffused")
 # Fields that a march has in another form: the C type of the user's, and what makes one of it.
-CONVERTED = {"sky": ("struct neph_march_sky_choices", "neph_sky_for_march"),
-             "fog": ("int", "neph_fog_for_march")}
+CONVERTED = {"sky": ("struct neph_march_sky_choices", "neph_march_sky_choose"),
+             "fog": ("int", "neph_march_fog_choose")}
 C_KIND = {"switch": "CHOICE", "choice": "CHOICE", "pipeline": None, "whole": "WHOLE",
           "real": "REAL"}
 C_TYPE = {"switch": "bool", "choice": "int", "whole": "int", "real": "double"}
@@ -242,7 +242,7 @@ def realtime_table(settings):
              "const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {"]
     lines += [f"    {setting.row('realtime')}," for setting in rows]
     lines += ["    {.choices = gone},", "};", ""]
-    lines += ["struct neph_rt_settings neph_rt_settings_of(const struct neph_settings *settings)",
+    lines += ["struct neph_rt_settings neph_rt_group_settings(const struct neph_settings *settings)",
               "{", "    const double *values = settings->values;",
               "    return (struct neph_rt_settings){"]
     lines += [f"        .{setting.folder}.{setting.fields[0]} = {setting.read(setting.id)},"

@@ -164,7 +164,7 @@ static int compare_used(const void *a, const void *b)
 }
 
 /* Several processes may do this at once; removing a file twice is harmless. */
-static void keep_limit(const char *folder)
+static void enforce_size_limit(const char *folder)
 {
     DIR *directory = opendir(folder);
     struct listing listing = {0};
@@ -187,7 +187,7 @@ void neph_shader_cache_destroy(struct neph_shader_cache *cache)
         return;
     if (atomic_load(&cache->has_written)) {
         neph_file_sweep(cache->folder);
-        keep_limit(cache->folder);
+        enforce_size_limit(cache->folder);
     }
     free(cache->folder);
     free(cache);

@@ -17,7 +17,7 @@ static const double cells_wanted = 64.0 * 64.0 * 64.0;
 
 /* Margin of a cell, as a part of its side. Greater than the rounding of a shader's position, which
  * is 1e-3 of a cell at coordinates of 10^4 cells. */
-static const double hair = 1e-2;
+static const double cell_margin = 1e-2;
 
 /* The binding of the majorants in frame.glsl. */
 static const int binding = 3;
@@ -32,25 +32,25 @@ static void choose_size(const struct neph_bounds *box, uint32_t size[3])
         size[axis] = (uint32_t)fmin(fmax(1.0, floor(sides_m[axis] / side_m)), 1024.0);
 }
 
-static void side_of(double low, double high, uint32_t count, uint32_t cell, double *from,
-                    double *to)
+static void compute_cell_side(double low, double high, uint32_t count, uint32_t cell, double *from,
+                              double *to)
 {
     const double side = (high - low) / count;
-    *from = low + (cell - hair) * side;
-    *to = low + (cell + 1.0 + hair) * side;
+    *from = low + (cell - cell_margin) * side;
+    *to = low + (cell + 1.0 + cell_margin) * side;
 }
 
 static struct neph_bounds cell_box(const struct neph_bounds *box, const uint32_t size[3],
                                    const uint32_t cell[3])
 {
     struct neph_bounds own;
-    side_of(box->min_m.x, box->max_m.x, size[0], cell[0], &own.min_m.x, &own.max_m.x);
-    side_of(box->min_m.y, box->max_m.y, size[1], cell[1], &own.min_m.y, &own.max_m.y);
-    side_of(box->min_m.z, box->max_m.z, size[2], cell[2], &own.min_m.z, &own.max_m.z);
+    compute_cell_side(box->min_m.x, box->max_m.x, size[0], cell[0], &own.min_m.x, &own.max_m.x);
+    compute_cell_side(box->min_m.y, box->max_m.y, size[1], cell[1], &own.min_m.y, &own.max_m.y);
+    compute_cell_side(box->min_m.z, box->max_m.z, size[2], cell[2], &own.min_m.z, &own.max_m.z);
     return own;
 }
 
-static bool may_be_in(const struct neph_scene *scene, const struct neph_bounds *box)
+static bool can_contain_medium(const struct neph_scene *scene, const struct neph_bounds *box)
 {
     for (int i = 0; i < scene->medium_count; i++)
         if (!neph_medium_is_fog(&scene->media[i]) &&
@@ -59,15 +59,15 @@ static bool may_be_in(const struct neph_scene *scene, const struct neph_bounds *
     return false;
 }
 
-static void fill(const struct neph_scene *scene, const struct neph_bounds *box,
-                 const uint32_t size[3], uint32_t *words)
+static void mark_empty_cells(const struct neph_scene *scene, const struct neph_bounds *box,
+                             const uint32_t size[3], uint32_t *words)
 {
     size_t at = 0;
     for (uint32_t k = 0; k < size[2]; k++)
         for (uint32_t j = 0; j < size[1]; j++)
             for (uint32_t i = 0; i < size[0]; i++, at++) {
                 const struct neph_bounds cell = cell_box(box, size, (const uint32_t[3]){i, j, k});
-                if (may_be_in(scene, &cell))
+                if (can_contain_medium(scene, &cell))
                     words[at >> 5] |= 1u << (at & 31u);
             }
 }
@@ -81,7 +81,7 @@ static enum neph_status upload(const struct neph_vulkan *vulkan, const struct ne
     uint32_t *words = calloc(bytes, 1);
     if (!words)
         return neph_fail_memory(diag);
-    fill(scene, box, skip->size, words);
+    mark_empty_cells(scene, box, skip->size, words);
     enum neph_status status = neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, bytes, "skip cells",
                                                  &skip->cells, diag);
     if (!status)
@@ -90,9 +90,9 @@ static enum neph_status upload(const struct neph_vulkan *vulkan, const struct ne
     return status;
 }
 
-static struct neph_skip_places places_of(const struct neph_scene *scene)
+static struct neph_skip_positions record_positions(const struct neph_scene *scene)
 {
-    struct neph_skip_places places = {.noise_m = {0.0, 0.0, 0.0}};
+    struct neph_skip_positions places = {.noise_m = {0.0, 0.0, 0.0}};
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
         if (neph_medium_is_fog(medium))
@@ -110,13 +110,13 @@ enum neph_status neph_skip_cells_create(const struct neph_vulkan *vulkan,
                                         struct neph_skip_cells *skip, struct neph_diag *diag)
 {
     struct neph_bounds box;
-    if (!params->shortcuts.skip || !neph_shapes_box(scene, &box))
+    if (!params->shortcuts.skip || !neph_find_media_bounds(scene, &box))
         return NEPH_OK;
     const enum neph_status status = neph_lattice_check(&box, "skip=majorant", "skip=off", diag);
     if (status)
         return status;
     choose_size(&box, skip->size);
-    skip->places = places_of(scene);
+    skip->places = record_positions(scene);
     skip->box_min_m = box.min_m;
     return upload(vulkan, scene, &box, skip, diag);
 }
@@ -139,7 +139,7 @@ static double length_m(struct neph_vec3 v)
 static double largest_shift_m(const struct neph_skip_cells *skip, const struct neph_scene *scene,
                               struct neph_vec3 box_m, struct neph_vec3 box_then_m)
 {
-    const struct neph_skip_places now = places_of(scene);
+    const struct neph_skip_positions now = record_positions(scene);
     const struct neph_vec3 by_m = neph_vec3_sub(box_m, box_then_m);
     double shift_m = length_m(neph_vec3_sub(now.noise_m, skip->places.noise_m));
     for (int i = 0; i < scene->medium_count; i++)
@@ -150,9 +150,9 @@ static double largest_shift_m(const struct neph_skip_cells *skip, const struct n
     return shift_m;
 }
 
-static enum neph_status check_places(const struct neph_skip_cells *skip,
-                                     const struct neph_scene *scene, const struct neph_bounds *box,
-                                     struct neph_diag *diag)
+static enum neph_status check_displacements(const struct neph_skip_cells *skip,
+                                            const struct neph_scene *scene,
+                                            const struct neph_bounds *box, struct neph_diag *diag)
 {
     double sides_m[3];
     neph_lattice_sides_m(box, sides_m);
@@ -173,11 +173,11 @@ enum neph_status neph_skip_cells_place(const struct neph_skip_cells *skip,
                                        struct neph_gpu_frame *gpu, struct neph_diag *diag)
 {
     struct neph_bounds box;
-    if (skip->size[0] == 0 || !neph_shapes_box(scene, &box))
+    if (skip->size[0] == 0 || !neph_find_media_bounds(scene, &box))
         return NEPH_OK;
     neph_lattice_place(&box, neph_scene_camera(scene, frame).position_m, skip->size, 0,
                        &gpu->skip_lattice);
-    return check_places(skip, scene, &box, diag);
+    return check_displacements(skip, scene, &box, diag);
 }
 
 void neph_skip_cells_bind(const struct neph_skip_cells *skip, struct neph_dispatch *dispatch)

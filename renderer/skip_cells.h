@@ -11,7 +11,7 @@
 #include "renderer/march_params.h"
 
 /* Positions of the media when the cells were computed. */
-struct neph_skip_places {
+struct neph_skip_positions {
     struct neph_vec3 corner_m[NEPH_SCENE_MEDIA_MAX]; /* of each medium's bounds */
     struct neph_vec3 noise_m; /* displacement of the noise of Horizon clouds by the wind */
 };
@@ -19,7 +19,7 @@ struct neph_skip_places {
 struct neph_skip_cells {
     uint32_t size[3];         /* 0: no cells */
     struct neph_buffer cells; /* without memory if there are no cells */
-    struct neph_skip_places places;
+    struct neph_skip_positions places;
     struct neph_vec3 box_min_m; /* minimum corner of the bounds at that time */
 };
 
@@ -31,7 +31,7 @@ enum neph_status neph_skip_cells_create(const struct neph_vulkan *vulkan,
                                         const struct neph_march_params *params,
                                         struct neph_skip_cells *skip, struct neph_diag *diag);
 
-/* Place the cells in a frame of the scene, after neph_gpu_scene_move(). NEPH_ERR_UNSUPPORTED: the
+/* Place the cells in a frame of the scene, after neph_gpu_scene_update(). NEPH_ERR_UNSUPPORTED: the
  * media have not all moved by the same offset since the cells were computed, for example because
  * the wind moves only some of them, or the noise of a Horizon cloud within its bounds. */
 enum neph_status neph_skip_cells_place(const struct neph_skip_cells *skip,

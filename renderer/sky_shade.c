@@ -23,22 +23,23 @@ enum neph_status neph_sky_shade_create(struct neph_vulkan *vulkan, const struct 
     const uint64_t samples = NEPH_GPU_SKY_SUN_SAMPLES;
     shade->vulkan = vulkan;
     shade->params = *params;
-    enum neph_status status = neph_march_cut_make_whole(
-        vulkan, rest, gpu, params, samples * neph_gpu_solid_turns((uint64_t)rest->solid_count),
+    enum neph_status status = neph_march_split_make_whole(
+        vulkan, rest, gpu, params, samples * neph_gpu_solid_iterations((uint64_t)rest->solid_count),
         samples, froxel_count(&params->sky.tables.aerial), &shade->cut, diag);
     if (!status)
         status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD,
                                     sizeof(struct neph_gpu_sun_counters), name, &shade->counters,
                                     diag);
     return status ? status
-                  : neph_turns_create(vulkan, &shade->counters, name, &shade->counter_turns, diag);
+                  : neph_buffer_ring_create(vulkan, &shade->counters, name, &shade->counter_ring,
+                                            diag);
 }
 
 void neph_sky_shade_destroy(struct neph_sky_shade *shade)
 {
     if (!shade->vulkan)
         return;
-    neph_turns_destroy(shade->vulkan, &shade->counter_turns);
+    neph_buffer_ring_destroy(shade->vulkan, &shade->counter_ring);
     neph_buffer_destroy(shade->vulkan, &shade->counters);
     *shade = (struct neph_sky_shade){.vulkan = NULL};
 }
@@ -71,24 +72,24 @@ static enum neph_status get_kernel(const struct neph_sky_shade *shade,
     return neph_kernel_get(shade->vulkan, &params, kernel, diag);
 }
 
-static enum neph_status send_run(const struct neph_gpu_march_run *run, void *context,
-                                 struct neph_diag *diag)
+static enum neph_status submit_shade_run(const struct neph_gpu_march_run *run, void *context,
+                                         struct neph_diag *diag)
 {
     struct work *work = context;
     work->dispatch.push = run;
     work->dispatch.group_count = (run->ray_count + NEPH_MARCH_LOCAL_SIZE - 1) /
                                  NEPH_MARCH_LOCAL_SIZE;
     work->cost->dispatches++;
-    return neph_dispatch_send(work->shade->vulkan, work->kernel, &work->dispatch,
-                              "the sky's shadows", work->gpu_s, diag);
+    return neph_dispatch_submit(work->shade->vulkan, work->kernel, &work->dispatch,
+                                "the sky's shadows", work->gpu_s, diag);
 }
 
 /* Whether media are unchanged. Scenes with moving solids always count as changed. */
-static bool is_as_before(struct neph_sky_shade *shade, const struct neph_scene *rest,
-                         const struct neph_sky_tables *tables)
+static bool has_same_media(struct neph_sky_shade *shade, const struct neph_scene *rest,
+                           const struct neph_sky_tables *tables)
 {
     struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX];
-    neph_gpu_scene_media(rest, media);
+    neph_gpu_scene_pack_media(rest, media);
     const bool same = tables->has_aerial && rest->mover_count == 0 &&
                       memcmp(media, shade->media, sizeof(media)) == 0;
     memcpy(shade->media, media, sizeof(media));
@@ -103,14 +104,14 @@ enum neph_status neph_sky_shade_fill(struct neph_sky_shade *shade, const struct 
                                      struct neph_diag *diag)
 {
     struct work work = {.shade = shade, .dispatch = *bound, .cost = cost, .gpu_s = gpu_s};
-    if (!shade->vulkan || is_as_before(shade, rest, tables))
+    if (!shade->vulkan || has_same_media(shade, rest, tables))
         return NEPH_OK;
     tables->has_aerial = false;
-    neph_turns_take(&shade->counter_turns, &shade->counters);
+    neph_buffer_ring_advance(&shade->counter_ring, &shade->counters);
     memset(shade->counters.mapped, 0, sizeof(struct neph_gpu_sun_counters));
     cost->counters[NEPH_SUN_SKY] = shade->counters.mapped;
     work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &shade->counters; /* unused bindings */
     work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &shade->counters;
     const enum neph_status status = get_kernel(shade, gpu, &work.kernel, diag);
-    return status ? status : neph_march_cut_run(&shade->cut, send_run, &work, diag);
+    return status ? status : neph_march_split_run(&shade->cut, submit_shade_run, &work, diag);
 }

@@ -14,9 +14,9 @@
 struct neph_sky_shade {
     struct neph_vulkan *vulkan; /* borrowed; NULL: nothing casts shadows */
     struct neph_march_params params;
-    struct neph_march_cut cut; /* covers all froxels */
+    struct neph_march_split cut; /* covers all froxels */
     struct neph_buffer counters;
-    struct neph_turns counter_turns;
+    struct neph_buffer_ring counter_ring;
     struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX]; /* in world space, of the latest filling */
 };
 

@@ -42,7 +42,7 @@ double neph_slab_light_e2(double x)
 }
 
 /* Integral of E1(|t - s|) over s from a to b. */
-static double kernel(double t, double a, double b)
+static double integrate_e1(double t, double a, double b)
 {
     if (t <= a)
         return neph_slab_light_e2(a - t) - neph_slab_light_e2(b - t);
@@ -52,7 +52,7 @@ static double kernel(double t, double a, double b)
 }
 
 /* Edge i of the cells, denser near both boundaries. */
-static double edge_of(int i, double depth)
+static double compute_cell_edge(int i, double depth)
 {
     const double x = 2.0 * i / CELLS - 1.0, bend = fmin(depth, 30.0) / 8.0 + 1e-3;
     return 0.5 * depth * (1.0 + tanh(bend * x * 0.5) / tanh(bend * 0.5));
@@ -60,7 +60,7 @@ static double edge_of(int i, double depth)
 
 /* Gaussian elimination without pivoting: the matrix is diagonally dominant, because the rows of the
  * kernel sum up to at most 2. */
-static void solve(double matrix[CELLS][CELLS], double right[CELLS])
+static void solve_linear_system(double matrix[CELLS][CELLS], double right[CELLS])
 {
     for (int i = 0; i < CELLS; i++)
         for (int j = i + 1; j < CELLS; j++) {
@@ -79,24 +79,24 @@ static void solve(double matrix[CELLS][CELLS], double right[CELLS])
 /* Milne's equation (E. A. Milne, 1921) with a source function S that is constant in a cell: S =
  * albedo (mean + e^-t / 4 pi), where the mean radiance is half the integral of E1(|t - s|) S(s)
  * over the slab. */
-double neph_slab_light_endless_per_sr(double above, double below, double albedo)
+double neph_slab_light_infinite_per_sr(double above, double below, double albedo)
 {
     double matrix[CELLS][CELLS], source[CELLS], edges[CELLS + 1], mean = 0.0;
     const double depth = above + below;
     if (!(depth > 0.0))
         return 0.0;
     for (int i = 0; i <= CELLS; i++)
-        edges[i] = edge_of(i, depth);
+        edges[i] = compute_cell_edge(i, depth);
     for (int i = 0; i < CELLS; i++) {
         const double t = 0.5 * (edges[i] + edges[i + 1]);
         for (int j = 0; j < CELLS; j++)
-            matrix[i][j] = (i == j) - 0.5 * albedo * kernel(t, edges[j], edges[j + 1]);
+            matrix[i][j] = (i == j) - 0.5 * albedo * integrate_e1(t, edges[j], edges[j + 1]);
         source[i] = albedo / (4.0 * M_PI) * (exp(-edges[i]) - exp(-edges[i + 1])) /
                     (edges[i + 1] - edges[i]);
     }
-    solve(matrix, source);
+    solve_linear_system(matrix, source);
     for (int j = 0; j < CELLS; j++)
-        mean += 0.5 * kernel(above, edges[j], edges[j + 1]) * source[j];
+        mean += 0.5 * integrate_e1(above, edges[j], edges[j + 1]) * source[j];
     return mean;
 }
 
@@ -104,7 +104,7 @@ double neph_slab_light_endless_per_sr(double above, double below, double albedo)
  * fluence that is a cosine across the column it is D 2 (pi / (width + 2 q))^2, in units of the
  * extinction; D = 1/3, q = 0.7104 (S. Glasstone, M. C. Edlund, "The Elements of Nuclear Reactor
  * Theory", 1952: buckling). */
-static double lost_to_sides(double width)
+static double compute_side_loss(double width)
 {
     const double q = 0.7104, wave = M_PI / (width + 2.0 * q);
     return 2.0 / 3.0 * wave * wave;
@@ -112,8 +112,8 @@ static double lost_to_sides(double width)
 
 double neph_slab_light_per_sr(double above, double below, double albedo)
 {
-    return neph_slab_light_endless_per_sr(above, below,
-                                          fmax(0.0, albedo - lost_to_sides(above + below)));
+    return neph_slab_light_infinite_per_sr(above, below,
+                                           fmax(0.0, albedo - compute_side_loss(above + below)));
 }
 
 /* --- on the device --------------------------------------------------------------------------- */
@@ -125,7 +125,7 @@ static double isotropic_albedo(double albedo, double g)
 }
 
 /* Fill the table, one channel for each albedo. */
-static void fill(const struct neph_medium *medium, float table[NODES * NODES][4])
+static void fill_slab_table(const struct neph_medium *medium, float table[NODES * NODES][4])
 {
     const double g = neph_phase_mean_cosine(&medium->phase);
     const double albedos[3] = {medium->albedo.r, medium->albedo.g, medium->albedo.b};
@@ -149,7 +149,7 @@ enum neph_status neph_slab_light_create(struct neph_vulkan *vulkan, const struct
     if (!table)
         return neph_fail_memory(diag);
     if (scene->medium_count > 0)
-        fill(&scene->media[0], table);
+        fill_slab_table(&scene->media[0], table);
     const size_t bytes = NODES * NODES * sizeof(*table);
     enum neph_status status = neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, bytes, "slab light",
                                                  &light->table, diag);

@@ -30,9 +30,9 @@ double neph_slab_light_e2(double x);
 
 /* Mean diffuse radiance [1/sr] at a depth in an infinite isotropic slab with a sun of irradiance 1
  * at normal incidence. `above` and `below` are optical depths >= 0; albedo 0..1. */
-double neph_slab_light_endless_per_sr(double above, double below, double albedo);
+double neph_slab_light_infinite_per_sr(double above, double below, double albedo);
 
-/* As neph_slab_light_endless_per_sr(), for a column that is as wide as it is long. */
+/* As neph_slab_light_infinite_per_sr(), for a column that is as wide as it is long. */
 double neph_slab_light_per_sr(double above, double below, double albedo);
 
 /* Create the table for a march with these parameters; nothing unless its lighting is

@@ -79,14 +79,14 @@ static inline size_t neph_spirv_length(const struct neph_spirv_module *module, s
 }
 
 /* The block of a label. */
-static inline struct neph_spirv_block *neph_spirv_block_of(const struct neph_spirv_module *module,
-                                                           uint32_t label)
+static inline struct neph_spirv_block *neph_spirv_get_block(const struct neph_spirv_module *module,
+                                                            uint32_t label)
 {
     return &module->blocks[module->ids[label].block];
 }
 
-static inline uint32_t neph_spirv_label_of(const struct neph_spirv_module *module,
-                                           const struct neph_spirv_block *block)
+static inline uint32_t neph_spirv_get_label(const struct neph_spirv_module *module,
+                                            const struct neph_spirv_block *block)
 {
     return module->words[block->at + 1];
 }

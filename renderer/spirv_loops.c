@@ -31,16 +31,16 @@ struct definition {
     int block; /* or NEPH_SPIRV_NO_BLOCK */
     bool is_type;
     /* For the loop being checked: */
-    bool is_carried; /* passed to the next iteration by a phi */
-    bool is_other;   /* recomputed by a thread that has left, it would differ */
-    bool is_lost;    /* and its value after the loop is therefore wrong */
+    bool is_carried;   /* passed to the next iteration by a phi */
+    bool is_different; /* recomputed by a thread that has left, it would differ */
+    bool is_lost;      /* and its value after the loop is therefore wrong */
 };
 
 /* A block in the loop being checked. */
 struct place {
     bool is_in;
-    bool is_early;    /* the loop may be left after this block, in the same iteration */
-    bool is_continue; /* in the continue construct */
+    bool is_before_exit; /* the loop may be left after this block, in the same iteration */
+    bool is_continue;    /* in the continue construct */
 };
 
 struct search {
@@ -48,7 +48,7 @@ struct search {
     struct definition *definitions; /* owned, by id */
     struct place *places;           /* owned, by block */
     int header, merge, target;      /* blocks of the loop being checked */
-    bool reads_on;                  /* the continue construct has loads */
+    bool continue_has_loads;        /* the continue construct has loads */
 };
 
 /* --- the module ------------------------------------------------------------------------------- */
@@ -89,7 +89,7 @@ struct operands {
     size_t at, end;
 };
 
-static struct operands operands_of(const struct search *search, size_t at)
+static struct operands get_operands(const struct search *search, size_t at)
 {
     const size_t length = neph_spirv_length(&search->module, at);
     struct operands operands = {has_result(search, at) ? 3 : 1, length};
@@ -124,26 +124,26 @@ static struct operands operands_of(const struct search *search, size_t at)
 }
 
 /* The words of a terminator that are labels. */
-struct ways {
+struct branch_targets {
     size_t at, end, step;
 };
 
-static struct ways ways_of(const struct search *search, int block)
+static struct branch_targets get_branch_targets(const struct search *search, int block)
 {
     const size_t at = search->module.blocks[block].terminator;
     switch (neph_spirv_operation(&search->module, at)) {
     case OP_BRANCH:
-        return (struct ways){at + 1, at + 2, 1};
+        return (struct branch_targets){at + 1, at + 2, 1};
     case OP_BRANCH_CONDITIONAL:
-        return (struct ways){at + 2, at + 4, 1};
+        return (struct branch_targets){at + 2, at + 4, 1};
     case OP_SWITCH:
-        return (struct ways){at + 2, at + neph_spirv_length(&search->module, at), 2};
+        return (struct branch_targets){at + 2, at + neph_spirv_length(&search->module, at), 2};
     default:
-        return (struct ways){at, at, 1};
+        return (struct branch_targets){at, at, 1};
     }
 }
 
-static int block_at(const struct search *search, size_t word)
+static int get_block_index(const struct search *search, size_t word)
 {
     return search->module.ids[search->module.words[word]].block;
 }
@@ -159,21 +159,24 @@ static bool is_within(const struct search *search, uint32_t id)
 
 /* Whether a block is in the loop: it is after the header, and the header can be reached from it
  * without the merge block. */
-static bool goes_around(const struct search *search, int block)
+static bool is_in_loop_body(const struct search *search, int block)
 {
-    for (struct ways way = ways_of(search, block); way.at < way.end; way.at += way.step) {
-        const int to = block_at(search, way.at);
+    for (struct branch_targets way = get_branch_targets(search, block); way.at < way.end;
+         way.at += way.step) {
+        const int to = get_block_index(search, way.at);
         if (to == search->header || (to != search->merge && search->places[to].is_in))
             return true;
     }
     return false;
 }
 
-static bool leaves(const struct search *search, int block)
+static bool is_exit_block(const struct search *search, int block)
 {
-    for (struct ways way = ways_of(search, block); way.at < way.end; way.at += way.step) {
-        const int to = block_at(search, way.at);
-        if (!search->places[to].is_in || (to != search->header && search->places[to].is_early))
+    for (struct branch_targets way = get_branch_targets(search, block); way.at < way.end;
+         way.at += way.step) {
+        const int to = get_block_index(search, way.at);
+        if (!search->places[to].is_in ||
+            (to != search->header && search->places[to].is_before_exit))
             return true;
     }
     return false;
@@ -188,24 +191,25 @@ static void find_blocks(struct search *search)
     for (bool has_news = true; has_news;) {
         has_news = false;
         for (int b = count - 1; b > search->header; b--)
-            if (b != search->merge && !places[b].is_in && goes_around(search, b))
+            if (b != search->merge && !places[b].is_in && is_in_loop_body(search, b))
                 has_news = places[b].is_in = true;
     }
     for (bool has_news = true; has_news;) {
         has_news = false;
         for (int b = count - 1; b >= search->header; b--)
-            if (places[b].is_in && !places[b].is_early && leaves(search, b))
-                has_news = places[b].is_early = true;
+            if (places[b].is_in && !places[b].is_before_exit && is_exit_block(search, b))
+                has_news = places[b].is_before_exit = true;
     }
 }
 
 /* Whether a second iteration is possible. A return from the middle of a function is inlined as a
  * loop with a single iteration. */
-static bool turns(const struct search *search)
+static bool has_second_iteration(const struct search *search)
 {
     for (int b = 0; b < search->module.block_count; b++)
-        for (struct ways way = ways_of(search, b); way.at < way.end; way.at += way.step)
-            if (block_at(search, way.at) == search->target)
+        for (struct branch_targets way = get_branch_targets(search, b); way.at < way.end;
+             way.at += way.step)
+            if (get_block_index(search, way.at) == search->target)
                 return true;
     return search->target == search->header;
 }
@@ -221,7 +225,7 @@ static bool is_vote(const struct search *search, uint32_t id)
 }
 
 /* Whether all threads leave together, so that none keeps executing after it has left. */
-static bool is_left_together(const struct search *search)
+static bool is_exit_uniform(const struct search *search)
 {
     const struct neph_spirv_module *module = &search->module;
     for (int b = search->header; b < module->block_count; b++) {
@@ -229,8 +233,9 @@ static bool is_left_together(const struct search *search)
             continue;
         const size_t at = module->blocks[b].terminator;
         const bool has_choice = neph_spirv_operation(module, at) == OP_BRANCH_CONDITIONAL;
-        for (struct ways way = ways_of(search, b); way.at < way.end; way.at += way.step)
-            if (!search->places[block_at(search, way.at)].is_in &&
+        for (struct branch_targets way = get_branch_targets(search, b); way.at < way.end;
+             way.at += way.step)
+            if (!search->places[get_block_index(search, way.at)].is_in &&
                 !(has_choice && is_vote(search, module->words[at + 1])))
                 return false;
     }
@@ -240,24 +245,25 @@ static bool is_left_together(const struct search *search)
 static void find_continue(struct search *search)
 {
     const struct neph_spirv_module *module = &search->module;
-    search->reads_on = false;
+    search->continue_has_loads = false;
     search->places[search->target].is_continue = true;
     for (int b = search->target; b < module->block_count; b++) {
         if (!search->places[b].is_continue)
             continue;
-        for (struct ways way = ways_of(search, b); way.at < way.end; way.at += way.step)
-            if (block_at(search, way.at) > search->target)
-                search->places[block_at(search, way.at)].is_continue = true;
+        for (struct branch_targets way = get_branch_targets(search, b); way.at < way.end;
+             way.at += way.step)
+            if (get_block_index(search, way.at) > search->target)
+                search->places[get_block_index(search, way.at)].is_continue = true;
         for (size_t at = module->blocks[b].at; at < module->blocks[b].terminator;
              at += neph_spirv_length(module, at))
-            search->reads_on |= neph_spirv_operation(module, at) == OP_LOAD;
+            search->continue_has_loads |= neph_spirv_operation(module, at) == OP_LOAD;
     }
 }
 
 /* --- lost values ------------------------------------------------------------------------------ */
 
 /* The value that an iteration passes to a phi of the header; 0: none. */
-static uint32_t handed_on(const struct search *search, size_t phi)
+static uint32_t find_carried_value(const struct search *search, size_t phi)
 {
     const uint32_t *words = search->module.words + phi;
     for (size_t i = 3; i + 1 < neph_spirv_length(&search->module, phi); i += 2)
@@ -270,18 +276,18 @@ static uint32_t handed_on(const struct search *search, size_t phi)
  * after exits that come later in the same iteration. If the continue construct is nearly empty,
  * Mesa turns the phi into a selection between that value and the initial one, which is not carried.
  */
-static void judge_header_phi(struct search *search, size_t at)
+static void check_header_phi(struct search *search, size_t at)
 {
     struct definition *phi = &search->definitions[search->module.words[at + 2]];
-    const uint32_t next = handed_on(search, at);
+    const uint32_t next = find_carried_value(search, at);
     if (next == search->module.words[at + 2] || !is_within(search, next))
         return;
     const struct place *place = &search->places[search->definitions[next].block];
-    phi->is_other = place->is_early;
-    phi->is_lost = phi->is_other && !place->is_continue && !search->reads_on;
+    phi->is_different = place->is_before_exit;
+    phi->is_lost = phi->is_different && !place->is_continue && !search->continue_has_loads;
 }
 
-static bool is_loaded_anew(const struct search *search, size_t load)
+static bool is_constant_load(const struct search *search, size_t load)
 {
     const uint32_t *words = search->module.words;
     const size_t pointer = search->definitions[words[load + 3]].at;
@@ -291,23 +297,23 @@ static bool is_loaded_anew(const struct search *search, size_t load)
 }
 
 /* Decide for an instruction that is not a phi. */
-static void judge(struct search *search, size_t at)
+static void check_instruction(struct search *search, size_t at)
 {
     const struct neph_spirv_module *module = &search->module;
     struct definition *definition = &search->definitions[module->words[at + 2]];
-    definition->is_other = !neph_spirv_is_pure(module, at) ||
-                           (neph_spirv_operation(module, at) == OP_LOAD &&
-                            !is_loaded_anew(search, at));
-    const struct operands operands = operands_of(search, at);
+    definition->is_different = !neph_spirv_is_pure(module, at) ||
+                               (neph_spirv_operation(module, at) == OP_LOAD &&
+                                !is_constant_load(search, at));
+    const struct operands operands = get_operands(search, at);
     for (size_t i = operands.at; i < operands.end; i++)
         if (is_within(search, module->words[at + i]))
-            definition->is_other |= search->definitions[module->words[at + i]].is_other;
-    definition->is_lost = definition->is_other && !definition->is_carried;
+            definition->is_different |= search->definitions[module->words[at + i]].is_different;
+    definition->is_lost = definition->is_different && !definition->is_carried;
 }
 
 /* Decide for all instructions of the loop, definitions before uses. Phis outside the header
  * preserve their values, as carried values do. */
-static void judge_loop(struct search *search)
+static void check_loop_values(struct search *search)
 {
     const struct neph_spirv_module *module = &search->module;
     for (int b = search->header; b < module->block_count; b++)
@@ -316,27 +322,27 @@ static void judge_loop(struct search *search)
             if (!search->places[b].is_in || !has_result(search, at))
                 continue;
             if (neph_spirv_operation(module, at) != OP_PHI)
-                judge(search, at);
+                check_instruction(search, at);
             else if (b == search->header)
-                judge_header_phi(search, at);
+                check_header_phi(search, at);
         }
 }
 
-static void forget_and_carry(struct search *search)
+static void reset_definitions(struct search *search)
 {
     const struct neph_spirv_module *module = &search->module;
     for (uint32_t id = 0; id < module->id_count; id++) {
         struct definition *definition = &search->definitions[id];
-        definition->is_carried = definition->is_other = definition->is_lost = false;
+        definition->is_carried = definition->is_different = definition->is_lost = false;
     }
     const struct neph_spirv_block *header = &module->blocks[search->header];
     for (size_t at = header->at; at < header->terminator; at += neph_spirv_length(module, at))
         if (neph_spirv_operation(module, at) == OP_PHI)
-            search->definitions[handed_on(search, at)].is_carried = true;
+            search->definitions[find_carried_value(search, at)].is_carried = true;
 }
 
 /* Whether a phi at a loop exit has different inputs: it then preserves its value. */
-static bool keeps(const struct search *search, size_t at)
+static bool is_preserving_phi(const struct search *search, size_t at)
 {
     const uint32_t *words = search->module.words + at;
     if (neph_spirv_operation(&search->module, at) != OP_PHI)
@@ -348,12 +354,13 @@ static bool keeps(const struct search *search, size_t at)
 }
 
 /* The first lost value that a block uses; 0: none. */
-static uint32_t asked_for(const struct search *search, const struct neph_spirv_block *block)
+static uint32_t find_used_lost_value(const struct search *search,
+                                     const struct neph_spirv_block *block)
 {
     const struct neph_spirv_module *module = &search->module;
     for (size_t at = block->at; at < block->end; at += neph_spirv_length(module, at)) {
-        const struct operands operands = operands_of(search, at);
-        for (size_t i = operands.at; i < operands.end && !keeps(search, at); i++) {
+        const struct operands operands = get_operands(search, at);
+        for (size_t i = operands.at; i < operands.end && !is_preserving_phi(search, at); i++) {
             const uint32_t id = module->words[at + i];
             if (is_within(search, id) && search->definitions[id].is_lost)
                 return id;
@@ -367,18 +374,18 @@ static uint32_t find_in_loop(struct search *search, int header)
     const struct neph_spirv_module *module = &search->module;
     const size_t merge = module->blocks[header].merge;
     search->header = header;
-    search->merge = block_at(search, merge + 1);
-    search->target = block_at(search, merge + 2);
+    search->merge = get_block_index(search, merge + 1);
+    search->target = get_block_index(search, merge + 2);
     find_blocks(search);
-    if (!turns(search) || is_left_together(search))
+    if (!has_second_iteration(search) || is_exit_uniform(search))
         return 0;
     find_continue(search);
-    forget_and_carry(search);
-    judge_loop(search);
+    reset_definitions(search);
+    check_loop_values(search);
     uint32_t id = 0;
     for (int b = 0; b < module->block_count && !id; b++)
         if (!search->places[b].is_in)
-            id = asked_for(search, &module->blocks[b]);
+            id = find_used_lost_value(search, &module->blocks[b]);
     return id;
 }
 
@@ -404,7 +411,7 @@ bool neph_spirv_find_lost(const uint32_t *words, size_t size_bytes, struct neph_
     for (int b = 0; has_memory && b < module->block_count && !lost->value; b++)
         if (is_loop(&search, b))
             *lost = (struct neph_spirv_lost){find_in_loop(&search, b),
-                                             neph_spirv_label_of(module, &module->blocks[b])};
+                                             neph_spirv_get_label(module, &module->blocks[b])};
     if (!lost->value)
         lost->header = 0;
     free(search.places);

@@ -34,7 +34,8 @@ static size_t skip_phis(const struct neph_spirv_module *module,
 /* Whether a header can be split. Its terminator moves to another block than OpLoopMerge: possible
  * for an OpBranch, and for a conditional branch that exits or continues the loop, since it needs no
  * OpSelectionMerge. */
-static bool can_divide(const struct neph_spirv_module *module, const struct neph_spirv_block *block)
+static bool can_split_header(const struct neph_spirv_module *module,
+                             const struct neph_spirv_block *block)
 {
     if (!block->merge || neph_spirv_operation(module, block->merge) != OP_LOOP_MERGE ||
         skip_phis(module, block) == block->merge)
@@ -46,33 +47,33 @@ static bool can_divide(const struct neph_spirv_module *module, const struct neph
             (end[2] == loop[1] || end[2] == loop[2] || end[3] == loop[1] || end[3] == loop[2]));
 }
 
-static void plan(struct splitter *splitter)
+static void plan_splits(struct splitter *splitter)
 {
     const struct neph_spirv_module *module = &splitter->module;
     for (int b = 0; b < module->block_count; b++) {
         const struct neph_spirv_block *block = &module->blocks[b];
-        if (!can_divide(module, block))
+        if (!can_split_header(module, block))
             continue;
         splitter->parts[b].body = splitter->bound++;
-        if (module->words[block->merge + 2] == neph_spirv_label_of(module, block))
+        if (module->words[block->merge + 2] == neph_spirv_get_label(module, block))
             splitter->parts[b].back = splitter->bound++;
     }
 }
 
 /* --- output ----------------------------------------------------------------------------------- */
 
-static void put(struct splitter *splitter, uint32_t word)
+static void write_word(struct splitter *splitter, uint32_t word)
 {
     splitter->out[splitter->count++] = word;
 }
 
-static void put_instruction(struct splitter *splitter, uint32_t operation, uint32_t operand)
+static void write_instruction(struct splitter *splitter, uint32_t operation, uint32_t operand)
 {
-    put(splitter, 2u << 16 | operation);
-    put(splitter, operand);
+    write_word(splitter, 2u << 16 | operation);
+    write_word(splitter, operand);
 }
 
-static void copy(struct splitter *splitter, size_t at, size_t end)
+static void copy_words(struct splitter *splitter, size_t at, size_t end)
 {
     memcpy(splitter->out + splitter->count, splitter->module.words + at,
            (end - at) * sizeof(*splitter->out));
@@ -80,7 +81,7 @@ static void copy(struct splitter *splitter, size_t at, size_t end)
 }
 
 /* The new predecessor of `block` for a branch that came from `parent`. */
-static uint32_t parent_of(const struct splitter *splitter, int block, uint32_t parent)
+static uint32_t map_predecessor(const struct splitter *splitter, int block, uint32_t parent)
 {
     const int from = splitter->module.ids[parent].block;
     const struct parts *parts = &splitter->parts[from];
@@ -95,9 +96,9 @@ static void copy_phis(struct splitter *splitter, int block, size_t at, size_t en
     for (size_t length; at < end; at += length) {
         uint32_t *words = splitter->out + splitter->count;
         length = neph_spirv_length(module, at);
-        copy(splitter, at, at + length);
+        copy_words(splitter, at, at + length);
         for (size_t i = 4; i < length; i += 2)
-            words[i] = parent_of(splitter, block, words[i]);
+            words[i] = map_predecessor(splitter, block, words[i]);
     }
 }
 
@@ -106,10 +107,10 @@ static void copy_phis(struct splitter *splitter, int block, size_t at, size_t en
 static void copy_redirected(struct splitter *splitter, int block, size_t at, size_t last)
 {
     const struct neph_spirv_module *module = &splitter->module;
-    const uint32_t label = neph_spirv_label_of(module, &module->blocks[block]);
+    const uint32_t label = neph_spirv_get_label(module, &module->blocks[block]);
     const size_t length = neph_spirv_length(module, at);
     uint32_t *words = splitter->out + splitter->count;
-    copy(splitter, at, at + length);
+    copy_words(splitter, at, at + length);
     for (size_t i = 1; i <= last && i < length && splitter->parts[block].back; i++)
         if (words[i] == label)
             words[i] = splitter->parts[block].back;
@@ -122,21 +123,21 @@ static void write_block(struct splitter *splitter, int b)
     const struct parts *parts = &splitter->parts[b];
     const size_t phis = block->at + neph_spirv_length(module, block->at);
     const size_t body = skip_phis(module, block);
-    copy(splitter, block->at, phis);
+    copy_words(splitter, block->at, phis);
     copy_phis(splitter, b, phis, body);
     if (!parts->body) {
-        copy(splitter, body, block->end);
+        copy_words(splitter, body, block->end);
         return;
     }
     copy_redirected(splitter, b, block->merge, 2);
-    put_instruction(splitter, OP_BRANCH, parts->body);
-    put_instruction(splitter, OP_LABEL, parts->body);
-    copy(splitter, body, block->merge);
+    write_instruction(splitter, OP_BRANCH, parts->body);
+    write_instruction(splitter, OP_LABEL, parts->body);
+    copy_words(splitter, body, block->merge);
     copy_redirected(splitter, b, block->terminator, 3);
     if (!parts->back)
         return;
-    put_instruction(splitter, OP_LABEL, parts->back);
-    put_instruction(splitter, OP_BRANCH, neph_spirv_label_of(module, block));
+    write_instruction(splitter, OP_LABEL, parts->back);
+    write_instruction(splitter, OP_BRANCH, neph_spirv_get_label(module, block));
 }
 
 static void write_module(struct splitter *splitter)
@@ -144,11 +145,11 @@ static void write_module(struct splitter *splitter)
     const struct neph_spirv_module *module = &splitter->module;
     size_t at = 0;
     for (int b = 0; b < module->block_count; b++) {
-        copy(splitter, at, module->blocks[b].at);
+        copy_words(splitter, at, module->blocks[b].at);
         write_block(splitter, b);
         at = module->blocks[b].end;
     }
-    copy(splitter, at, module->word_count);
+    copy_words(splitter, at, module->word_count);
     splitter->out[BOUND] = splitter->bound;
 }
 
@@ -165,7 +166,7 @@ bool neph_spirv_split_loops(const uint32_t *words, size_t size_bytes, uint32_t *
         fits = splitter.parts && splitter.out;
     }
     if (fits) {
-        plan(&splitter);
+        plan_splits(&splitter);
         write_module(&splitter);
         *split = splitter.out;
         *split_bytes = splitter.count * sizeof(*splitter.out);

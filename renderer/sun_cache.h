@@ -33,7 +33,7 @@ enum neph_status neph_sun_cache_create(struct neph_vulkan *vulkan, const struct 
                                        const struct neph_march_params *params, size_t values_behind,
                                        struct neph_sun_cache *cache, struct neph_diag *diag);
 
-/* Place the grid in a frame of the scene, after neph_gpu_scene_move(), and submit the filling of
+/* Place the grid in a frame of the scene, after neph_gpu_scene_update(), and submit the filling of
  * its stale nodes or of the next part, before the frame's own passes. `cost` is borrowed until the
  * frame is collected. Errors as of neph_march_frame(). */
 enum neph_status neph_sun_cache_fill(struct neph_sun_cache *cache, const struct neph_scene *scene,

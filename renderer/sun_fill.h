@@ -43,8 +43,8 @@ struct neph_sun_fill {
     struct neph_march_params params;
     int part_count;              /* parts of a new filling */
     struct neph_buffer counters; /* of the latest filling */
-    struct neph_turns counter_turns;
-    struct neph_march_cut cut; /* covers all entries */
+    struct neph_buffer_ring counter_ring;
+    struct neph_march_split cut; /* covers all entries */
     bool is_filled;
     int part, stale_parts; /* the next part to fill; the number of parts with an old sun or medium
                             */
@@ -57,8 +57,8 @@ struct neph_sun_fill {
 enum neph_status neph_sun_fill_create(struct neph_vulkan *vulkan,
                                       const struct neph_sun_fill_shader *shader,
                                       const struct neph_march_params *params, int pictures,
-                                      const struct neph_march_cut *cut, struct neph_sun_fill *fill,
-                                      struct neph_diag *diag);
+                                      const struct neph_march_split *cut,
+                                      struct neph_sun_fill *fill, struct neph_diag *diag);
 
 /* Submit the filling of the stale entries of a table, or of the next part, before the frame's own
  * passes. `anew`: all entries are invalid. `cost` is borrowed until the frame is collected. Errors

@@ -25,7 +25,7 @@ static const struct {
 
 /* --- device support ----------------------------------------------------------------------- */
 
-bool neph_texture_filters(const struct neph_vulkan *vulkan, enum neph_texel_format format)
+bool neph_texture_can_filter(const struct neph_vulkan *vulkan, enum neph_texel_format format)
 {
     const VkFormatFeatureFlags needed = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT |
                                         VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT |
@@ -36,11 +36,12 @@ bool neph_texture_filters(const struct neph_vulkan *vulkan, enum neph_texel_form
     return (properties.optimalTilingFeatures & needed) == needed;
 }
 
-static enum neph_status check(const struct neph_vulkan *vulkan,
-                              const struct neph_texture_params *params, struct neph_diag *diag)
+static enum neph_status check_texture_support(const struct neph_vulkan *vulkan,
+                                              const struct neph_texture_params *params,
+                                              struct neph_diag *diag)
 {
     const int most = (int)vulkan->limits.maxImageDimension3D;
-    if (!neph_texture_filters(vulkan, params->format)) {
+    if (!neph_texture_can_filter(vulkan, params->format)) {
         neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                   "grid_format=%s: the device '%s' does not interpolate 3D images of it",
                   neph_texel_formats[params->format], vulkan->description.device);
@@ -89,7 +90,7 @@ static VkResult create_image(const struct neph_vulkan *vulkan,
         return VK_ERROR_FEATURE_NOT_PRESENT;
     result = vulkan->api.vkAllocateMemory(vulkan->device, &memory, NULL, &texture->memory);
     if (result == VK_SUCCESS)
-        neph_device_memory_take(texture->memory_bytes = requirements.size);
+        neph_device_memory_add(texture->memory_bytes = requirements.size);
     return result == VK_SUCCESS
                ? vulkan->api.vkBindImageMemory(vulkan->device, texture->image, texture->memory, 0)
                : result;
@@ -125,7 +126,8 @@ static VkResult create_view(const struct neph_vulkan *vulkan, enum neph_texel_fo
 
 /* --- filling ------------------------------------------------------------------------------ */
 
-static void convert(const float *values, size_t count, enum neph_texel_format format, void *texels)
+static void convert_texels(const float *values, size_t count, enum neph_texel_format format,
+                           void *texels)
 {
     if (format == NEPH_TEXEL_R32F)
         memcpy(texels, values, count * sizeof(*values));
@@ -173,8 +175,8 @@ static void fill_slab(int i, void *context)
     const enum neph_texel_format format = slabs->params->format;
     float *values = slabs->values + (size_t)i * count;
     slabs->params->slab(slabs->params->context, slabs->first + i, values);
-    convert(values, count, format,
-            (char *)slabs->staging->mapped + (size_t)i * count * formats[format].bytes);
+    convert_texels(values, count, format,
+                   (char *)slabs->staging->mapped + (size_t)i * count * formats[format].bytes);
 }
 
 static VkResult copy_slabs(const struct neph_vulkan *vulkan, const struct slabs *slabs,
@@ -196,15 +198,15 @@ static VkResult copy_slabs(const struct neph_vulkan *vulkan, const struct slabs 
                                        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
     if (slabs->first + slabs->count == size[2])
         change_layout(vulkan, lane, texture, true);
-    result = neph_lane_send(vulkan, lane);
+    result = neph_lane_submit(vulkan, lane);
     return result == VK_SUCCESS ? neph_lanes_wait(vulkan, vulkan->lanes->sent) : result;
 }
 
 /* Copy a few megabytes of slabs at a time: this avoids a second copy of the whole grid in memory,
  * and a wait for the device after each slab. */
-static enum neph_status fill(const struct neph_vulkan *vulkan,
-                             const struct neph_texture_params *params,
-                             const struct neph_texture *texture, struct neph_diag *diag)
+static enum neph_status copy_all_slabs(const struct neph_vulkan *vulkan,
+                                       const struct neph_texture_params *params,
+                                       const struct neph_texture *texture, struct neph_diag *diag)
 {
     const size_t group_bytes = (size_t)4 << 20;
     struct neph_buffer staging = {0};
@@ -237,13 +239,13 @@ enum neph_status neph_texture_create(const struct neph_vulkan *vulkan,
                                      struct neph_texture *texture, struct neph_diag *diag)
 {
     struct neph_texture made = {.image = VK_NULL_HANDLE};
-    enum neph_status status = check(vulkan, params, diag);
+    enum neph_status status = check_texture_support(vulkan, params, diag);
     if (status)
         return status;
     VkResult result = create_image(vulkan, params, &made);
     if (result == VK_SUCCESS)
         result = create_view(vulkan, params->format, &made);
-    status = result == VK_SUCCESS ? fill(vulkan, params, &made, diag)
+    status = result == VK_SUCCESS ? copy_all_slabs(vulkan, params, &made, diag)
                                   : neph_vulkan_fail(result, params->name, diag);
     if (status) {
         neph_texture_destroy(vulkan, &made);
@@ -257,11 +259,11 @@ enum neph_status neph_texture_create(const struct neph_vulkan *vulkan,
 void neph_texture_destroy(const struct neph_vulkan *vulkan, struct neph_texture *texture)
 {
     if (texture->view)
-        neph_kernel_sets_forget_image(vulkan, texture->view);
+        neph_kernel_sets_remove_image(vulkan, texture->view);
     vulkan->api.vkDestroySampler(vulkan->device, texture->sampler, NULL);
     vulkan->api.vkDestroyImageView(vulkan->device, texture->view, NULL);
     vulkan->api.vkDestroyImage(vulkan->device, texture->image, NULL);
     vulkan->api.vkFreeMemory(vulkan->device, texture->memory, NULL);
-    neph_device_memory_give(texture->memory_bytes);
+    neph_device_memory_subtract(texture->memory_bytes);
     *texture = (struct neph_texture){.image = VK_NULL_HANDLE};
 }

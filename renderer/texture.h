@@ -33,6 +33,6 @@ enum neph_status neph_texture_create(const struct neph_vulkan *vulkan,
 void neph_texture_destroy(const struct neph_vulkan *vulkan, struct neph_texture *texture);
 
 /* Whether the device filters 3D images of a format at all. */
-bool neph_texture_filters(const struct neph_vulkan *vulkan, enum neph_texel_format format);
+bool neph_texture_can_filter(const struct neph_vulkan *vulkan, enum neph_texel_format format);
 
 #endif

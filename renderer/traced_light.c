@@ -27,7 +27,7 @@ static const uint32_t turns = 64;
 
 /* --- buffers --------------------------------------------------------------------------------- */
 
-static uint32_t texels_along(const struct neph_traced_light *light, int axis)
+static uint32_t count_texels_along(const struct neph_traced_light *light, int axis)
 {
     const uint32_t texel_px = (uint32_t)light->params.light.texel_px;
     return (light->size_px[axis] + texel_px - 1) / texel_px;
@@ -35,7 +35,7 @@ static uint32_t texels_along(const struct neph_traced_light *light, int axis)
 
 static uint32_t texel_count(const struct neph_traced_light *light)
 {
-    return texels_along(light, 0) * texels_along(light, 1);
+    return count_texels_along(light, 0) * count_texels_along(light, 1);
 }
 
 static uint32_t path_count(const struct neph_traced_light *light)
@@ -68,8 +68,8 @@ static enum neph_status create_sized(struct neph_traced_light *light, struct nep
 }
 
 /* Recreate the buffers if the size of the frame has changed; the history is then invalid. */
-static enum neph_status fit(struct neph_traced_light *light, const uint32_t size_px[2],
-                            struct neph_diag *diag)
+static enum neph_status resize_buffers(struct neph_traced_light *light, const uint32_t size_px[2],
+                                       struct neph_diag *diag)
 {
     if (light->size_px[0] == size_px[0] && light->size_px[1] == size_px[1])
         return NEPH_OK;
@@ -94,11 +94,11 @@ enum neph_status neph_traced_light_create(struct neph_vulkan *vulkan,
         return neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, 4 * sizeof(float), "no traced light",
                                   &light->smoothed, diag);
     uint64_t events;
-    const enum neph_status status = neph_march_cut_events(vulkan, scene, gpu, params, turns,
-                                                          &events, diag);
+    const enum neph_status status = neph_march_split_events(vulkan, scene, gpu, params, turns,
+                                                            &events, diag);
     light->events = (uint32_t)(events < turns ? events : turns);
     const uint32_t size_px[2] = {(uint32_t)params->width_px, (uint32_t)params->height_px};
-    return status ? status : fit(light, size_px, diag);
+    return status ? status : resize_buffers(light, size_px, diag);
 }
 
 void neph_traced_light_destroy(struct neph_traced_light *light)
@@ -120,7 +120,7 @@ struct work {
     struct neph_gpu_light_fade fade;
 };
 
-static uint32_t groups_of(uint32_t threads)
+static uint32_t count_groups(uint32_t threads)
 {
     return (threads + local_size - 1) / local_size;
 }
@@ -183,7 +183,7 @@ static void add_walk(struct work *work, struct neph_batch *batch, struct neph_di
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &light->paths;
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &light->found;
     dispatch.push = &work->run;
-    dispatch.group_count = groups_of(work->run.count);
+    dispatch.group_count = count_groups(work->run.count);
     neph_batch_dispatch(batch, work->walk, &dispatch, diag);
 }
 
@@ -195,7 +195,7 @@ static void add_settle(struct work *work, struct neph_batch *batch, struct neph_
         .buffers = {work->bound->buffers[0], &light->found, &light->texels[1 - now],
                     &light->texels[now]},
         .push = &work->fade,
-        .group_count = groups_of(texel_count(light)),
+        .group_count = count_groups(texel_count(light)),
     };
     neph_batch_dispatch(batch, work->settle, &dispatch, diag);
 }
@@ -204,13 +204,13 @@ static void add_smooth(struct work *work, struct neph_batch *batch, struct neph_
 {
     struct neph_traced_light *light = work->light;
     const struct neph_gpu_light_smooth smooth = {
-        .size = {texels_along(light, 0), texels_along(light, 1)},
+        .size = {count_texels_along(light, 0), count_texels_along(light, 1)},
         .sigma = (float)light->params.light.blur_texels,
     };
     const struct neph_dispatch dispatch = {
         .buffers = {&light->texels[light->round % 2], &light->smoothed},
         .push = &smooth,
-        .group_count = groups_of(texel_count(light)),
+        .group_count = count_groups(texel_count(light)),
     };
     neph_batch_dispatch(batch, work->smooth, &dispatch, diag);
 }
@@ -231,23 +231,24 @@ static enum neph_status run_round(struct work *work, bool is_last, double *gpu_s
         add_smooth(work, &batch, diag);
     }
     neph_batch_stamp(&batch, gpu_s);
-    return neph_batch_send(&batch, "traced light", diag);
+    return neph_batch_submit(&batch, "traced light", diag);
 }
 
 /* --- a frame --------------------------------------------------------------------------------- */
 
 /* Displacement relative to the camera of a point that moves with the wind. */
-static struct neph_vec3 shift_of(const struct neph_light_moment *from,
-                                 const struct neph_light_moment *to)
+static struct neph_vec3 compute_shift(const struct neph_traced_light_view *from,
+                                      const struct neph_traced_light_view *to)
 {
     return neph_vec3_sub(neph_vec3_sub(to->drift_m, from->drift_m),
                          neph_vec3_sub(to->camera.position_m, from->camera.position_m));
 }
 
-static void set_fade(const struct neph_traced_light *light, const struct neph_light_moment *view,
-                     bool continues, struct neph_gpu_light_fade *fade)
+static void set_fade(const struct neph_traced_light *light,
+                     const struct neph_traced_light_view *view, bool continues,
+                     struct neph_gpu_light_fade *fade)
 {
-    const struct neph_light_moment *before = continues ? &light->past : view;
+    const struct neph_traced_light_view *before = continues ? &light->past : view;
     const double half_height = neph_camera_half_height(&before->camera);
     *fade = (struct neph_gpu_light_fade){
         .half_width = before->half_width,
@@ -261,21 +262,21 @@ static void set_fade(const struct neph_traced_light *light, const struct neph_li
     neph_gpu_direction(fade->right, before->camera.right);
     neph_gpu_direction(fade->up, before->camera.up);
     neph_gpu_direction(fade->forward, before->camera.forward);
-    neph_gpu_direction(fade->position_m, shift_of(before, view));
+    neph_gpu_direction(fade->position_m, compute_shift(before, view));
 }
 
 /* Warm-up rounds before the first frame of a sequence. */
-static const int unseen_at_start = 8;
+static const int warm_up_rounds = 8;
 
 /* Number of warm-up rounds, whose results are discarded. Paths that are unfinished after the last
  * round are lost; in a steady state they are compensated by paths already in progress when counting
  * begins. Without that state the result would be too dark. Not needed when unfinished paths are
  * estimated. */
-static int unseen_rounds(const struct neph_traced_light *light, bool continues)
+static int count_warm_up_rounds(const struct neph_traced_light *light, bool continues)
 {
     if (continues || light->params.light.looks_ahead)
         return 0;
-    return light->params.light.memory == 1 ? (light->params.light.rounds + 1) / 2 : unseen_at_start;
+    return light->params.light.memory == 1 ? (light->params.light.rounds + 1) / 2 : warm_up_rounds;
 }
 
 static enum neph_status run_rounds(struct work *work, int unseen, double *gpu_s,
@@ -299,14 +300,14 @@ enum neph_status neph_traced_light_trace(struct neph_traced_light *light,
                                          const struct neph_scene *scene,
                                          const struct neph_gpu_scene *gpu,
                                          const struct neph_dispatch *bound,
-                                         const struct neph_light_moment *view, bool continues,
+                                         const struct neph_traced_light_view *view, bool continues,
                                          double *gpu_s, struct neph_diag *diag)
 {
     if (light->params.lighting != NEPH_MARCH_TRACED)
         return NEPH_OK;
     const uint32_t size_px[2] = {gpu->frame->width_px, gpu->frame->height_px};
     struct work work = {.light = light, .bound = bound};
-    enum neph_status status = fit(light, size_px, diag);
+    enum neph_status status = resize_buffers(light, size_px, diag);
     if (!status)
         status = get_kernels(&work, gpu, diag);
     if (status)
@@ -325,8 +326,8 @@ enum neph_status neph_traced_light_trace(struct neph_traced_light *light,
     };
     set_fade(light, view, continues, &work.fade);
     if (continues)
-        neph_gpu_direction(work.run.shift_m, shift_of(&light->past, view));
-    status = run_rounds(&work, unseen_rounds(light, continues), gpu_s, diag);
+        neph_gpu_direction(work.run.shift_m, compute_shift(&light->past, view));
+    status = run_rounds(&work, count_warm_up_rounds(light, continues), gpu_s, diag);
     light->has_past = !status;
     light->past = *view;
     return status;

@@ -15,7 +15,7 @@
 #include "renderer/march_cut.h"
 
 /* Camera, frame and wind of a view. */
-struct neph_light_moment {
+struct neph_traced_light_view {
     struct neph_camera camera;
     struct neph_vec3 drift_m;
     float half_width; /* of the frame, as in struct neph_gpu_frame */
@@ -32,7 +32,7 @@ struct neph_traced_light {
     struct neph_buffer smoothed;  /* at binding 8 of a march, with or without tracing */
     uint32_t round;               /* rounds so far */
     bool has_past;
-    struct neph_light_moment past;
+    struct neph_traced_light_view past;
 };
 
 /* Create the paths for a march with these parameters; none unless its lighting is
@@ -55,7 +55,7 @@ enum neph_status neph_traced_light_trace(struct neph_traced_light *light,
                                          const struct neph_scene *scene,
                                          const struct neph_gpu_scene *gpu,
                                          const struct neph_dispatch *bound,
-                                         const struct neph_light_moment *view, bool continues,
+                                         const struct neph_traced_light_view *view, bool continues,
                                          double *gpu_s, struct neph_diag *diag);
 
 #endif

@@ -100,7 +100,7 @@ static bool is_lit_once(const struct neph_scene *scene)
 
 /* Whether first collisions are sampled in proportion to the light that arrives there. Also with
  * media of different emission, each of which is sampled by its own. */
-static bool draws_by_light(const struct neph_scene *scene)
+static bool samples_by_light(const struct neph_scene *scene)
 {
     return is_lit_once(scene) || neph_scene_sources_differ(scene);
 }
@@ -111,9 +111,9 @@ static size_t lit_tables(const struct neph_scene *scene)
 {
     int layers = 1;
     for (int i = 0; i < scene->medium_count; i++)
-        if (neph_gpu_kind_of(&scene->media[i])->layers_max > layers)
-            layers = neph_gpu_kind_of(&scene->media[i])->layers_max;
-    if (!draws_by_light(scene))
+        if (neph_gpu_get_kind(&scene->media[i])->layers_max > layers)
+            layers = neph_gpu_get_kind(&scene->media[i])->layers_max;
+    if (!samples_by_light(scene))
         return 0;
     return is_open(scene) ? 1 : (size_t)scene->medium_count * (size_t)layers;
 }
@@ -151,7 +151,7 @@ bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t
     if (neph_scene_traps_light(scene))
         cannot = neph_trapped_light_reason;
     if (!cannot)
-        return neph_float32_reaches(scene, reason, reason_size);
+        return neph_is_in_float32_range(scene, reason, reason_size);
     snprintf(reason, reason_size, "%s", cannot);
     return false;
 }
@@ -183,8 +183,9 @@ static enum neph_status check(const struct neph_scene *scene,
 }
 
 /* Everything on which the sums depend. */
-static char *identity_of(const struct neph_scene *scene, const struct neph_tracer_params *params,
-                         const struct neph_vulkan *vulkan)
+static char *make_render_identity(const struct neph_scene *scene,
+                                  const struct neph_tracer_params *params,
+                                  const struct neph_vulkan *vulkan)
 {
     return neph_format(
         "tracer 9%s, %d sun nodes, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
@@ -257,12 +258,12 @@ struct render {
  * loops over the solids, two over fog layers, tracking (each step may choose a node in a loop), and
  * one over finished items. With lights, six more over the lights, two over media and two over
  * solids. */
-static uint32_t turns_within(const struct neph_scene *scene)
+static uint32_t count_inner_iterations(const struct neph_scene *scene)
 {
     uint32_t fog = 1;
     for (int i = 0; i < scene->medium_count; i++)
         fog += 3 + 2 * (uint32_t)scene->media[i].layer_count;
-    const uint32_t solids = (uint32_t)neph_gpu_solid_turns((uint64_t)scene->solid_count);
+    const uint32_t solids = (uint32_t)neph_gpu_solid_iterations((uint64_t)scene->solid_count);
     const uint32_t lights = scene->light_count > 0
                                 ? 6 * ((uint32_t)scene->light_count + 1) + 2 * fog + 2 * solids
                                 : 0;
@@ -273,7 +274,7 @@ static uint32_t choose_turns(const struct neph_scene *scene,
                              const struct neph_tracer_params *params)
 {
     const uint32_t comfortable = 4096; /* a few milliseconds of a work group on a CPU core */
-    uint32_t turns = (NEPH_KERNEL_LOOP_TURNS_MAX - 1) / turns_within(scene);
+    uint32_t turns = (NEPH_KERNEL_LOOP_ITERATIONS_MAX - 1) / count_inner_iterations(scene);
     if (turns > comfortable)
         turns = comfortable;
     if (params->dispatch_turns > 0 && params->dispatch_turns < turns)
@@ -281,7 +282,7 @@ static uint32_t choose_turns(const struct neph_scene *scene,
     return turns;
 }
 
-static bool reflects(const struct neph_scene *scene)
+static bool has_reflection(const struct neph_scene *scene)
 {
     for (int i = 0; i < scene->solid_count; i++)
         if (is_positive(scene->solids[i].albedo))
@@ -294,7 +295,7 @@ static bool reflects(const struct neph_scene *scene)
  * later. Such media do not bias the result: they are part of the sampling probability, and each
  * channel's density integrates to 1. Only a coloured fog would bias it: the distance to which it
  * lets other media be tracked depends on the channel, which weigh_fog() omits. */
-static uint32_t tracked_media(const struct neph_gpu_frame *frame, uint32_t *order)
+static uint32_t list_tracked_media(const struct neph_gpu_frame *frame, uint32_t *order)
 {
     uint32_t count = 0;
     *order = 0;
@@ -315,17 +316,17 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
     const struct neph_vulkan_description *device = &render->vulkan->description;
     render->local_size = device->is_cpu ? device->subgroup_size : 64;
     uint32_t tracked_order;
-    const uint32_t tracked_count = tracked_media(render->scene.frame, &tracked_order);
+    const uint32_t tracked_count = list_tracked_media(render->scene.frame, &tracked_order);
     struct neph_kernel_params params = {
         .buffer_count = BINDING_COUNT,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .push_size_bytes = sizeof(struct neph_gpu_tracer_run),
         .constant_count = 16,
         .constants = {render->scene.constants[0], render->scene.constants[1], render->local_size,
-                      scene->scattering == NEPH_SCATTERING_MULTIPLE, reflects(scene), lights(scene),
-                      render->scene.frame->medium_count, tracked_count, tracked_order, track_steps,
-                      scene->solid_count > 0, draws_by_light(scene), neph_scene_emits(scene),
-                      render->params->sobol, render->has_sun_table,
+                      scene->scattering == NEPH_SCATTERING_MULTIPLE, has_reflection(scene),
+                      lights(scene), render->scene.frame->medium_count, tracked_count,
+                      tracked_order, track_steps, scene->solid_count > 0, samples_by_light(scene),
+                      neph_scene_emits(scene), render->params->sobol, render->has_sun_table,
                       neph_scene_sources_differ(scene)},
     };
     const bool is_lit = render->lit_tables > 0, is_open = render->is_open;
@@ -412,7 +413,7 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
 }
 
 /* Resume from the checkpoint, if there is one. */
-static enum neph_status resume(struct render *render, struct neph_diag *diag)
+static enum neph_status load_checkpoint(struct render *render, struct neph_diag *diag)
 {
     const char *checkpoint = render->params->checkpoint;
     if (!checkpoint || !neph_path_exists(checkpoint))
@@ -438,8 +439,9 @@ static enum neph_status create_sums(struct render *render, const struct neph_sce
     render->sums.pixel_count = render->pixel_count;
     render->sums.is_sobol = render->params->sobol;
     render->sums.pixels = calloc(render->pixel_count, sizeof(*render->sums.pixels));
-    render->identity = identity_of(scene, render->params, render->vulkan);
-    return render->sums.pixels && render->identity ? resume(render, diag) : neph_fail_memory(diag);
+    render->identity = make_render_identity(scene, render->params, render->vulkan);
+    return render->sums.pixels && render->identity ? load_checkpoint(render, diag)
+                                                   : neph_fail_memory(diag);
 }
 
 /* Choose the size of a chunk. The threads of a dispatch are the samples of its pixels, or the edges
@@ -524,7 +526,7 @@ static bool place_sun_table(const struct render *render, const struct neph_scene
     uint32_t size[3];
     if (render->params->sun_nodes == 0 || render->is_open || !scene->sun.present ||
         scene->light_count > 0 || scene->scattering != NEPH_SCATTERING_MULTIPLE ||
-        (render->scene.constants[1] & NEPH_GPU_COLOURED) || !neph_shapes_box(scene, &box) ||
+        (render->scene.constants[1] & NEPH_GPU_COLOURED) || !neph_find_media_bounds(scene, &box) ||
         neph_lattice_check(&box, "", "", NULL))
         return false;
     sun_table_size(&box, render->params->sun_nodes, size);
@@ -542,14 +544,14 @@ static bool place_sun_table(const struct render *render, const struct neph_scene
  * iteration, and so may the end of the walk. */
 static enum neph_status check_turns(const struct render *render, struct neph_diag *diag)
 {
-    const uint64_t turns = 3 * render->scene.optical_depth_turns +
+    const uint64_t turns = 3 * render->scene.optical_depth_iterations +
                            3 * NEPH_GPU_WAY_STRETCHES * render->ways +
-                           4 * neph_gpu_solid_turns(render->scene.frame->solid_count) + 64;
-    if (turns > NEPH_KERNEL_LOOP_TURNS_MAX)
+                           4 * neph_gpu_solid_iterations(render->scene.frame->solid_count) + 64;
+    if (turns > NEPH_KERNEL_LOOP_ITERATIONS_MAX)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "tracer: the voxel grids are too fine: a ray may take %llu loop "
                          "iterations, the limit of a kernel is %d",
-                         (unsigned long long)turns, NEPH_KERNEL_LOOP_TURNS_MAX);
+                         (unsigned long long)turns, NEPH_KERNEL_LOOP_ITERATIONS_MAX);
     return NEPH_OK;
 }
 
@@ -560,8 +562,8 @@ static enum neph_status upload_lamp_sights(struct render *render, const struct n
     const struct neph_camera camera = neph_scene_camera(scene, params->frame);
     struct neph_gpu_lamp_sight sights[NEPH_SCENE_LIGHTS_MAX];
     for (int i = 0; i < scene->light_count; i++)
-        sights[i] = neph_lamp_sight(&camera, params->width_px, params->height_px,
-                                    scene->lights[i].position_m);
+        sights[i] = neph_project_light(&camera, params->width_px, params->height_px,
+                                       scene->lights[i].position_m);
     return scene->light_count == 0
                ? NEPH_OK
                : neph_buffer_upload(render->vulkan, &render->buffers[BINDING_LAMPS], 0, sights,
@@ -629,8 +631,8 @@ static enum neph_status run_kernel(struct render *render, const struct neph_kern
     neph_gpu_scene_bind(&render->scene, &dispatch);
     for (int i = NEPH_GPU_SCENE_BUFFERS; i < BINDING_COUNT; i++)
         dispatch.buffers[i] = &render->buffers[i];
-    dispatch.buffers[BINDING_PIXELS] = neph_tracer_part_of(&render->parts, run.first_pixel,
-                                                           &run.part_pixel);
+    dispatch.buffers[BINDING_PIXELS] = neph_tracer_find_part(&render->parts, run.first_pixel,
+                                                             &run.part_pixel);
     double gpu_s;
     const enum neph_status status = neph_kernel_run(render->vulkan, kernel, &dispatch, &gpu_s,
                                                     diag);
@@ -801,7 +803,7 @@ static enum neph_status trace_round(struct render *render, int batches, struct n
 /* --- progress ----------------------------------------------------------------------------- */
 
 /* Save the complete rounds: sums of an interrupted round have not been read back. */
-static enum neph_status save(const struct render *render, struct neph_diag *diag)
+static enum neph_status save_checkpoint(const struct render *render, struct neph_diag *diag)
 {
     if (!render->params->checkpoint)
         return NEPH_OK;
@@ -875,7 +877,7 @@ static enum neph_status trace_rounds(struct render *render, struct neph_diag *di
         enum neph_status status = trace_round(render, batches, diag);
         batch_s = (neph_wall_s() - start_s) / batches;
         if (!status && neph_wall_s() - saved_s > save_every_s) {
-            status = save(render, diag);
+            status = save_checkpoint(render, diag);
             saved_s = neph_wall_s();
         }
         if (status)
@@ -901,9 +903,9 @@ static enum neph_status trace(struct render *render, struct neph_diag *diag)
     if (!status)
         status = read_back(render, diag);
     if (!status)
-        return save(render, diag);
+        return save_checkpoint(render, diag);
     if (status == NEPH_ERR_INTERRUPTED && render->sums.head[NEPH_SUMS_SAMPLES] > 0.0 &&
-        save(render, NULL))
+        save_checkpoint(render, NULL))
         return neph_fail(diag, NEPH_ERR_IO, "tracer: interrupted, and cannot write '%s'",
                          render->params->checkpoint);
     return status;

@@ -13,7 +13,7 @@ static size_t choose_part(const struct neph_vulkan *vulkan, size_t chunk_pixels,
     return most > chunk_pixels ? most / chunk_pixels * chunk_pixels : chunk_pixels;
 }
 
-static size_t pixels_of(const struct neph_tracer_parts *parts, int part)
+static size_t count_part_pixels(const struct neph_tracer_parts *parts, int part)
 {
     const size_t left = parts->pixel_count - (size_t)part * parts->part_pixels;
     return left < parts->part_pixels ? left : parts->part_pixels;
@@ -29,10 +29,12 @@ enum neph_status neph_tracer_parts_create(const struct neph_vulkan *vulkan, size
     parts->parts = calloc((size_t)parts->count, sizeof(*parts->parts));
     enum neph_status status = parts->parts ? NEPH_OK : neph_fail_memory(diag);
     for (int i = 0; !status && i < parts->count; i++)
-        status = neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, pixels_of(parts, i) * pixel_bytes,
-                                    "tracer pixels", &parts->parts[i], diag);
+        status = neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE,
+                                    count_part_pixels(parts, i) * pixel_bytes, "tracer pixels",
+                                    &parts->parts[i], diag);
     if (!status)
-        status = neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, pixels_of(parts, 0) * pixel_bytes,
+        status = neph_buffer_create(vulkan, NEPH_BUFFER_READBACK,
+                                    count_part_pixels(parts, 0) * pixel_bytes,
                                     "tracer pixels readback", &parts->readback, diag);
     return status;
 }
@@ -46,8 +48,8 @@ void neph_tracer_parts_destroy(const struct neph_vulkan *vulkan, struct neph_tra
     *parts = (struct neph_tracer_parts){.count = 0};
 }
 
-const struct neph_buffer *neph_tracer_part_of(const struct neph_tracer_parts *parts, size_t pixel,
-                                              uint32_t *first_pixel)
+const struct neph_buffer *neph_tracer_find_part(const struct neph_tracer_parts *parts, size_t pixel,
+                                                uint32_t *first_pixel)
 {
     const size_t part = pixel / parts->part_pixels;
     *first_pixel = (uint32_t)(part * parts->part_pixels);
@@ -63,7 +65,7 @@ enum neph_status neph_tracer_parts_upload(const struct neph_vulkan *vulkan,
     for (int i = 0; !status && i < parts->count; i++)
         status = neph_buffer_upload(vulkan, &parts->parts[i], 0,
                                     pixels + (size_t)i * parts->part_pixels,
-                                    pixels_of(parts, i) * pixel_bytes, diag);
+                                    count_part_pixels(parts, i) * pixel_bytes, diag);
     return status;
 }
 
@@ -74,7 +76,7 @@ enum neph_status neph_tracer_parts_download(const struct neph_vulkan *vulkan,
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; !status && i < parts->count; i++) {
-        const size_t bytes = pixels_of(parts, i) * pixel_bytes;
+        const size_t bytes = count_part_pixels(parts, i) * pixel_bytes;
         status = neph_buffer_download(vulkan, &parts->parts[i], &parts->readback, bytes, diag);
         if (!status)
             memcpy(pixels + (size_t)i * parts->part_pixels, parts->readback.mapped, bytes);

@@ -26,8 +26,8 @@ enum neph_status neph_tracer_parts_create(const struct neph_vulkan *vulkan, size
 void neph_tracer_parts_destroy(const struct neph_vulkan *vulkan, struct neph_tracer_parts *parts);
 
 /* The part with a pixel; `*first_pixel` receives the index of the part's first pixel. */
-const struct neph_buffer *neph_tracer_part_of(const struct neph_tracer_parts *parts, size_t pixel,
-                                              uint32_t *first_pixel);
+const struct neph_buffer *neph_tracer_find_part(const struct neph_tracer_parts *parts, size_t pixel,
+                                                uint32_t *first_pixel);
 
 /* Copy all pixels of the frame from and to the CPU; both wait. */
 enum neph_status neph_tracer_parts_upload(const struct neph_vulkan *vulkan,

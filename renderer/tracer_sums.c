@@ -43,7 +43,7 @@ void neph_tracer_sums_load(struct neph_tracer_sums *sums, const double *values)
             }
 }
 
-static double sum_of(const struct neph_gpu_tracer_pixel *pixel, int sum, int component)
+static double read_pixel_sum(const struct neph_gpu_tracer_pixel *pixel, int sum, int component)
 {
     return (double)pixel->sums[sum][component] - (double)pixel->excess[sum][component];
 }
@@ -51,10 +51,10 @@ static double sum_of(const struct neph_gpu_tracer_pixel *pixel, int sum, int com
 /* The variance of the mean of all light: a pair's squared difference / 4 estimates the variance of
  * the pair's mean, and the mean has `pairs` of them. With two sequences, the squared difference of
  * their means / 4. */
-static double variance_of(const struct neph_tracer_sums *sums, size_t pixel, int channel)
+static double compute_pixel_variance(const struct neph_tracer_sums *sums, size_t pixel, int channel)
 {
     const double pairs = 0.5 * sums->head[NEPH_SUMS_SAMPLES];
-    const double sum = sum_of(&sums->pixels[pixel], SPREAD, channel);
+    const double sum = read_pixel_sum(&sums->pixels[pixel], SPREAD, channel);
     return 0.25 * (sums->is_sobol ? sum * sum : sum) / (pairs * pairs);
 }
 
@@ -65,8 +65,9 @@ double neph_tracer_sums_error(const struct neph_tracer_sums *sums, bool is_lit)
     for (size_t i = 0; i < sums->pixel_count; i++)
         for (int c = 0; c < 3; c++) {
             const struct neph_gpu_tracer_pixel *pixel = &sums->pixels[i];
-            const double volume = (sum_of(pixel, ORDER1, c) + sum_of(pixel, HIGHER, c)) / samples;
-            variance += variance_of(sums, i, c);
+            const double volume =
+                (read_pixel_sum(pixel, ORDER1, c) + read_pixel_sum(pixel, HIGHER, c)) / samples;
+            variance += compute_pixel_variance(sums, i, c);
             radiance += volume * volume;
         }
     if (radiance > 0.0)
@@ -113,18 +114,18 @@ enum neph_status neph_tracer_sums_frame(const struct neph_tracer_sums *sums, boo
         const struct neph_gpu_tracer_pixel *own = &sums->pixels[i];
         eye_depth_m[i] = own->behind[3] < NEPH_GPU_FAR_M ? own->behind[3] : INFINITY;
         for (int c = 0; c < 3; c++) {
-            const double transmittance = is_open ? sum_of(own, c, 3) / samples
+            const double transmittance = is_open ? read_pixel_sum(own, c, 3) / samples
                                                  : (double)own->transmittance[c];
-            const double order1 = sum_of(own, ORDER1, c) / samples;
-            const double surface = sum_of(own, SURFACE, c) / samples;
-            const double volume = order1 + sum_of(own, HIGHER, c) / samples;
+            const double order1 = read_pixel_sum(own, ORDER1, c) / samples;
+            const double surface = read_pixel_sum(own, SURFACE, c) / samples;
+            const double volume = order1 + read_pixel_sum(own, HIGHER, c) / samples;
             const double behind = is_open ? surface
                                           : transmittance * ((double)own->behind[c] + surface);
             layers[LAYER_RADIANCE][c][i] = (float)(volume + behind);
             layers[LAYER_VOLUME][c][i] = (float)volume;
             layers[LAYER_ORDER1][c][i] = (float)order1;
             layers[LAYER_TRANSMITTANCE][c][i] = (float)transmittance;
-            layers[LAYER_VARIANCE][c][i] = (float)variance_of(sums, i, c);
+            layers[LAYER_VARIANCE][c][i] = (float)compute_pixel_variance(sums, i, c);
         }
     }
     *frame = image;

@@ -10,8 +10,8 @@ bool neph_vulkan_is_usable(const struct neph_vulkan *vulkan)
     if (!status)
         status = neph_batch_begin(vulkan, &batch, NULL);
     if (!status)
-        status = neph_batch_send(&batch, "an empty batch", NULL);
+        status = neph_batch_submit(&batch, "an empty batch", NULL);
     if (!status)
-        status = neph_batches_wait(vulkan, neph_batches_sent(vulkan), "an empty batch", NULL);
+        status = neph_batches_wait(vulkan, neph_batches_submitted(vulkan), "an empty batch", NULL);
     return status == NEPH_OK;
 }

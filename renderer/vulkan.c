@@ -286,7 +286,7 @@ static enum neph_status create_lanes(struct neph_vulkan *vulkan, uint32_t timest
 }
 
 /* Callback of dl_iterate_phdr(): keep the library loaded for the lifetime of the process. */
-static int hold_library(struct dl_phdr_info *info, size_t size, void *context)
+static int pin_library(struct dl_phdr_info *info, size_t size, void *context)
 {
     (void)size;
     (void)context;
@@ -298,14 +298,14 @@ static int hold_library(struct dl_phdr_info *info, size_t size, void *context)
 /* Keep all drivers loaded. The loader unloads a driver with the last instance. NVIDIA's driver
  * allocates static thread-local storage at each load and never frees it: the 16th device of a
  * process would fail. */
-static void hold_drivers(void)
+static void pin_drivers(void)
 {
-    dl_iterate_phdr(hold_library, NULL);
+    dl_iterate_phdr(pin_library, NULL);
 }
 
 /* The number of threads that compile kernels. A CPU driver compiles on one thread of its own, for
  * which all others wait: it gets a core. */
-static int maker_count(const struct neph_vulkan *vulkan)
+static int choose_compiler_threads(const struct neph_vulkan *vulkan)
 {
     const int processors = neph_processor_count();
     return vulkan->description.is_cpu && processors > 1 ? processors - 1 : processors;
@@ -328,14 +328,14 @@ enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
     if (!status)
         status = choose_device(created, params->device, &facts, diag);
     if (!status) {
-        hold_drivers();
+        pin_drivers();
         describe_device(created);
         status = create_device(created, &facts, diag);
     }
     if (!status)
         status = create_lanes(created, facts.timestamp_bits, diag);
     if (!status)
-        status = neph_workers_create(maker_count(created), &created->makers, diag);
+        status = neph_workers_create(choose_compiler_threads(created), &created->makers, diag);
     if (!status && !(created->sets = neph_kernel_sets_create()))
         status = neph_fail_memory(diag);
     if (!status && params->cache_folder)
@@ -382,7 +382,7 @@ int neph_vulkan_requirements(const struct neph_vulkan *vulkan,
     const struct neph_requirement *rows = neph_requirements(&row_count);
     for (int i = 0; i < row_count; i++)
         if (neph_requirement_applies(&rows[i], &facts))
-            answers[count++] = neph_requirement_answer(&rows[i], &facts);
+            answers[count++] = neph_requirement_describe(&rows[i], &facts);
     return count;
 }
 

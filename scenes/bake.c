@@ -44,7 +44,7 @@ static enum neph_status check_request(const struct neph_bounds *box, int resolut
     return NEPH_OK;
 }
 
-static double *axis_of(struct neph_vec3 *v, int axis)
+static double *get_axis(struct neph_vec3 *v, int axis)
 {
     return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z;
 }
@@ -55,8 +55,8 @@ static double trimmed_face_m(const struct neph_medium *medium, const struct neph
                              int axis, bool is_low, double limit_per_m)
 {
     struct neph_bounds left = *box;
-    double *cut_m = axis_of(is_low ? &left.max_m : &left.min_m, axis);
-    double thin_m = *axis_of(is_low ? &left.min_m : &left.max_m, axis), dense_m = *cut_m;
+    double *cut_m = get_axis(is_low ? &left.max_m : &left.min_m, axis);
+    double thin_m = *get_axis(is_low ? &left.min_m : &left.max_m, axis), dense_m = *cut_m;
     for (int i = 0; i < 20; i++) {
         *cut_m = 0.5 * (thin_m + dense_m);
         if (neph_medium_extinction_bound_per_m(medium, &left) <= limit_per_m)
@@ -72,8 +72,8 @@ static struct neph_bounds trim(const struct neph_medium *medium, struct neph_bou
     const double densest_per_m = neph_medium_extinction_bound_per_m(medium, &box);
     const double limit_per_m = thinnest_of_densest * densest_per_m;
     for (int axis = 0; axis < 3 && densest_per_m > 0.0; axis++) {
-        *axis_of(&box.min_m, axis) = trimmed_face_m(medium, &box, axis, true, limit_per_m);
-        *axis_of(&box.max_m, axis) = trimmed_face_m(medium, &box, axis, false, limit_per_m);
+        *get_axis(&box.min_m, axis) = trimmed_face_m(medium, &box, axis, true, limit_per_m);
+        *get_axis(&box.max_m, axis) = trimmed_face_m(medium, &box, axis, false, limit_per_m);
     }
     return box;
 }
@@ -309,9 +309,9 @@ static enum neph_status measure_chords(const struct neph_medium *medium,
 static struct neph_bounds join(struct neph_bounds a, struct neph_bounds b)
 {
     for (int axis = 0; axis < 3; axis++) {
-        double *low_m = axis_of(&a.min_m, axis), *high_m = axis_of(&a.max_m, axis);
-        *low_m = fmin(*low_m, *axis_of(&b.min_m, axis));
-        *high_m = fmax(*high_m, *axis_of(&b.max_m, axis));
+        double *low_m = get_axis(&a.min_m, axis), *high_m = get_axis(&a.max_m, axis);
+        *low_m = fmin(*low_m, *get_axis(&b.min_m, axis));
+        *high_m = fmax(*high_m, *get_axis(&b.max_m, axis));
     }
     return a;
 }

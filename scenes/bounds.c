@@ -77,7 +77,7 @@ struct neph_vec3 neph_bounds_farthest(const struct neph_bounds *box, struct neph
                               farther(point_m.z, box->min_m.z, box->max_m.z)};
 }
 
-struct neph_bounds neph_bounds_moved(struct neph_bounds bounds, struct neph_vec3 by_m)
+struct neph_bounds neph_bounds_translate(struct neph_bounds bounds, struct neph_vec3 by_m)
 {
     return (struct neph_bounds){neph_vec3_add(bounds.min_m, by_m),
                                 neph_vec3_add(bounds.max_m, by_m)};

@@ -38,7 +38,7 @@ struct neph_vec3 neph_bounds_nearest(const struct neph_bounds *box, struct neph_
 struct neph_vec3 neph_bounds_farthest(const struct neph_bounds *box, struct neph_vec3 point_m);
 
 /* Translates both corners; infinite sides stay. */
-struct neph_bounds neph_bounds_moved(struct neph_bounds bounds, struct neph_vec3 by_m);
+struct neph_bounds neph_bounds_translate(struct neph_bounds bounds, struct neph_vec3 by_m);
 
 /* The box around a ball. */
 struct neph_bounds neph_bounds_around(struct neph_vec3 center_m, double radius_m);

@@ -91,15 +91,17 @@ static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_
     struct neph_written_scene *written = target;
     struct neph_scene *scene = &written->scene;
     enum neph_status status = neph_read_fields(reader, node, record->fields, target);
-    const bool has_place = neph_is_sound(reader, "position_m look_at_m keys");
-    const bool has_lens = neph_is_sound(reader, "vertical_fov_deg orthographic_height_m keys");
-    const bool has_up = neph_is_sound(reader, "up");
+    const bool has_place = neph_were_keys_read(reader, "position_m look_at_m keys");
+    const bool has_lens = neph_were_keys_read(reader,
+                                              "vertical_fov_deg orthographic_height_m keys");
+    const bool has_up = neph_were_keys_read(reader, "up");
     if (has_place)
-        status = neph_also(reader, status, check_place(reader, node, scene));
+        status = neph_keep_error(reader, status, check_place(reader, node, scene));
     if (has_lens)
-        status = neph_also(reader, status, check_lens(reader, node, scene));
+        status = neph_keep_error(reader, status, check_lens(reader, node, scene));
     if (has_up)
-        status = neph_also(reader, status, neph_check_direction(reader, "up", scene->camera_up));
+        status = neph_keep_error(reader, status,
+                                 neph_check_direction(reader, "up", scene->camera_up));
     if (!status && !scene->camera_keys)
         status = make_camera_key(written, reader->diag);
     scene->camera_up = neph_vec3_normalize(scene->camera_up);
@@ -165,15 +167,15 @@ bool neph_camera_find_pixel(const struct neph_camera *camera, int width_px, int 
                             struct neph_vec3 point_m, struct neph_point_in_frame *found)
 {
     const bool is_parallel = camera->orthographic_height_m > 0.0;
-    const struct neph_vec3 way_m = neph_vec3_sub(point_m, camera->position_m);
-    const double depth_m = neph_vec3_dot(way_m, camera->forward);
+    const struct neph_vec3 offset_m = neph_vec3_sub(point_m, camera->position_m);
+    const double depth_m = neph_vec3_dot(offset_m, camera->forward);
     if (!is_parallel && !(depth_m > 0.0))
         return false;
     const double half_height = neph_camera_half_height(camera);
     const double half_width = half_height * width_px / height_px;
     const double scale = is_parallel ? 1.0 : 1.0 / depth_m;
-    const double x = neph_vec3_dot(way_m, camera->right) * scale / half_width;
-    const double y = neph_vec3_dot(way_m, camera->up) * scale / half_height;
+    const double x = neph_vec3_dot(offset_m, camera->right) * scale / half_width;
+    const double y = neph_vec3_dot(offset_m, camera->up) * scale / half_height;
     *found = (struct neph_point_in_frame){0.5 * (1.0 + x) * width_px - 0.5,
                                           0.5 * (1.0 - y) * height_px - 0.5, depth_m};
     return true;

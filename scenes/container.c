@@ -26,7 +26,7 @@ struct eyes {
     double x0_m, x1_m, z0_m, z1_m; /* horizontal extent */
 };
 
-static struct eyes find_eyes(const struct neph_scene *scene)
+static struct eyes find_camera_range(const struct neph_scene *scene)
 {
     struct eyes eyes = {INFINITY, -INFINITY, INFINITY, -INFINITY, INFINITY, -INFINITY};
     for (int i = 0; i < scene->camera_key_count; i++) {
@@ -188,7 +188,7 @@ struct neph_bounds neph_fog_container(const struct neph_scene *scene,
     /* Parallel rays start anywhere: there is no eye to measure from. */
     if (is_finite(&medium->bounds) || scene->orthographic_height_m > 0.0)
         return medium->bounds;
-    const struct eyes eyes = find_eyes(scene);
+    const struct eyes eyes = find_camera_range(scene);
     struct neph_bounds box;
     cut_heights(&box, scene, medium, &eyes);
     set_sides(&box, &eyes, INFINITY);

@@ -20,10 +20,10 @@ struct neph_cuts {
 };
 
 /* Adds a cut at t if it lies inside the ray; the last two places are kept for the ends. */
-void neph_cut(struct neph_cuts *cuts, double t_m);
+void neph_cuts_add(struct neph_cuts *cuts, double t_m);
 
 /* The part of the ray inside the bounds; false when there is none. */
-bool neph_cuts_inside(const struct neph_cuts *cuts, const struct neph_bounds *bounds, double *t0_m,
-                      double *t1_m);
+bool neph_cuts_clip(const struct neph_cuts *cuts, const struct neph_bounds *bounds, double *t0_m,
+                    double *t1_m);
 
 #endif

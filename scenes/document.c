@@ -232,7 +232,8 @@ yaml_node_t *neph_document_value(struct neph_document *document, const yaml_node
     return NULL;
 }
 
-static yaml_node_t *item_of(struct neph_document *document, const yaml_node_t *sequence, long index)
+static yaml_node_t *get_item(struct neph_document *document, const yaml_node_t *sequence,
+                             long index)
 {
     long count = sequence->data.sequence.items.top - sequence->data.sequence.items.start;
     if (index < 0 || index >= count)
@@ -251,7 +252,7 @@ static yaml_node_t *walk(struct neph_document *document, const char *path, const
             long index = strtol(path + 1, &end, 10);
             path = *end ? end + 1 : end;
             if (node->type == YAML_SEQUENCE_NODE)
-                next = item_of(document, node, index);
+                next = get_item(document, node, index);
         } else {
             path += *path == '.';
             size_t size = strcspn(path, ".[");
@@ -272,7 +273,7 @@ yaml_node_t *neph_document_find(struct neph_document *document, const char *path
     return walk(document, path, &rest);
 }
 
-yaml_node_t *neph_document_exactly(struct neph_document *document, const char *path)
+yaml_node_t *neph_document_find_exact(struct neph_document *document, const char *path)
 {
     const char *rest;
     yaml_node_t *node = walk(document, path, &rest);

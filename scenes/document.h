@@ -33,7 +33,7 @@ yaml_node_t *neph_document_root(struct neph_document *document);
 yaml_node_t *neph_document_find(struct neph_document *document, const char *path);
 
 /* The node of exactly that path; NULL when the file has only a part of it. */
-yaml_node_t *neph_document_exactly(struct neph_document *document, const char *path);
+yaml_node_t *neph_document_find_exact(struct neph_document *document, const char *path);
 
 /* Replaces a scalar by a number. NEPH_ERR_MEMORY. */
 enum neph_status neph_document_put_number(yaml_node_t *scalar, double number,

@@ -33,7 +33,7 @@ bool neph_errors_are_full(const struct neph_errors *errors)
     return errors->count == NEPH_ERRORS_MAX;
 }
 
-static bool is_among(const char *key, size_t length, const char *keys)
+static bool is_in_list(const char *key, size_t length, const char *keys)
 {
     for (const char *at = keys; *at; at += strcspn(at, " "), at += *at == ' ')
         if (strcspn(at, " ") == length && memcmp(at, key, length) == 0)
@@ -52,7 +52,7 @@ bool neph_errors_concern(const struct neph_errors *errors, const char *path, con
         if (!*key)
             return true;
         key += *key == '.';
-        if (is_among(key, strcspn(key, ".["), keys))
+        if (is_in_list(key, strcspn(key, ".["), keys))
             return true;
     }
     return false;
@@ -69,7 +69,7 @@ static int compare(const void *a_, const void *b_)
     return a->order < b->order ? -1 : a->order > b->order;
 }
 
-static bool is_of_the_file(enum neph_status status)
+static bool is_file_error(enum neph_status status)
 {
     return status != NEPH_ERR_MEMORY && status != NEPH_ERR_INTERRUPTED &&
            status != NEPH_ERR_INTERNAL;
@@ -116,7 +116,7 @@ enum neph_status neph_errors_report(struct neph_errors *errors, struct neph_diag
     qsort(errors->list, (size_t)errors->count, sizeof(errors->list[0]), compare);
     enum neph_status status = errors->list[0].status;
     for (int i = 0; i < errors->count; i++) {
-        if (!is_of_the_file(errors->list[i].status)) {
+        if (!is_file_error(errors->list[i].status)) {
             if (diag)
                 fill(&errors->list[i], errors->file, diag);
             return errors->list[i].status;

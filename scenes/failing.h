@@ -29,10 +29,10 @@ enum neph_failing_measure {
     NEPH_FAILING_MEASURES,
 };
 
-enum neph_failing_truth {
+enum neph_failing_reference {
     NEPH_FAILING_MARCH, /* the march of the same frame with the same steps and many rays a pixel */
     NEPH_FAILING_EXACT, /* engine exact, through centres of pixels */
-    NEPH_FAILING_TRUTH_COUNT,
+    NEPH_FAILING_REFERENCE_COUNT,
 };
 
 struct neph_failing_limit {
@@ -61,7 +61,7 @@ struct neph_failing {
     const char *presets; /* names separated by spaces, "" for all */
     int width_px, height_px, frame_count, steps; /* at which the limits are defined */
     int event_frame; /* frame of the scene's event, for lags; 0: no event */
-    enum neph_failing_truth truth;
+    enum neph_failing_reference truth;
     bool quick;   /* in the quick tier */
     bool engines; /* also tests engines without history, with engine exact as reference */
     int limit_count;
@@ -71,7 +71,7 @@ struct neph_failing {
 };
 
 const char *neph_failing_measure_name(enum neph_failing_measure measure);
-const char *neph_failing_truth_name(enum neph_failing_truth truth);
+const char *neph_failing_reference_name(enum neph_failing_reference truth);
 
 /* Number of values of an axis. */
 int neph_failing_axis_count(const struct neph_failing_axis *axis);

@@ -21,7 +21,7 @@ static void *place(void *target, size_t at)
     return (char *)target + at;
 }
 
-static int *count_of(const struct neph_field *field, void *target)
+static int *get_count(const struct neph_field *field, void *target)
 {
     return place(target, field->count_at);
 }
@@ -41,7 +41,7 @@ static void append(char *buffer, size_t size, const char *format, ...)
 
 /* --- Path of the reader --- */
 
-/* Both return the previous length of the path, for leave(). */
+/* Both return the previous length of the path, for leave_key(). */
 static size_t enter_key(struct neph_reader *reader, const char *key)
 {
     const size_t before = strlen(reader->path);
@@ -56,17 +56,17 @@ static size_t enter_item(struct neph_reader *reader, int index)
     return before;
 }
 
-static void leave(struct neph_reader *reader, size_t before)
+static void leave_key(struct neph_reader *reader, size_t before)
 {
     reader->path[before] = '\0';
 }
 
-static const char *here(const struct neph_reader *reader)
+static const char *get_path(const struct neph_reader *reader)
 {
     return *reader->path ? reader->path : "the scene";
 }
 
-struct neph_path neph_at(const char *format, ...)
+struct neph_path neph_format_path(const char *format, ...)
 {
     struct neph_path path;
     va_list arguments;
@@ -100,15 +100,15 @@ enum neph_status neph_refuse(const struct neph_reader *reader, const char *path,
     return NEPH_ERR_INPUT;
 }
 
-enum neph_status neph_also(const struct neph_reader *reader, enum neph_status first,
-                           enum neph_status next)
+enum neph_status neph_keep_error(const struct neph_reader *reader, enum neph_status first,
+                                 enum neph_status next)
 {
     if (next)
         neph_errors_keep(reader->errors, next, reader->path);
     return first ? first : next;
 }
 
-bool neph_is_sound(const struct neph_reader *reader, const char *keys)
+bool neph_were_keys_read(const struct neph_reader *reader, const char *keys)
 {
     return !neph_errors_are_full(reader->errors) &&
            !neph_errors_concern(reader->errors, reader->path, keys);
@@ -208,7 +208,7 @@ static enum neph_status refuse_value(const struct neph_reader *reader, const yam
     char expected[512], found[128];
     neph_field_describe(field, expected, sizeof(expected));
     describe_node(node, found, sizeof(found));
-    neph_fail(reader->diag, NEPH_ERR_INPUT, "%s: found %s, expected %s", here(reader), found,
+    neph_fail(reader->diag, NEPH_ERR_INPUT, "%s: found %s, expected %s", get_path(reader), found,
               expected);
     return refuse(reader, node, field);
 }
@@ -257,7 +257,7 @@ static enum neph_status read_number(const struct neph_reader *reader, const yaml
     if (*number >= field->minimum && *number <= field->maximum)
         return NEPH_OK;
     char quote[NEPH_QUOTE_SIZE];
-    neph_fail(reader->diag, NEPH_ERR_INPUT, "%s: %s is outside %g to %g%s%s", here(reader),
+    neph_fail(reader->diag, NEPH_ERR_INPUT, "%s: %s is outside %g to %g%s%s", get_path(reader),
               neph_document_quote(neph_document_text(node), quote), field->minimum, field->maximum,
               *field->unit ? " " : "", field->unit);
     return refuse(reader, node, field);
@@ -276,7 +276,7 @@ static enum neph_status read_word(const struct neph_reader *reader, const yaml_n
 {
     if (node->type != YAML_SCALAR_NODE)
         return refuse_value(reader, node, field);
-    struct neph_spelling spelling = neph_spelling_of(neph_document_text(node));
+    struct neph_spelling spelling = neph_spelling_init(neph_document_text(node));
     for (*index = 0; field->words[*index]; ++*index) {
         if (!strcmp(spelling.word, field->words[*index]))
             return NEPH_OK;
@@ -299,14 +299,14 @@ static enum neph_status read_text(const struct neph_reader *reader, const yaml_n
     const int size = (int)node->data.scalar.length;
     if (!field->words && (size < field->least || size > field->most))
         return refuse_value(reader, node, field);
-    *text = neph_arena_text(reader->arena, neph_document_text(node));
+    *text = neph_arena_copy_text(reader->arena, neph_document_text(node));
     return neph_arena_check(reader->arena, reader->diag);
 }
 
 /* --- Lists --- */
 
 /* -1 when it is not a list, or too short or too long. */
-static int length_of(const yaml_node_t *node, int least, int most)
+static int get_length(const yaml_node_t *node, int least, int most)
 {
     if (node->type != YAML_SEQUENCE_NODE)
         return -1;
@@ -314,8 +314,8 @@ static int length_of(const yaml_node_t *node, int least, int most)
     return length < least || length > most ? -1 : (int)length;
 }
 
-static const yaml_node_t *item_of(const struct neph_reader *reader, const yaml_node_t *list,
-                                  int index)
+static const yaml_node_t *get_item(const struct neph_reader *reader, const yaml_node_t *list,
+                                   int index)
 {
     return yaml_document_get_node(&reader->document->yaml, list->data.sequence.items.start[index]);
 }
@@ -326,9 +326,10 @@ static enum neph_status read_numbers(struct neph_reader *reader, const yaml_node
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < count && !neph_errors_are_full(reader->errors); i++) {
         const size_t before = enter_item(reader, i);
-        const yaml_node_t *item = item_of(reader, node, i);
-        status = neph_also(reader, status, read_number(reader, item, field, true, &numbers[i]));
-        leave(reader, before);
+        const yaml_node_t *item = get_item(reader, node, i);
+        status = neph_keep_error(reader, status,
+                                 read_number(reader, item, field, true, &numbers[i]));
+        leave_key(reader, before);
     }
     return status;
 }
@@ -357,9 +358,9 @@ static enum neph_status read_entries(struct neph_reader *reader, const yaml_node
     for (int i = 0; i < count && !neph_errors_are_full(reader->errors); i++) {
         const size_t before = enter_item(reader, i);
         char *entry = entries + (size_t)i * record->size;
-        status = neph_also(reader, status,
-                           read_record(reader, item_of(reader, node, i), record, entry));
-        leave(reader, before);
+        status = neph_keep_error(reader, status,
+                                 read_record(reader, get_item(reader, node, i), record, entry));
+        leave_key(reader, before);
     }
     return status;
 }
@@ -375,7 +376,7 @@ static enum neph_status check_order(const struct neph_reader *reader,
         const char *value = entries + (size_t)i * record->size + first->at;
         const double own = first->type == NEPH_WHOLE ? *(const int *)value : *(const double *)value;
         if (!(own > before))
-            return neph_refuse(reader, neph_at("[%d].%s", i, first->key).text,
+            return neph_refuse(reader, neph_format_path("[%d].%s", i, first->key).text,
                                "%g is not above the %s of the one before, %g", own, first->key,
                                before);
         before = own;
@@ -389,10 +390,10 @@ static enum neph_status read_list(struct neph_reader *reader, const yaml_node_t 
     char **list = place(target, field->at);
     if (count == 0)
         return NEPH_OK;
-    *list = neph_arena_zeroed(reader->arena, (size_t)count, field->record->size);
+    *list = neph_arena_allocate(reader->arena, (size_t)count, field->record->size);
     if (!*list)
         return neph_fail_memory(reader->diag);
-    *count_of(field, target) = count;
+    *get_count(field, target) = count;
     const enum neph_status status = read_entries(reader, node, field->record, count, *list);
     return status || !field->is_ascending ? status
                                           : check_order(reader, field->record, count, *list);
@@ -402,7 +403,7 @@ static enum neph_status read_sequence(struct neph_reader *reader, const yaml_nod
                                       const struct neph_field *field, void *target)
 {
     const bool three = field->type == NEPH_THREE || field->type == NEPH_WHOLES;
-    const int count = length_of(node, three ? 3 : field->least, three ? 3 : field->most);
+    const int count = get_length(node, three ? 3 : field->least, three ? 3 : field->most);
     void *value = place(target, field->at);
     if (count < 0)
         return refuse_value(reader, node, field);
@@ -411,7 +412,7 @@ static enum neph_status read_sequence(struct neph_reader *reader, const yaml_nod
     if (field->type == NEPH_WHOLES)
         return read_wholes(reader, node, field, value);
     if (!three)
-        *count_of(field, target) = count;
+        *get_count(field, target) = count;
     return field->type == NEPH_ENTRIES ? read_entries(reader, node, field->record, count, value)
                                        : read_numbers(reader, node, field, count, value);
 }
@@ -453,9 +454,9 @@ static enum neph_status read_value(struct neph_reader *reader, const yaml_node_t
     return read_sequence(reader, node, field, target);
 }
 
-static struct neph_spelling spelling_of(const yaml_node_t *key, const struct neph_field *fields)
+static struct neph_spelling find_spelling(const yaml_node_t *key, const struct neph_field *fields)
 {
-    struct neph_spelling spelling = neph_spelling_of(neph_document_text(key));
+    struct neph_spelling spelling = neph_spelling_init(neph_document_text(key));
     for (int i = 0; fields[i].key; i++)
         neph_spelling_offer(&spelling, fields[i].key);
     return spelling;
@@ -465,10 +466,10 @@ static enum neph_status refuse_unknown(const struct neph_reader *reader, const y
                                        const struct neph_field *fields)
 {
     char quote[NEPH_QUOTE_SIZE], known[512] = "";
-    const struct neph_spelling spelling = spelling_of(key, fields);
+    const struct neph_spelling spelling = find_spelling(key, fields);
     describe_keys(fields, known, sizeof(known));
     neph_fail(reader->diag, NEPH_ERR_INPUT, "unknown key '%s' in %s; known keys: %s",
-              neph_document_quote(spelling.word, quote), here(reader), known);
+              neph_document_quote(spelling.word, quote), get_path(reader), known);
     hint_spelling(reader, &spelling);
     neph_document_locate(reader->document, key, reader->diag);
     return NEPH_ERR_INPUT;
@@ -478,7 +479,7 @@ static enum neph_status refuse_twice(const struct neph_reader *reader, const yam
                                      const yaml_node_t *key)
 {
     neph_fail(reader->diag, NEPH_ERR_INPUT, "the key '%s' stands twice in %s",
-              neph_document_text(key), here(reader));
+              neph_document_text(key), get_path(reader));
     neph_hint(reader->diag, "its first value is on line %zu", first->start_mark.line + 1);
     neph_document_locate(reader->document, key, reader->diag);
     return NEPH_ERR_INPUT;
@@ -493,11 +494,11 @@ static enum neph_status refuse_missing(struct neph_reader *reader, const yaml_no
     neph_fail(reader->diag, NEPH_ERR_INPUT, "missing key '%s': expected %s", reader->path,
               expected);
     neph_errors_attribute(reader->errors, reader->path);
-    leave(reader, before);
+    leave_key(reader, before);
     return refuse(reader, mapping, field);
 }
 
-static const struct neph_field *field_of(const struct neph_field *fields, const char *key)
+static const struct neph_field *find_field(const struct neph_field *fields, const char *key)
 {
     while (fields->key && strcmp(fields->key, key))
         fields++;
@@ -511,16 +512,16 @@ static enum neph_status read_pair(struct neph_reader *reader, const yaml_node_t 
     const yaml_node_t *key = yaml_document_get_node(&reader->document->yaml, pair->key);
     const yaml_node_t *value = yaml_document_get_node(&reader->document->yaml, pair->value);
     const char *name = neph_document_text(key);
-    const struct neph_field *field = field_of(fields, name);
+    const struct neph_field *field = find_field(fields, name);
     if (!field)
         return refuse_unknown(reader, key, fields);
     const yaml_node_t *first = neph_document_value(reader->document, mapping, name, strlen(name));
     if (first != value)
         return refuse_twice(reader, first, key);
     const size_t before = enter_key(reader, name);
-    const enum neph_status status = neph_also(reader, NEPH_OK,
-                                              read_value(reader, value, field, target));
-    leave(reader, before);
+    const enum neph_status status = neph_keep_error(reader, NEPH_OK,
+                                                    read_value(reader, value, field, target));
+    leave_key(reader, before);
     return status;
 }
 
@@ -531,9 +532,9 @@ static bool is_misspelled(const struct neph_reader *reader, const yaml_node_t *m
     for (const yaml_node_pair_t *pair = mapping->data.mapping.pairs.start;
          pair < mapping->data.mapping.pairs.top; pair++) {
         const yaml_node_t *key = yaml_document_get_node(&reader->document->yaml, pair->key);
-        if (field_of(fields, neph_document_text(key)))
+        if (find_field(fields, neph_document_text(key)))
             continue;
-        const struct neph_spelling spelling = spelling_of(key, fields);
+        const struct neph_spelling spelling = find_spelling(key, fields);
         if (spelling.nearest && !strcmp(spelling.nearest, field->key))
             return true;
     }
@@ -551,11 +552,11 @@ enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t 
     enum neph_status status = NEPH_OK;
     for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start;
          pair < node->data.mapping.pairs.top && !neph_errors_are_full(reader->errors); pair++)
-        status = neph_also(reader, status, read_pair(reader, node, pair, fields, target));
+        status = neph_keep_error(reader, status, read_pair(reader, node, pair, fields, target));
     for (int i = 0; fields[i].key && !neph_errors_are_full(reader->errors); i++)
         if (!fields[i].standard && !neph_reader_has(reader, node, fields[i].key) &&
             !is_misspelled(reader, node, fields, &fields[i]))
-            status = neph_also(reader, status, refuse_missing(reader, node, &fields[i]));
+            status = neph_keep_error(reader, status, refuse_missing(reader, node, &fields[i]));
     return status;
 }
 

@@ -121,17 +121,17 @@ enum neph_status neph_refuse(const struct neph_reader *reader, const char *path,
 /* Keeps the error of a check in the reader, so that the next check can run. `next` is the status of
  * the check that just ran, `first` the status of the checks before it. Returns the first error of
  * the two. */
-enum neph_status neph_also(const struct neph_reader *reader, enum neph_status first,
-                           enum neph_status next);
+enum neph_status neph_keep_error(const struct neph_reader *reader, enum neph_status first,
+                                 enum neph_status next);
 
 /* Whether these keys (separated by spaces) of the mapping being read were read without an error. */
-bool neph_is_sound(const struct neph_reader *reader, const char *keys);
+bool neph_were_keys_read(const struct neph_reader *reader, const char *keys);
 
-/* A formatted path: neph_at("layers[%d].height_m", i).text */
+/* A formatted path: neph_format_path("layers[%d].height_m", i).text */
 struct neph_path {
     char text[NEPH_FIELD_PATH_MAX];
 };
-struct neph_path neph_at(const char *format, ...) __attribute__((format(printf, 1, 2)));
+struct neph_path neph_format_path(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* Whether a text has only these characters. Maximum length of names of scenes. */
 #define NEPH_NAME_CHARACTERS "abcdefghijklmnopqrstuvwxyz0123456789_"

@@ -23,7 +23,7 @@ static bool is_same(const struct neph_field *a, const struct neph_field *b)
 }
 
 /* The row of a mapping that adds nothing to the rows of its keys. */
-static bool is_mute(const struct neph_field *field)
+static bool has_no_text(const struct neph_field *field)
 {
     return field->type == NEPH_RECORD && !field->note && !(field->standard && *field->standard);
 }
@@ -48,11 +48,11 @@ void neph_fields_print(const struct neph_field *fields, const char *owner, FILE 
     const char *dot = *owner ? "." : "";
     for (; fields->key; fields++) {
         const bool is_list = fields->type == NEPH_LIST || fields->type == NEPH_ENTRIES;
-        const struct neph_path path = neph_at("%s%s%s", owner, dot, fields->key);
-        if (!is_mute(fields))
+        const struct neph_path path = neph_format_path("%s%s%s", owner, dot, fields->key);
+        if (!has_no_text(fields))
             fields = print_line(fields, path.text, dot, file);
         if (fields->record)
             neph_fields_print(fields->record->fields,
-                              neph_at("%s%s", path.text, is_list ? "[]" : "").text, file);
+                              neph_format_path("%s%s", path.text, is_list ? "[]" : "").text, file);
     }
 }

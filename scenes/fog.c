@@ -127,7 +127,7 @@ enum { LADDER_COUNT = 9 };
 static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 {
     double near_m, far_m;
-    if (!neph_cuts_inside(cuts, &medium->bounds, &near_m, &far_m))
+    if (!neph_cuts_clip(cuts, &medium->bounds, &near_m, &far_m))
         return;
     const double k_y = cuts->direction.y;
     const double near_y_m = cuts->origin_m.y + near_m * k_y,
@@ -138,8 +138,8 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
         if (layer->falloff_per_m * k_y == 0.0)
             continue; /* constant along the ray */
         for (int k = 0; k < LADDER_COUNT && step > 0.0; k++, step /= 64.0) {
-            neph_cut(cuts, near_m + neph_fog_layer_distance_m(layer, near_y_m, k_y, step));
-            neph_cut(cuts, far_m - neph_fog_layer_distance_m(layer, far_y_m, -k_y, step));
+            neph_cuts_add(cuts, near_m + neph_fog_layer_distance_m(layer, near_y_m, k_y, step));
+            neph_cuts_add(cuts, far_m - neph_fog_layer_distance_m(layer, far_y_m, -k_y, step));
         }
     }
 }
@@ -255,11 +255,11 @@ static enum neph_status finish_height_fog(struct neph_reader *reader, const yaml
         return NEPH_OK;
     for (int i = 0; i < medium->layer_count; i++)
         if (medium->layers[i].falloff_per_m == 0.0 && medium->layers[i].extinction_per_m > 0.0)
-            return refuse_level_fog(reader,
-                                    neph_at(has_layers ? "layers[%d].falloff_per_m"
-                                                       : "unreal_layers[%d].fog_height_falloff",
-                                            i)
-                                        .text);
+            return refuse_level_fog(
+                reader, neph_format_path(has_layers ? "layers[%d].falloff_per_m"
+                                                    : "unreal_layers[%d].fog_height_falloff",
+                                         i)
+                            .text);
     return NEPH_OK;
 }
 

@@ -72,7 +72,8 @@ bool neph_fog_control_is_on(const struct neph_fog_look *look, enum neph_fog_cont
     return false;
 }
 
-struct neph_fog_look neph_fog_look_only(const struct neph_fog_look *look, unsigned controls)
+struct neph_fog_look neph_fog_look_mask_controls(const struct neph_fog_look *look,
+                                                 unsigned controls)
 {
     struct neph_fog_look only = *look;
     for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++) {

@@ -72,7 +72,8 @@ const struct neph_fog_control_row *neph_fog_controls(void);
 bool neph_fog_control_is_on(const struct neph_fog_look *look, enum neph_fog_control control);
 
 /* A copy in which all controls are off that are not in the bit mask `controls`. */
-struct neph_fog_look neph_fog_look_only(const struct neph_fog_look *look, unsigned controls);
+struct neph_fog_look neph_fog_look_mask_controls(const struct neph_fog_look *look,
+                                                 unsigned controls);
 
 /* "unreal", "filament"; ends with NULL. */
 extern const char *const neph_fog_model_words[];

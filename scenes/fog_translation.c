@@ -11,7 +11,7 @@ _Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-const struct neph_medium *neph_fog_look_medium(const struct neph_scene *scene)
+const struct neph_medium *neph_fog_look_find_medium(const struct neph_scene *scene)
 {
     for (int m = 0; m < scene->medium_count; m++)
         if (scene->media[m].kind == NEPH_MEDIUM_HEIGHT_FOG)
@@ -30,11 +30,11 @@ static struct neph_rgb scattered_once(const struct neph_scene *scene, struct nep
                              albedo.b * sun.b * per_sr};
 }
 
-struct neph_fog_look neph_fog_look_of_physics(const struct neph_scene *scene,
-                                              const struct neph_medium *fog)
+struct neph_fog_look neph_fog_look_from_physics(const struct neph_scene *scene,
+                                                const struct neph_medium *fog)
 {
     const struct neph_fog_look none = {.present = true, .directional_exponent = 4.0};
-    struct neph_fog_look look = neph_fog_look_only(&none, 0);
+    struct neph_fog_look look = neph_fog_look_mask_controls(&none, 0);
     const double g = neph_phase_mean_cosine(&fog->phase);
     const struct neph_rgb glow = neph_medium_glow(fog);
     look.inscattering_w_per_m2_sr = glow;
@@ -72,7 +72,7 @@ static const char *find_obstacle_in_fog(const struct neph_medium *fog, enum neph
  * media may be absent. */
 static const char *find_obstacle(const struct neph_scene *scene, enum neph_fog_model model)
 {
-    const struct neph_medium *fog = neph_fog_look_medium(scene);
+    const struct neph_medium *fog = neph_fog_look_find_medium(scene);
     if (!scene->fog_look.present)
         return "a scene without the key fog_look, which has the controls of non-physical fog";
     if (scene->light_count > 0)
@@ -82,31 +82,31 @@ static const char *find_obstacle(const struct neph_scene *scene, enum neph_fog_m
     return fog ? find_obstacle_in_fog(fog, model) : NULL;
 }
 
-static bool says(const char *obstacle, char *reason, size_t reason_size)
+static bool report_obstacle(const char *obstacle, char *reason, size_t reason_size)
 {
     if (obstacle)
         snprintf(reason, reason_size, "%s", obstacle);
     return obstacle;
 }
 
-bool neph_fog_look_is_among(const struct neph_scene *scene, enum neph_fog_model model, char *reason,
-                            size_t reason_size)
+bool neph_fog_look_can_model_fog_only(const struct neph_scene *scene, enum neph_fog_model model,
+                                      char *reason, size_t reason_size)
 {
-    return !says(find_obstacle(scene, model), reason, reason_size);
+    return !report_obstacle(find_obstacle(scene, model), reason, reason_size);
 }
 
-bool neph_fog_look_is_of(const struct neph_scene *scene, enum neph_fog_model model, char *reason,
-                         size_t reason_size)
+bool neph_fog_look_can_model(const struct neph_scene *scene, enum neph_fog_model model,
+                             char *reason, size_t reason_size)
 {
     const char *beside = scene->fog_look.present && scene->medium_count > 1
                              ? "media beside the fog, which this engine does not render: use march "
                                "or realtime with fog=unreal or fog=filament"
                              : NULL;
-    return !says(beside, reason, reason_size) &&
-           neph_fog_look_is_among(scene, model, reason, reason_size);
+    return !report_obstacle(beside, reason, reason_size) &&
+           neph_fog_look_can_model_fog_only(scene, model, reason, reason_size);
 }
 
-struct neph_scene neph_fog_look_rest(const struct neph_scene *scene)
+struct neph_scene neph_fog_look_remove_fog(const struct neph_scene *scene)
 {
     struct neph_scene rest = *scene;
     rest.borrows = true;

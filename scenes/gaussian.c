@@ -76,7 +76,7 @@ static double bound_per_m(const struct neph_medium *medium, const struct neph_bo
 static void drift(struct neph_medium *medium, struct neph_vec3 by_m)
 {
     medium->gaussian.center_m = neph_vec3_add(medium->gaussian.center_m, by_m);
-    medium->bounds = neph_bounds_moved(medium->bounds, by_m);
+    medium->bounds = neph_bounds_translate(medium->bounds, by_m);
 }
 
 static struct neph_bounds support(const struct neph_medium *medium)
@@ -101,7 +101,7 @@ static struct neph_bounds container(const struct neph_scene *scene,
 static void cut_widths(struct neph_cuts *cuts, double middle_m, double width_m)
 {
     for (int k = -10; k <= 10; k += 2)
-        neph_cut(cuts, middle_m + k * width_m);
+        neph_cuts_add(cuts, middle_m + k * width_m);
 }
 
 /* Splits on the ray itself, and where the blob's shadow crosses it: the distance of the sun ray

@@ -45,7 +45,7 @@ static enum neph_status check_size(const int size[3], struct neph_diag *diag)
 }
 
 /* Both ends of the support must be finite and different from the origin. */
-static bool axis_is_sound(double origin_m, double spacing_m, int size)
+static bool is_axis_valid(double origin_m, double spacing_m, int size)
 {
     const double low_m = origin_m - spacing_m, high_m = origin_m + spacing_m * size;
     return spacing_m > 0.0 && isfinite(low_m) && isfinite(high_m) && low_m < origin_m &&
@@ -55,9 +55,9 @@ static bool axis_is_sound(double origin_m, double spacing_m, int size)
 static enum neph_status check_place(const int size[3], struct neph_vec3 origin_m,
                                     struct neph_vec3 spacing_m, struct neph_diag *diag)
 {
-    if (axis_is_sound(origin_m.x, spacing_m.x, size[0]) &&
-        axis_is_sound(origin_m.y, spacing_m.y, size[1]) &&
-        axis_is_sound(origin_m.z, spacing_m.z, size[2]))
+    if (is_axis_valid(origin_m.x, spacing_m.x, size[0]) &&
+        is_axis_valid(origin_m.y, spacing_m.y, size[1]) &&
+        is_axis_valid(origin_m.z, spacing_m.z, size[2]))
         return NEPH_OK;
     return neph_fail(diag, NEPH_ERR_INPUT,
                      "a grid with origin (%g, %g, %g) m and spacing (%g, %g, %g) m: both must be "
@@ -175,7 +175,7 @@ int neph_grid_wrapped(const struct neph_grid *grid, int axis, int node)
     return rest < 0 ? rest + size : rest;
 }
 
-static void end_nowhere(bool is_endless, double *low_m, double *high_m)
+static void extend_endless_axis(bool is_endless, double *low_m, double *high_m)
 {
     if (!is_endless)
         return;
@@ -189,9 +189,9 @@ struct neph_bounds neph_grid_support(const struct neph_grid *grid)
     struct neph_bounds support = {
         neph_vec3_sub(o, s),
         {o.x + s.x * grid->size[0], o.y + s.y * grid->size[1], o.z + s.z * grid->size[2]}};
-    end_nowhere(grid->is_endless[0], &support.min_m.x, &support.max_m.x);
-    end_nowhere(grid->is_endless[1], &support.min_m.y, &support.max_m.y);
-    end_nowhere(grid->is_endless[2], &support.min_m.z, &support.max_m.z);
+    extend_endless_axis(grid->is_endless[0], &support.min_m.x, &support.max_m.x);
+    extend_endless_axis(grid->is_endless[1], &support.min_m.y, &support.max_m.y);
+    extend_endless_axis(grid->is_endless[2], &support.min_m.z, &support.max_m.z);
     return support;
 }
 

@@ -48,7 +48,7 @@ struct weather {
     double low, high, peak, density;
 };
 
-static double coverage_of(const struct neph_horizon_params *params, double low, double high)
+static double bound_coverage(const struct neph_horizon_params *params, double low, double high)
 {
     const double from_high = 2.0 * high * clamp01(params->coverage - 0.5);
     return params->coverage * (low > from_high ? low : from_high);
@@ -81,7 +81,7 @@ static double base_noise(double perlin_worley, double octaves)
 }
 
 /* Clouds begin where `base` exceeds 1 - w; as w goes to 0 nothing does, for base < 1. */
-static double shape_of(double base, double coverage)
+static double compute_shape(double base, double coverage)
 {
     return coverage > 0.0 ? clamp01((base - 1.0 + coverage) / coverage) : 0.0;
 }
@@ -190,8 +190,8 @@ double neph_horizon_altitude_m(const struct neph_horizon_params *params, struct 
 }
 
 /* The bits of neph_horizon_sample.sides. */
-static unsigned sides_of(const struct neph_horizon_params *params, const struct weather *weather,
-                         double height, double base, const double octaves[3])
+static unsigned find_sides(const struct neph_horizon_params *params, const struct weather *weather,
+                           double height, double base, const double octaves[3])
 {
     const double sum = octave_sum(octaves);
     const bool sides[] = {
@@ -220,7 +220,7 @@ void neph_horizon_sample(const struct neph_horizon *horizon, struct neph_vec3 po
     if (!(height >= 0.0 && height <= 1.0))
         return;
     const struct weather weather = weather_at(horizon, point_m);
-    const double coverage = coverage_of(params, weather.low, weather.high);
+    const double coverage = bound_coverage(params, weather.low, weather.high);
     const double profile = shape_above_bottom(height) * shape_below_peak(height, weather.peak);
     sample->margin = profile - 1.0 + coverage; /* base noise is at most 1 */
     if (sample->margin <= 0.0)
@@ -235,7 +235,7 @@ void neph_horizon_sample(const struct neph_horizon *horizon, struct neph_vec3 po
     double octaves[4];
     noise_at(horizon, horizon->detail, NEPH_HORIZON_DETAIL_SIDE, 3, params->detail_repeats, point_m,
              octaves);
-    const double shape = shape_of(base, coverage);
+    const double shape = compute_shape(base, coverage);
     const double eroded = erosion(params, detail_noise(octaves), height);
     const double mass = 2.0 * params->density * weather.density * mass_above_bottom(height) *
                         mass_below_top(height);
@@ -243,7 +243,7 @@ void neph_horizon_sample(const struct neph_horizon *horizon, struct neph_vec3 po
     sample->density = eroded_shape(shape, eroded) * mass;
     sample->without_detail = shape * mass;
     if (sample->density > 0.0)
-        sample->sides = sides_of(params, &weather, height, base, octaves);
+        sample->sides = find_sides(params, &weather, height, base, octaves);
 }
 
 double neph_horizon_density(const struct neph_horizon *horizon, struct neph_vec3 point_m,
@@ -296,7 +296,7 @@ struct blocks {
     int first, count;
 };
 
-static struct blocks blocks_over(double low_m, double high_m, double repeats_per_m, int block_count)
+static struct blocks find_blocks(double low_m, double high_m, double repeats_per_m, int block_count)
 {
     const double per_m = repeats_per_m * block_count;
     const double half_texel = 0.5 / NEPH_HORIZON_BLOCK, hair = 1e-6;
@@ -309,14 +309,14 @@ static struct blocks blocks_over(double low_m, double high_m, double repeats_per
 }
 
 /* The largest value of each channel over the blocks that a box touches. */
-static struct weather weather_over(const struct neph_horizon *horizon,
-                                   const struct neph_bounds *box)
+static struct weather bound_weather(const struct neph_horizon *horizon,
+                                    const struct neph_bounds *box)
 {
     const struct neph_horizon_params *params = &horizon->params;
     const double per_m = 1.0 / params->texture_scale_m;
-    const struct blocks x = blocks_over(box->min_m.x - params->wind_m.x,
+    const struct blocks x = find_blocks(box->min_m.x - params->wind_m.x,
                                         box->max_m.x - params->wind_m.x, per_m, WEATHER_BLOCKS);
-    const struct blocks z = blocks_over(box->min_m.z - params->wind_m.z,
+    const struct blocks z = find_blocks(box->min_m.z - params->wind_m.z,
                                         box->max_m.z - params->wind_m.z, per_m, WEATHER_BLOCKS);
     float most[4] = {0, 0, 0, 0};
     for (int k = 0; k < z.count; k++)
@@ -330,16 +330,16 @@ static struct weather weather_over(const struct neph_horizon *horizon,
 }
 
 /* The blocks of a noise that a box touches, along x, y, z. */
-static void noise_blocks_over(const struct neph_horizon_params *params,
+static void find_noise_blocks(const struct neph_horizon_params *params,
                               const struct neph_bounds *box, double repeats, int block_count,
                               struct blocks along[3])
 {
     const double per_m = repeats / params->texture_scale_m;
     const struct neph_vec3 low_m = neph_vec3_sub(box->min_m, params->wind_m);
     const struct neph_vec3 high_m = neph_vec3_sub(box->max_m, params->wind_m);
-    along[0] = blocks_over(low_m.x, high_m.x, per_m, block_count);
-    along[1] = blocks_over(low_m.y, high_m.y, per_m, block_count);
-    along[2] = blocks_over(low_m.z, high_m.z, per_m, block_count);
+    along[0] = find_blocks(low_m.x, high_m.x, per_m, block_count);
+    along[1] = find_blocks(low_m.y, high_m.y, per_m, block_count);
+    along[2] = find_blocks(low_m.z, high_m.z, per_m, block_count);
 }
 
 static int block_at(const struct blocks along[3], int block_count, int i, int j, int k)
@@ -349,10 +349,10 @@ static int block_at(const struct blocks along[3], int block_count, int i, int j,
     return (z * block_count + y) * block_count + x;
 }
 
-static double base_noise_over(const struct neph_horizon *horizon, const struct neph_bounds *box)
+static double bound_base_noise(const struct neph_horizon *horizon, const struct neph_bounds *box)
 {
     struct blocks along[3];
-    noise_blocks_over(&horizon->params, box, horizon->params.base_repeats, BASE_BLOCKS, along);
+    find_noise_blocks(&horizon->params, box, horizon->params.base_repeats, BASE_BLOCKS, along);
     float most = 0.0f;
     for (int k = 0; k < along[2].count; k++)
         for (int j = 0; j < along[1].count; j++)
@@ -361,11 +361,11 @@ static double base_noise_over(const struct neph_horizon *horizon, const struct n
     return most;
 }
 
-static struct range detail_noise_over(const struct neph_horizon *horizon,
-                                      const struct neph_bounds *box)
+static struct range bound_detail_noise(const struct neph_horizon *horizon,
+                                       const struct neph_bounds *box)
 {
     struct blocks along[3];
-    noise_blocks_over(&horizon->params, box, horizon->params.detail_repeats, DETAIL_BLOCKS, along);
+    find_noise_blocks(&horizon->params, box, horizon->params.detail_repeats, DETAIL_BLOCKS, along);
     float low = 1.0f, high = 0.0f;
     for (int k = 0; k < along[2].count; k++)
         for (int j = 0; j < along[1].count; j++)
@@ -380,11 +380,11 @@ static struct range detail_noise_over(const struct neph_horizon *horizon,
 
 /* The least erosion over a box. Erosion is linear in detail and in height except for the clamp,
  * which is monotone, so its minimum is at a corner. */
-static double erosion_over(const struct neph_horizon *horizon, const struct neph_bounds *box,
-                           double low, double high)
+static double bound_erosion(const struct neph_horizon *horizon, const struct neph_bounds *box,
+                            double low, double high)
 {
     const struct neph_horizon_params *params = &horizon->params;
-    const struct range detail = detail_noise_over(horizon, box);
+    const struct range detail = bound_detail_noise(horizon, box);
     return fmin(fmin(erosion(params, detail.low, low), erosion(params, detail.low, high)),
                 fmin(erosion(params, detail.high, low), erosion(params, detail.high, high)));
 }
@@ -402,14 +402,14 @@ double neph_horizon_bound(const struct neph_horizon *horizon, const struct neph_
     if (!(height.low <= 1.0 && height.high >= 0.0))
         return 0.0;
     const double low = fmax(0.0, height.low), high = fmin(1.0, height.high);
-    const struct weather weather = weather_over(horizon, box);
-    const double coverage = coverage_of(params, weather.low, weather.high);
+    const struct weather weather = bound_weather(horizon, box);
+    const double coverage = bound_coverage(params, weather.low, weather.high);
     const double profile = shape_above_bottom(high) * shape_below_peak(low, weather.peak);
     if (profile * (1.0 + margin) <= 1.0 - coverage)
         return 0.0;
-    const double base = profile * base_noise_over(horizon, box) + margin;
-    const double shape = fmin(1.0, shape_of(base, coverage) * (1.0 + margin));
-    const double eroded = fmax(0.0, erosion_over(horizon, box, low, high) - margin);
+    const double base = profile * bound_base_noise(horizon, box) + margin;
+    const double shape = fmin(1.0, compute_shape(base, coverage) * (1.0 + margin));
+    const double eroded = fmax(0.0, bound_erosion(horizon, box, low, high) - margin);
     return (1.0 + margin) * eroded_shape(shape, eroded) * 2.0 * params->density * weather.density *
            mass_above_bottom(high) * mass_below_top(low);
 }
@@ -437,12 +437,12 @@ struct neph_bounds neph_horizon_support(const struct neph_horizon *horizon,
 /* B of a texel of the base noise, or D of a texel of the detail noise. */
 typedef double (*noise_of_texel)(const float *texel);
 
-static double base_noise_of(const float *texel)
+static double combine_base_noise(const float *texel)
 {
     return base_noise(texel[0], octave_sum((const double[3]){texel[1], texel[2], texel[3]}));
 }
 
-static double detail_noise_of(const float *texel)
+static double combine_detail_noise(const float *texel)
 {
     return detail_noise((const double[3]){texel[0], texel[1], texel[2]});
 }
@@ -488,14 +488,15 @@ static void fill_blocks(struct neph_horizon *horizon)
         for (int j = 0; j < BASE_BLOCKS; j++)
             for (int i = 0; i < BASE_BLOCKS; i++)
                 *out++ = (float)noise_block(horizon->base, NEPH_HORIZON_BASE_SIDE, 4,
-                                            (const int[3]){i, j, k}, base_noise_of)
+                                            (const int[3]){i, j, k}, combine_base_noise)
                              .high;
     out = horizon->detail_blocks;
     for (int k = 0; k < DETAIL_BLOCKS; k++)
         for (int j = 0; j < DETAIL_BLOCKS; j++)
             for (int i = 0; i < DETAIL_BLOCKS; i++) {
                 const struct range range = noise_block(horizon->detail, NEPH_HORIZON_DETAIL_SIDE, 3,
-                                                       (const int[3]){i, j, k}, detail_noise_of);
+                                                       (const int[3]){i, j, k},
+                                                       combine_detail_noise);
                 *out++ = (float)range.low;
                 *out++ = (float)range.high;
             }
@@ -561,7 +562,7 @@ enum neph_status neph_horizon_create(const struct neph_horizon_params *params,
     };
     made->params = *params;
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); i++)
-        *arrays[i].values = neph_arena_zeroed(&made->arena, arrays[i].count, sizeof(float));
+        *arrays[i].values = neph_arena_allocate(&made->arena, arrays[i].count, sizeof(float));
     status = neph_arena_check(&made->arena, diag);
     if (!status)
         status = neph_horizon_fill_base(params->seed, made->base, diag);

@@ -39,7 +39,7 @@ struct rule {
     unsigned any_sides, all_sides;
 };
 
-static void rule_see(struct rule *rule, const struct neph_horizon_sample *sample)
+static void rule_include(struct rule *rule, const struct neph_horizon_sample *sample)
 {
     rule->lowest = fmin(rule->lowest, sample->margin);
     rule->highest = fmax(rule->highest, sample->margin);
@@ -60,7 +60,7 @@ static void rule_add(struct rule *rule, const struct quadrature *q, double t_m, 
     sample_at(q, t_m, &sample);
     rule->kronrod += kronrod_weights[node] * sample.density;
     rule->gauss += gauss_weights[node] * sample.density;
-    rule_see(rule, &sample);
+    rule_include(rule, &sample);
 }
 
 /* The outermost sampled points lie between the faces, slightly inside the interval. */
@@ -75,7 +75,7 @@ static struct rule apply_rule(const struct quadrature *q, double t0_m, double t1
     for (int side = -1; side <= 1; side += 2) {
         struct neph_horizon_sample sample;
         sample_at(q, middle_m + side * (1.0 - 1e-9) * half_m, &sample);
-        rule_see(&rule, &sample);
+        rule_include(&rule, &sample);
     }
     rule.kronrod *= half_m;
     rule.gauss *= half_m;

@@ -29,7 +29,7 @@ enum pattern {
     PATTERN_DENSITY = 0x80,
 };
 
-static struct neph_noise noise_of(uint64_t seed, uint64_t pattern, int dimensions, int period)
+static struct neph_noise make_noise(uint64_t seed, uint64_t pattern, int dimensions, int period)
 {
     return (struct neph_noise){(seed << 8) + pattern, dimensions, period};
 }
@@ -73,7 +73,7 @@ static void worley_rows(uint64_t seed, uint64_t pattern, int period, const struc
 {
     for (int o = 0; o < 3; o++) {
         double along[ROW];
-        const struct neph_noise noise = noise_of(seed, pattern + (uint64_t)o, 3, period << o);
+        const struct neph_noise noise = make_noise(seed, pattern + (uint64_t)o, 3, period << o);
         const struct neph_noise_row row = to_cells(texels, noise.period, along);
         neph_noise_worley_row(&noise, &row, octaves[o]);
     }
@@ -88,7 +88,7 @@ struct filling {
 static void fill_base_row(uint64_t seed, const struct texel_row *row, float *base)
 {
     enum { PERIOD = 4, PERLIN_OCTAVES = 3 };
-    const struct neph_noise noise = noise_of(seed, PATTERN_BASE_PERLIN, 3, PERIOD);
+    const struct neph_noise noise = make_noise(seed, PATTERN_BASE_PERLIN, 3, PERIOD);
     double perlin[ROW], octaves[3][ROW];
     perlin_row(&noise, PERLIN_OCTAVES, row, perlin);
     worley_rows(seed, PATTERN_BASE_WORLEY, PERIOD, row, octaves);
@@ -143,7 +143,7 @@ enum neph_status neph_horizon_fill_detail(uint64_t seed, float *detail, struct n
 static double field_at(uint64_t seed, const double point[2])
 {
     enum { PERIOD = 5 };
-    const struct neph_noise noise = noise_of(seed, PATTERN_FIELD, 2, PERIOD);
+    const struct neph_noise noise = make_noise(seed, PATTERN_FIELD, 2, PERIOD);
     return neph_noise_perlin_sum(&noise, 3,
                                  (const double[2]){point[0] * PERIOD, point[1] * PERIOD});
 }
@@ -159,7 +159,7 @@ struct lobe {
 /* Hills are high and wide where the updraft is strong, and absent elsewhere. */
 static void raise_lobes(uint64_t seed, struct lobe lobes[LOBES][LOBES])
 {
-    const struct neph_noise noise = noise_of(seed, PATTERN_LOBES, 2, LOBES);
+    const struct neph_noise noise = make_noise(seed, PATTERN_LOBES, 2, LOBES);
     for (int y = 0; y < LOBES; y++)
         for (int x = 0; x < LOBES; x++) {
             const int cell[2] = {x, y};
@@ -197,7 +197,7 @@ static double hill_at(struct lobe lobes[LOBES][LOBES], const double point[2])
 static void bend_row(uint64_t seed, int axis, const struct texel_row *row, double by[ROW])
 {
     const double reach = 0.012;
-    const struct neph_noise noise = noise_of(seed, PATTERN_WARP + 8 * (uint64_t)axis, 2, 24);
+    const struct neph_noise noise = make_noise(seed, PATTERN_WARP + 8 * (uint64_t)axis, 2, 24);
     perlin_row(&noise, 2, row, by);
     for (int i = 0; i < row->count; i++)
         by[i] *= reach;
@@ -214,8 +214,8 @@ static void fill_weather_row(int k, void *context)
     enum { SIDE = NEPH_HORIZON_WEATHER_SIDE };
     struct weather_filling *filling = context;
     const uint64_t seed = filling->seed;
-    const struct neph_noise high_noise = noise_of(seed, PATTERN_HIGH, 2, 6);
-    const struct neph_noise density_noise = noise_of(seed, PATTERN_DENSITY, 2, 8);
+    const struct neph_noise high_noise = make_noise(seed, PATTERN_HIGH, 2, 6);
+    const struct neph_noise density_noise = make_noise(seed, PATTERN_DENSITY, 2, 8);
     const struct texel_row row = texel_row(SIDE, k, 0);
     double bent[2][ROW], high[ROW], density[ROW];
     for (int axis = 0; axis < 2; axis++)

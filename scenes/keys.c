@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-static double frame_of(const void *keys, size_t size, int index)
+static double get_key_frame(const void *keys, size_t size, int index)
 {
     return *(const double *)((const char *)keys + (size_t)index * size);
 }
@@ -11,19 +11,19 @@ static double frame_of(const void *keys, size_t size, int index)
 struct neph_span neph_span_at(const void *keys, size_t size, int count, double frame)
 {
     const int last = count - 1;
-    if (frame <= frame_of(keys, size, 0))
+    if (frame <= get_key_frame(keys, size, 0))
         return (struct neph_span){0, 0, 0.0};
-    if (frame >= frame_of(keys, size, last))
+    if (frame >= get_key_frame(keys, size, last))
         return (struct neph_span){last, last, 0.0};
     int from = 0, to = last;
     while (to - from > 1) {
         const int middle = (from + to) / 2;
-        if (frame_of(keys, size, middle) <= frame)
+        if (get_key_frame(keys, size, middle) <= frame)
             from = middle;
         else
             to = middle;
     }
-    const double start = frame_of(keys, size, from), end = frame_of(keys, size, to);
+    const double start = get_key_frame(keys, size, from), end = get_key_frame(keys, size, to);
     return (struct neph_span){from, to, (frame - start) / (end - start)};
 }
 

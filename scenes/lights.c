@@ -25,11 +25,11 @@ double neph_light_falloff(const struct neph_light *light, struct neph_vec3 direc
 
 struct neph_lit neph_light_at(const struct neph_light *light, struct neph_vec3 point_m)
 {
-    const struct neph_vec3 way_m = neph_vec3_sub(light->position_m, point_m);
-    struct neph_lit lit = {.distance_m = neph_vec3_length(way_m)};
+    const struct neph_vec3 offset_m = neph_vec3_sub(light->position_m, point_m);
+    struct neph_lit lit = {.distance_m = neph_vec3_length(offset_m)};
     if (lit.distance_m == 0.0)
         return lit;
-    lit.direction = neph_vec3_scale(way_m, 1.0 / lit.distance_m);
+    lit.direction = neph_vec3_scale(offset_m, 1.0 / lit.distance_m);
     const double part = neph_light_falloff(light, neph_vec3_scale(lit.direction, -1.0));
     lit.irradiance_w_per_m2 = neph_rgb_scale(light->intensity_w_per_sr,
                                              part / (lit.distance_m * lit.distance_m));

@@ -20,7 +20,7 @@ static enum neph_status finish_name(struct neph_reader *reader, struct neph_writ
 {
     struct neph_scene *scene = &written->scene;
     char quote[NEPH_QUOTE_SIZE], stem_quote[NEPH_QUOTE_SIZE];
-    char *stem = neph_scene_name_of(scene->path);
+    char *stem = neph_scene_name_from_path(scene->path);
     if (!stem)
         return neph_fail_memory(reader->diag);
     const bool is_fit = *stem && strlen(stem) <= NEPH_NAME_MAX_BYTES && neph_is_identifier(stem);
@@ -38,7 +38,7 @@ static enum neph_status finish_name(struct neph_reader *reader, struct neph_writ
                              "rename the file: 1 to %d of a-z, 0-9 and _, and .yaml",
                              stem_quote, NEPH_NAME_MAX_BYTES);
     else if (!scene->name)
-        scene->name = neph_arena_text(reader->arena, stem);
+        scene->name = neph_arena_copy_text(reader->arena, stem);
     free(stem);
     return status;
 }
@@ -51,7 +51,7 @@ static enum neph_status finish_texts(struct neph_reader *reader, struct neph_wri
     if (neph_has_control(scene->title, ""))
         status = neph_refuse(reader, "title", "a title is one line without control characters");
     if (written->old_description && scene->description)
-        return neph_also(
+        return neph_keep_error(
             reader, status,
             neph_refuse(
                 reader, "physics",
@@ -66,8 +66,9 @@ static enum neph_status finish_texts(struct neph_reader *reader, struct neph_wri
     if (!scene->description)
         scene->description = "";
     return neph_has_control(scene->description, "\n")
-               ? neph_also(reader, status,
-                           neph_refuse(reader, "description", "control characters in the text"))
+               ? neph_keep_error(
+                     reader, status,
+                     neph_refuse(reader, "description", "control characters in the text"))
                : status;
 }
 
@@ -127,12 +128,12 @@ static enum neph_status finish(struct neph_reader *reader, enum neph_status so_f
     scene->display = &written->display;
     scene->failing = &written->failing;
     scene->injections = &written->injections;
-    if (neph_is_sound(reader, "sun"))
+    if (neph_were_keys_read(reader, "sun"))
         neph_finish_sun(written);
     enum neph_status status = neph_arena_check(reader->arena, reader->diag);
     for (size_t i = 0; i < sizeof(finish_steps) / sizeof(finish_steps[0]); i++)
-        if (neph_is_sound(reader, finish_steps[i].keys))
-            status = neph_also(reader, status, finish_steps[i].run(reader, written));
+        if (neph_were_keys_read(reader, finish_steps[i].keys))
+            status = neph_keep_error(reader, status, finish_steps[i].run(reader, written));
     if (!status)
         status = neph_arena_check(reader->arena, reader->diag);
     return so_far || status ? status : neph_scene_hash(scene, reader->diag);
@@ -154,7 +155,7 @@ static enum neph_status load_document(struct neph_document *document, const char
         return neph_fail_memory(diag);
     struct neph_arena *arena = &written->scene.arena;
     written->check = check;
-    written->scene.path = neph_arena_text(arena, path);
+    written->scene.path = neph_arena_copy_text(arena, path);
     const enum neph_status status = neph_read_document(document, arena, neph_scene_fields, finish,
                                                        written, diag);
     if (status)
@@ -235,7 +236,7 @@ enum neph_status neph_scene_load_point(const struct neph_scene *scene, int point
 
 /* --- Names and end --- */
 
-char *neph_scene_name_of(const char *path)
+char *neph_scene_name_from_path(const char *path)
 {
     const char *slash = strrchr(path, '/');
     const char *start = slash ? slash + 1 : path;

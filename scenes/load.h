@@ -95,7 +95,7 @@ extern const struct neph_field neph_camera_key_fields[];
 void neph_forms_print(FILE *file);
 
 /* The forms of the kinds that wind moves, each followed by a comma: "gaussian, grid, ". */
-void neph_drifting_forms(char *text, size_t size);
+void neph_list_drifting_forms(char *text, size_t size);
 
 /* Checks that max_m is above min_m; `owner` is the key of the box. */
 enum neph_status neph_check_extent(const struct neph_reader *reader, const char *owner,

@@ -92,7 +92,7 @@ static enum neph_status check_paths(const struct neph_reader *reader,
     char path[NEPH_FIELD_PATH_MAX], quote[NEPH_QUOTE_SIZE];
     const char *rest = axis->paths;
     while (next_path(&rest, path))
-        if (!is_number_node(neph_document_exactly(reader->document, path)))
+        if (!is_number_node(neph_document_find_exact(reader->document, path)))
             return neph_refuse(reader, "set", "the file has no number at '%s'",
                                neph_document_quote(path, quote));
     return NEPH_OK;
@@ -137,7 +137,7 @@ static const struct neph_field failing_fields[] = {
     {"truth", NEPH_WORD, FAILING(truth),
      .note = "the march of the same frame with the same steps, 16 rays a pixel; or engine `exact` "
              "through centres of pixels",
-     .words = neph_failing_truth_words, .standard = "`march`"},
+     .words = neph_failing_reference_words, .standard = "`march`"},
     {"quick", NEPH_FLAG, FAILING(quick), .note = "one of the quick tier", .standard = "`false`"},
     {"engines", NEPH_FLAG, FAILING(engines),
      .note = "also tests engines without history, with engine `exact` as reference",
@@ -161,7 +161,7 @@ static enum neph_status read_failing(struct neph_reader *reader, const yaml_node
     enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     for (int i = 0; i < failing->limit_count && !status; i++)
         if (needs_event(failing->limits[i].measure) && failing->event_frame == 0)
-            status = neph_refuse(reader, neph_at("measures[%d].measure", i).text,
+            status = neph_refuse(reader, neph_format_path("measures[%d].measure", i).text,
                                  "%s is measured from an event_frame on",
                                  neph_failing_measure_name(failing->limits[i].measure));
     if (!status && failing->event_frame >= failing->frame_count)
@@ -181,7 +181,7 @@ static enum neph_status put_value(struct neph_document *document, const char *pa
                                   const struct neph_failing_axis *axis, int index,
                                   struct neph_diag *diag)
 {
-    yaml_node_t *node = neph_document_exactly(document, path);
+    yaml_node_t *node = neph_document_find_exact(document, path);
     if (!is_number_node(node)) /* the file has changed since it was read */
         return neph_fail(diag, NEPH_ERR_INPUT, "the file has no number at '%s'", path);
     const double number = axis->to_count > 0

@@ -43,15 +43,15 @@ static const struct neph_field fields[] = {
 };
 
 /* No line for a scene without controls, so that hashes from before this key existed stay valid. */
-static void hash_look(const void *target, FILE *text)
+static void hash_controls(const void *target, FILE *text)
 {
     const struct neph_fog_look *look = target;
     if (look->present)
         neph_fields_hash(fields, look, text);
 }
 
-static enum neph_status read_look(struct neph_reader *reader, const yaml_node_t *node,
-                                  const struct neph_record *record, void *target)
+static enum neph_status read_controls(struct neph_reader *reader, const yaml_node_t *node,
+                                      const struct neph_record *record, void *target)
 {
     struct neph_fog_look *look = target;
     const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
@@ -66,8 +66,10 @@ static enum neph_status read_look(struct neph_reader *reader, const yaml_node_t 
     return NEPH_OK;
 }
 
-const struct neph_record neph_fog_look_record = {
-    .size = sizeof(struct neph_fog_look), .fields = fields, .read = read_look, .hash = hash_look};
+const struct neph_record neph_fog_look_record = {.size = sizeof(struct neph_fog_look),
+                                                 .fields = fields,
+                                                 .read = read_controls,
+                                                 .hash = hash_controls};
 
 enum neph_status neph_check_fog_look(const struct neph_reader *reader,
                                      const struct neph_scene *scene)

@@ -62,10 +62,10 @@ enum neph_status neph_finish_gates(struct neph_reader *reader, struct neph_writt
     for (int g = 0; g < gates->count && written->check; g++) {
         if (written->check(gates->list[g].metric, why, sizeof(why)))
             continue;
-        neph_refuse(reader, neph_at("gates[%d].metric", g).text, "'%s' %s",
+        neph_refuse(reader, neph_format_path("gates[%d].metric", g).text, "'%s' %s",
                     neph_document_quote(gates->list[g].metric, quote), why);
         neph_hint(reader->diag, "`neph metrics` lists them");
-        status = neph_also(reader, status, NEPH_ERR_INPUT);
+        status = neph_keep_error(reader, status, NEPH_ERR_INPUT);
     }
     return status;
 }

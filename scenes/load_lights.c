@@ -64,7 +64,7 @@ static enum neph_status check_light(const struct neph_reader *reader,
 {
     for (int s = 0; s < scene->solid_count; s++)
         if (neph_solid_contains(&scene->solids[s], scene->lights[index].position_m))
-            return neph_refuse(reader, neph_at("lights[%d].position_m", index).text,
+            return neph_refuse(reader, neph_format_path("lights[%d].position_m", index).text,
                                "the light is inside a solid, which would hide all of it; move it "
                                "out");
     return NEPH_OK;
@@ -74,6 +74,6 @@ enum neph_status neph_check_lights(const struct neph_reader *reader, const struc
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < scene->light_count; i++)
-        status = neph_also(reader, status, check_light(reader, scene, i));
+        status = neph_keep_error(reader, status, check_light(reader, scene, i));
     return status;
 }

@@ -93,11 +93,12 @@ enum neph_status neph_check_extent(const struct neph_reader *reader, const char 
     const double *low_m = &bounds->min_m.x, *high_m = &bounds->max_m.x;
     enum neph_status status = NEPH_OK;
     for (int axis = 0; axis < 3; axis++) {
-        const struct neph_path path = neph_at("%s%smax_m[%d]", owner, *owner ? "." : "", axis);
+        const struct neph_path path = neph_format_path("%s%smax_m[%d]", owner, *owner ? "." : "",
+                                                       axis);
         if (!(high_m[axis] > low_m[axis]))
-            status = neph_also(reader, status,
-                               neph_refuse(reader, path.text, "%g m is not above min_m, %g m",
-                                           high_m[axis], low_m[axis]));
+            status = neph_keep_error(reader, status,
+                                     neph_refuse(reader, path.text, "%g m is not above min_m, %g m",
+                                                 high_m[axis], low_m[axis]));
     }
     return status;
 }
@@ -134,19 +135,19 @@ static enum neph_status make_voxels(struct neph_medium *medium, int nodes, struc
     return NEPH_OK;
 }
 
-/* neph_also() for a check whose error may lack a position: it gets the position of the medium. */
-static enum neph_status also_at(struct neph_reader *reader, const yaml_node_t *node,
-                                enum neph_status first, enum neph_status next)
+/* neph_keep_error() for a check whose error may lack a position: it gets the position of the medium. */
+static enum neph_status keep_error_at(struct neph_reader *reader, const yaml_node_t *node,
+                                      enum neph_status first, enum neph_status next)
 {
     if (next && reader->diag->line == 0)
         neph_document_locate(reader->document, node, reader->diag);
-    return neph_also(reader, first, next);
+    return neph_keep_error(reader, first, next);
 }
 
-static bool are_sound(const struct neph_reader *reader, const struct neph_field *fields)
+static bool were_fields_read(const struct neph_reader *reader, const struct neph_field *fields)
 {
     for (; fields->key; fields++)
-        if (!neph_is_sound(reader, fields->key))
+        if (!neph_were_keys_read(reader, fields->key))
             return false;
     return true;
 }
@@ -157,14 +158,16 @@ static enum neph_status finish(struct neph_reader *reader, const yaml_node_t *no
                                struct neph_written_medium *written, enum neph_status status)
 {
     struct neph_medium *medium = &written->medium;
-    if (neph_is_sound(reader, "bounds"))
-        status = neph_also(reader, status, neph_check_extent(reader, "bounds", &medium->bounds));
-    if (neph_is_sound(reader, "phase asymmetry_g extinction_color"))
-        status = neph_also(reader, status, check_optics(reader, node, medium));
-    if (form->finish && are_sound(reader, form->fields))
-        status = also_at(reader, node, status, form->finish(reader, node, written));
+    if (neph_were_keys_read(reader, "bounds"))
+        status = neph_keep_error(reader, status,
+                                 neph_check_extent(reader, "bounds", &medium->bounds));
+    if (neph_were_keys_read(reader, "phase asymmetry_g extinction_color"))
+        status = neph_keep_error(reader, status, check_optics(reader, node, medium));
+    if (form->finish && were_fields_read(reader, form->fields))
+        status = keep_error_at(reader, node, status, form->finish(reader, node, written));
     if (!status && written->voxels)
-        status = also_at(reader, node, status, make_voxels(medium, written->voxels, reader->diag));
+        status = keep_error_at(reader, node, status,
+                               make_voxels(medium, written->voxels, reader->diag));
     return status;
 }
 
@@ -175,7 +178,7 @@ static enum neph_status read_form(struct neph_reader *reader, const yaml_node_t 
     struct neph_field fields[FIELDS_MAX];
     struct neph_medium *medium = target;
     gather_fields(choice->form->fields, fields);
-    struct neph_written_medium *written = neph_arena_zeroed(reader->arena, 1, record->size);
+    struct neph_written_medium *written = neph_arena_allocate(reader->arena, 1, record->size);
     if (!written)
         return neph_fail_memory(reader->diag);
     written->medium.kind = choice->kind;
@@ -218,7 +221,7 @@ static enum neph_status read_medium(struct neph_reader *reader, const yaml_node_
     return neph_read_choice(reader, node, fields, target, "a medium");
 }
 
-void neph_drifting_forms(char *text, size_t size)
+void neph_list_drifting_forms(char *text, size_t size)
 {
     struct choice choices[FORMS_MAX];
     struct neph_field fields[FORMS_MAX + 1];
@@ -236,7 +239,8 @@ void neph_forms_print(FILE *file)
     list_choices(choices, fields);
     for (int i = 0; fields[i].key; i++) {
         fprintf(file, "| `media[].%s` | | | %s |\n", fields[i].key, choices[i].form->note);
-        neph_fields_print(choices[i].form->fields, neph_at("media[].%s", fields[i].key).text, file);
+        neph_fields_print(choices[i].form->fields,
+                          neph_format_path("media[].%s", fields[i].key).text, file);
     }
 }
 

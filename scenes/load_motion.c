@@ -111,7 +111,7 @@ static enum neph_status check_sun_key(const struct neph_reader *reader,
                                       const struct neph_sun_key *keys, int index)
 {
     const struct neph_sun_key *key = &keys[index];
-    const struct neph_path path = neph_at("keys[%d].direction", index);
+    const struct neph_path path = neph_format_path("keys[%d].direction", index);
     const enum neph_status status = neph_check_direction(reader, path.text, key->direction);
     if (status || index == 0)
         return status;
@@ -131,21 +131,21 @@ static enum neph_status read_sun(struct neph_reader *reader, const yaml_node_t *
     struct neph_written_scene *written = target;
     struct neph_scene *scene = &written->scene;
     enum neph_status status = neph_read_fields(reader, node, record->fields, target);
-    if (!neph_is_sound(reader, "keys"))
+    if (!neph_were_keys_read(reader, "keys"))
         return status;
     const bool has_direction = neph_reader_has(reader, node, "direction");
     const bool has_irradiance = neph_reader_has(reader, node, "irradiance_w_per_m2");
     if (scene->sun_keys && (has_direction || has_irradiance))
         return neph_refuse(reader, "keys",
                            "give either keys or direction and irradiance_w_per_m2, not both");
-    if (!scene->sun_keys && !(has_direction && has_irradiance) && neph_is_sound(reader, ""))
+    if (!scene->sun_keys && !(has_direction && has_irradiance) && neph_were_keys_read(reader, ""))
         return neph_refuse(reader, "", "give direction and irradiance_w_per_m2, or keys");
     scene->sun.present = true;
-    if (!scene->sun_keys && has_direction && neph_is_sound(reader, "direction"))
-        return neph_also(reader, status,
-                         neph_check_direction(reader, "direction", written->sun.direction));
+    if (!scene->sun_keys && has_direction && neph_were_keys_read(reader, "direction"))
+        return neph_keep_error(reader, status,
+                               neph_check_direction(reader, "direction", written->sun.direction));
     for (int i = 0; i < scene->sun_key_count; i++)
-        status = neph_also(reader, status, check_sun_key(reader, scene->sun_keys, i));
+        status = neph_keep_error(reader, status, check_sun_key(reader, scene->sun_keys, i));
     return status;
 }
 
@@ -228,11 +228,11 @@ static struct neph_path camera_path(const struct neph_reader *reader,
                                     const struct neph_scene *scene, double frame, const char *key)
 {
     if (neph_document_find(reader->document, "camera.keys")->type != YAML_SEQUENCE_NODE)
-        return neph_at("camera.%s", key);
+        return neph_format_path("camera.%s", key);
     int index = 0;
     while (index + 1 < scene->camera_key_count && scene->camera_keys[index + 1].frame <= frame)
         index++;
-    return neph_at("camera.keys[%d].%s", index, key);
+    return neph_format_path("camera.keys[%d].%s", index, key);
 }
 
 /* Checks that the camera at a key frame is outside solids and has a direction of view. */
@@ -273,17 +273,18 @@ enum neph_status neph_check_wind(const struct neph_reader *reader, const struct 
     char forms[256] = "";
     for (int i = 0; i < scene->medium_count; i++)
         any |= neph_medium_drifts(&scene->media[i]);
-    neph_drifting_forms(forms, sizeof(forms));
+    neph_list_drifting_forms(forms, sizeof(forms));
     if (!any)
         return neph_refuse(reader, "wind",
                            "no medium of the scene drifts: wind moves %smedia with voxels", forms);
     for (int frame = 0; frame < scene->frame_count; frame++) {
-        const double way_m = neph_vec3_length(neph_scene_wind_displacement_m(scene, frame));
-        if (way_m > DRIFT_MAX_M)
+        const double displacement_m = neph_vec3_length(
+            neph_scene_wind_displacement_m(scene, frame));
+        if (displacement_m > DRIFT_MAX_M)
             return neph_refuse(
                 reader, "wind",
                 "at frame %d it has moved the media by %g m; at most %g m are allowed", frame,
-                way_m, DRIFT_MAX_M);
+                displacement_m, DRIFT_MAX_M);
     }
     return NEPH_OK;
 }

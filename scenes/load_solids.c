@@ -191,7 +191,7 @@ static enum neph_status check_rails(const struct neph_reader *reader, const stru
         const double low_m = fence->rail_heights_m[i] - 0.5 * fence->rail_width_m;
         const double high_m = fence->rail_heights_m[i] + 0.5 * fence->rail_width_m;
         if (!(low_m > floor_m && high_m < fence->height_m))
-            return neph_refuse(reader, neph_at("rails.heights_m[%d]", i).text,
+            return neph_refuse(reader, neph_format_path("rails.heights_m[%d]", i).text,
                                "the rail spans %g to %g m; it must lie above %g m (the ground or "
                                "the rail before) and below the top of the bars, %g m",
                                low_m, high_m, floor_m, fence->height_m);
@@ -246,10 +246,10 @@ static enum neph_status read_box(struct neph_reader *reader, const yaml_node_t *
     struct neph_solid *solid = &((struct neph_written_solid *)target)->solid;
     enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     solid->kind = NEPH_SOLID_BOX;
-    if (neph_is_sound(reader, surface_keys))
-        status = neph_also(reader, status, check_surface(reader, node, &solid->surface));
-    if (neph_is_sound(reader, "min_m max_m"))
-        status = neph_also(reader, status, neph_check_extent(reader, "", &solid->box));
+    if (neph_were_keys_read(reader, surface_keys))
+        status = neph_keep_error(reader, status, check_surface(reader, node, &solid->surface));
+    if (neph_were_keys_read(reader, "min_m max_m"))
+        status = neph_keep_error(reader, status, neph_check_extent(reader, "", &solid->box));
     return status;
 }
 
@@ -259,8 +259,8 @@ static enum neph_status read_sphere(struct neph_reader *reader, const yaml_node_
     struct neph_solid *solid = &((struct neph_written_solid *)target)->solid;
     const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     solid->kind = NEPH_SOLID_SPHERE;
-    return neph_is_sound(reader, surface_keys)
-               ? neph_also(reader, status, check_surface(reader, node, &solid->surface))
+    return neph_were_keys_read(reader, surface_keys)
+               ? neph_keep_error(reader, status, check_surface(reader, node, &solid->surface))
                : status;
 }
 
@@ -340,7 +340,7 @@ static struct neph_solid *append_fence(const struct fence *fence, struct neph_so
     return next;
 }
 
-static int count_of(const struct neph_written_solid *written)
+static int count_parts(const struct neph_written_solid *written)
 {
     const struct fence *fence = &written->fence;
     return fence->bars > 0 ? fence->rows * (fence->bars + fence->rail_count) : 1;
@@ -350,14 +350,15 @@ static enum neph_status finish_movers(struct neph_reader *reader,
                                       struct neph_written_scene *written)
 {
     struct neph_scene *scene = &written->scene;
-    scene->movers = neph_arena_zeroed(reader->arena, NEPH_SCENE_MOVERS_MAX, sizeof(*scene->movers));
+    scene->movers = neph_arena_allocate(reader->arena, NEPH_SCENE_MOVERS_MAX,
+                                        sizeof(*scene->movers));
     if (!scene->movers)
         return neph_fail_memory(reader->diag);
     for (int i = 0; i < written->solid_count; i++) {
         if (written->solids[i].mover.key_count == 0)
             continue;
         if (scene->mover_count == NEPH_SCENE_MOVERS_MAX)
-            return neph_refuse(reader, neph_at("solids[%d]", i).text,
+            return neph_refuse(reader, neph_format_path("solids[%d]", i).text,
                                "no more than %d entries may move", NEPH_SCENE_MOVERS_MAX);
         scene->movers[scene->mover_count++] = written->solids[i].mover;
     }
@@ -375,11 +376,12 @@ static enum neph_status check_metals(const struct neph_reader *reader,
         const struct neph_solid *solid = &written->solids[i].solid;
         const char *kind = solid->kind == NEPH_SOLID_BOX ? "box" : "sphere";
         if (solid->surface.metalness > 0.0)
-            status = neph_also(reader, status,
-                               neph_refuse(reader, neph_at("solids[%d].%s.metalness", i, kind).text,
-                                           "a metal reflects other surfaces, and scattering is %s: "
-                                           "set scattering: multiple",
-                                           neph_scattering_name(written->scene.scattering)));
+            status = neph_keep_error(
+                reader, status,
+                neph_refuse(reader, neph_format_path("solids[%d].%s.metalness", i, kind).text,
+                            "a metal reflects other surfaces, and scattering is %s: "
+                            "set scattering: multiple",
+                            neph_scattering_name(written->scene.scattering)));
     }
     return status;
 }
@@ -392,23 +394,23 @@ enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_writ
         return status;
     int count = 0;
     for (int i = 0; i < written->solid_count; i++) {
-        count += count_of(&written->solids[i]);
+        count += count_parts(&written->solids[i]);
         if (count > NEPH_SCENE_SOLIDS_MAX)
-            return neph_refuse(reader, neph_at("solids[%d]", i).text,
+            return neph_refuse(reader, neph_format_path("solids[%d]", i).text,
                                "the scene would have %d solids with its bars and rails; at most %d "
                                "are allowed",
                                count, NEPH_SCENE_SOLIDS_MAX);
     }
     if (count == 0)
         return NEPH_OK;
-    scene->solids = neph_arena_zeroed(reader->arena, (size_t)count, sizeof(*scene->solids));
+    scene->solids = neph_arena_allocate(reader->arena, (size_t)count, sizeof(*scene->solids));
     if (!scene->solids)
         return neph_fail_memory(reader->diag);
     scene->solid_count = count;
     struct neph_solid *next = scene->solids;
     for (int i = 0; i < written->solid_count; i++) {
         written->solids[i].mover.first = (int)(next - scene->solids);
-        written->solids[i].mover.count = count_of(&written->solids[i]);
+        written->solids[i].mover.count = count_parts(&written->solids[i]);
         if (written->solids[i].fence.bars > 0)
             next = append_fence(&written->solids[i].fence, next);
         else

@@ -116,8 +116,8 @@ static const char *const fit_keys[] = {"center_m", "longest_side_m", "size_m", "
 static const char *const file_keys[] = {"origin_m", "unit_m", NULL};
 
 /* The first of the keys that the file has; NULL: none. */
-static const char *first_given(const struct neph_reader *reader, const yaml_node_t *node,
-                               const char *const *keys)
+static const char *find_first_key(const struct neph_reader *reader, const yaml_node_t *node,
+                                  const char *const *keys)
 {
     while (*keys && !neph_reader_has(reader, node, *keys))
         keys++;
@@ -159,8 +159,8 @@ static enum neph_status check_fit(const struct neph_reader *reader, const yaml_n
 static enum neph_status choose_placement(const struct neph_reader *reader, const yaml_node_t *node,
                                          const char *path, struct neph_written_volume *volume)
 {
-    const char *fit_key = first_given(reader, node, fit_keys);
-    const char *file_key = first_given(reader, node, file_keys);
+    const char *fit_key = find_first_key(reader, node, fit_keys);
+    const char *file_key = find_first_key(reader, node, file_keys);
     const bool has_transform = neph_volume_has_transform(path);
     if (!neph_reader_has(reader, node, "placement"))
         volume->placement = fit_key || !has_transform ? PLACEMENT_FIT : PLACEMENT_FILE;
@@ -185,7 +185,7 @@ static enum neph_status check_index_box(const struct neph_reader *reader,
 {
     for (int axis = 0; axis < 3; axis++)
         if (box->last[axis] < box->first[axis])
-            return neph_refuse(reader, neph_at("index_box.last[%d]", axis).text,
+            return neph_refuse(reader, neph_format_path("index_box.last[%d]", axis).text,
                                "%d is below first, %d", box->last[axis], box->first[axis]);
     return NEPH_OK;
 }

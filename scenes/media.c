@@ -97,7 +97,7 @@ void neph_medium_shift(struct neph_medium *medium, struct neph_vec3 by_m)
         neph_medium_drift(medium, by_m);
         return;
     }
-    medium->bounds = neph_bounds_moved(medium->bounds, by_m);
+    medium->bounds = neph_bounds_translate(medium->bounds, by_m);
     medium->shell.center_m = neph_vec3_add(medium->shell.center_m, by_m);
     medium->tent.center_m = neph_vec3_add(medium->tent.center_m, by_m);
     for (int i = 0; i < medium->layer_count; i++)
@@ -110,7 +110,7 @@ void neph_medium_finish(struct neph_medium *medium)
         rows[medium->kind]->destroy(medium);
 }
 
-size_t neph_medium_room(const struct neph_medium *medium)
+size_t neph_medium_storage_bytes(const struct neph_medium *medium)
 {
     return rows[medium->kind]->room_size;
 }

@@ -57,7 +57,7 @@ void neph_medium_finish(struct neph_medium *medium);
 
 /* Makes the medium use `room` in place of owned memory, so that this copy can drift independently;
  * voxels and textures are borrowed. */
-size_t neph_medium_room(const struct neph_medium *medium);
+size_t neph_medium_storage_bytes(const struct neph_medium *medium);
 void neph_medium_borrow(struct neph_medium *medium, void *room);
 
 /* Splits a ray at the scale of the density, on the ray itself and in the shadow that the medium

@@ -41,7 +41,7 @@ static double bound_per_m(const struct neph_medium *medium, const struct neph_bo
 static void drift(struct neph_medium *medium, struct neph_vec3 by_m)
 {
     medium->grid->origin_m = neph_vec3_add(medium->grid->origin_m, by_m);
-    medium->bounds = neph_bounds_moved(medium->bounds, by_m);
+    medium->bounds = neph_bounds_translate(medium->bounds, by_m);
 }
 
 static struct neph_bounds support(const struct neph_medium *medium)
@@ -64,7 +64,7 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
                            cuts->t0_m, cuts->t1_m, &low_m, &high_m))
         return;
     for (int k = 0; k <= pieces; k++)
-        neph_cut(cuts, low_m + (high_m - low_m) * k / pieces);
+        neph_cuts_add(cuts, low_m + (high_m - low_m) * k / pieces);
 }
 
 /* The faces of the lattice across one axis that a part of a ray may cross. */
@@ -89,7 +89,7 @@ static void cut_kinks(struct neph_cuts *cuts, const struct neph_medium *medium)
     const double first[3] = {grid->origin_m.x, grid->origin_m.y, grid->origin_m.z};
     const double spacing[3] = {grid->spacing_m.x, grid->spacing_m.y, grid->spacing_m.z};
     double near_m, far_m;
-    if (!neph_cuts_inside(cuts, &support, &near_m, &far_m))
+    if (!neph_cuts_clip(cuts, &support, &near_m, &far_m))
         return;
     for (int axis = 0; axis < 3; axis++) {
         const double start = (origin[axis] - first[axis]) / spacing[axis],
@@ -99,7 +99,7 @@ static void cut_kinks(struct neph_cuts *cuts, const struct neph_medium *medium)
         for (int i = faces.first; i <= faces.last && view[axis] != 0.0; i++) {
             const double t_m = (first[axis] + i * spacing[axis] - origin[axis]) / view[axis];
             if (t_m >= near_m && t_m <= far_m)
-                neph_cut(cuts, t_m);
+                neph_cuts_add(cuts, t_m);
         }
     }
 }

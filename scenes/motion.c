@@ -139,30 +139,32 @@ struct neph_placing neph_mover_placing(const struct neph_scene *scene,
     return placing_at(mover, neph_scene_time_frame(scene, frame));
 }
 
-static struct neph_vec3 placed_m(const struct neph_placing *placing, struct neph_vec3 point_m)
+static struct neph_vec3 place_point_m(const struct neph_placing *placing, struct neph_vec3 point_m)
 {
     const struct neph_vec3 arm_m = neph_vec3_sub(point_m, placing->pivot_m);
-    return neph_vec3_add(neph_vec3_add(placing->pivot_m, neph_turned(&placing->turn, arm_m)),
+    return neph_vec3_add(neph_vec3_add(placing->pivot_m, neph_rotate(&placing->turn, arm_m)),
                          placing->move_m);
 }
 
-struct neph_vec3 neph_placed_before_m(const struct neph_placing *now,
-                                      const struct neph_placing *before, struct neph_vec3 point_m)
+struct neph_vec3 neph_find_earlier_place_m(const struct neph_placing *now,
+                                           const struct neph_placing *before,
+                                           struct neph_vec3 point_m)
 {
     const struct neph_vec3 arm_m = neph_vec3_sub(neph_vec3_sub(point_m, now->move_m), now->pivot_m);
-    return placed_m(before, neph_vec3_add(now->pivot_m, neph_turned_back(&now->turn, arm_m)));
+    return place_point_m(before, neph_vec3_add(now->pivot_m, neph_rotate_back(&now->turn, arm_m)));
 }
 
 /* A solid without rotation keeps its simple form. */
-static struct neph_solid placed(const struct neph_placing *placing, struct neph_solid solid)
+static struct neph_solid place_solid(const struct neph_placing *placing, struct neph_solid solid)
 {
     if (solid.kind == NEPH_SOLID_SPHERE) {
-        solid.center_m = placed_m(placing, solid.center_m);
+        solid.center_m = place_point_m(placing, solid.center_m);
         return solid;
     }
     const struct neph_vec3 middle_m = neph_vec3_scale(
         neph_vec3_add(solid.box.min_m, solid.box.max_m), 0.5);
-    solid.box = neph_bounds_moved(solid.box, neph_vec3_sub(placed_m(placing, middle_m), middle_m));
+    solid.box = neph_bounds_translate(solid.box,
+                                      neph_vec3_sub(place_point_m(placing, middle_m), middle_m));
     if (placing->turn.sine != 0.0 || placing->turn.cosine != 1.0)
         solid.turn = placing->turn;
     return solid;
@@ -175,7 +177,7 @@ struct neph_solid neph_scene_solid_at(const struct neph_scene *scene, int index,
         if (index < mover->first || index >= mover->first + mover->count)
             continue;
         const struct neph_placing placing = placing_at(mover, key_frame);
-        return placed(&placing, scene->solids[index]);
+        return place_solid(&placing, scene->solids[index]);
     }
     return scene->solids[index];
 }
@@ -194,21 +196,21 @@ bool neph_scene_moves(const struct neph_scene *scene)
 }
 
 /* All content of a frame that changes over time; only doubles, so that bytes can be compared. */
-struct moment {
+struct transforms {
     struct neph_camera camera;
     struct neph_vec3 sun_direction, wind_m;
     struct neph_rgb sun_w_per_m2;
     double width_px, height_px; /* of a frame of the largest requested size */
     double is_clear;
 };
-_Static_assert(sizeof(struct moment) == 26 * sizeof(double), "no padding");
+_Static_assert(sizeof(struct transforms) == 26 * sizeof(double), "no padding");
 
-static struct moment moment_at(const struct neph_scene *scene, double frame)
+static struct transforms transforms_at(const struct neph_scene *scene, double frame)
 {
     const struct neph_sun sun = neph_scene_sun(scene, frame);
     int width_px = 16384, height_px = 16384;
     neph_scene_frame_size(scene, frame, &width_px, &height_px);
-    return (struct moment){
+    return (struct transforms){
         .camera = neph_scene_camera(scene, frame),
         .sun_direction = sun.direction,
         .sun_w_per_m2 = sun.irradiance_w_per_m2,
@@ -231,16 +233,16 @@ static bool are_solids_same(const struct neph_scene *scene, double frame_a, doub
     return true;
 }
 
-bool neph_scene_is_same_moment(const struct neph_scene *scene, double frame_a, double frame_b)
+bool neph_scene_are_frames_equal(const struct neph_scene *scene, double frame_a, double frame_b)
 {
-    const struct moment a = moment_at(scene, frame_a), b = moment_at(scene, frame_b);
+    const struct transforms a = transforms_at(scene, frame_a), b = transforms_at(scene, frame_b);
     return memcmp(&a, &b, sizeof(a)) == 0 && are_solids_same(scene, frame_a, frame_b);
 }
 
 bool neph_scene_is_static(const struct neph_scene *scene)
 {
     for (int frame = 1; frame < scene->frame_count; frame++)
-        if (!neph_scene_is_same_moment(scene, 0, frame))
+        if (!neph_scene_are_frames_equal(scene, 0, frame))
             return false;
     return true;
 }
@@ -254,14 +256,14 @@ struct still {
     max_align_t rooms[]; /* for neph_medium_borrow() of each medium, then solids that move */
 };
 
-static size_t units(size_t bytes)
+static size_t count_units(size_t bytes)
 {
     return (bytes + sizeof(max_align_t) - 1) / sizeof(max_align_t);
 }
 
-static size_t units_of(const struct neph_medium *medium)
+static size_t count_medium_units(const struct neph_medium *medium)
 {
-    return units(neph_medium_room(medium));
+    return count_units(neph_medium_storage_bytes(medium));
 }
 
 /* Gives the scene its own copies of the media, which can move. Returns the memory after them. */
@@ -271,7 +273,7 @@ static max_align_t *place_media(struct still *still, struct neph_vec3 by_m)
     for (int i = 0; i < still->scene.medium_count; i++) {
         struct neph_medium *medium = &still->scene.media[i];
         neph_medium_borrow(medium, room);
-        room += units_of(medium);
+        room += count_medium_units(medium);
         neph_medium_drift(medium, by_m);
     }
     return room;
@@ -306,9 +308,9 @@ enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
                                struct neph_scene **still, struct neph_diag *diag)
 {
     const size_t solids = has_own_solids(scene) ? (size_t)scene->solid_count : 0;
-    size_t room = units(solids * sizeof(*scene->solids));
+    size_t room = count_units(solids * sizeof(*scene->solids));
     for (int i = 0; i < scene->medium_count; i++)
-        room += units_of(&scene->media[i]);
+        room += count_medium_units(&scene->media[i]);
     struct still *made = calloc(1, sizeof(*made) + room * sizeof(made->rooms[0]));
     if (!made)
         return neph_fail_memory(diag);
@@ -341,6 +343,6 @@ void neph_scene_shift(struct neph_scene *still, struct neph_vec3 by_m)
         still->lights[i].position_m = neph_vec3_add(still->lights[i].position_m, by_m);
     for (int i = 0; i < still->solid_count; i++) {
         still->solids[i].center_m = neph_vec3_add(still->solids[i].center_m, by_m);
-        still->solids[i].box = neph_bounds_moved(still->solids[i].box, by_m);
+        still->solids[i].box = neph_bounds_translate(still->solids[i].box, by_m);
     }
 }

@@ -45,15 +45,16 @@ struct neph_placing neph_mover_placing(const struct neph_scene *scene,
                                        const struct neph_mover *mover, double frame);
 
 /* The earlier place of a point of a solid, given its present place. */
-struct neph_vec3 neph_placed_before_m(const struct neph_placing *now,
-                                      const struct neph_placing *before, struct neph_vec3 point_m);
+struct neph_vec3 neph_find_earlier_place_m(const struct neph_placing *now,
+                                           const struct neph_placing *before,
+                                           struct neph_vec3 point_m);
 
 /* Whether anything but the camera changes from frame to frame. */
 bool neph_scene_moves(const struct neph_scene *scene);
 
 /* Whether two frames have the same content: camera, sun, wind displacement, presence of the media,
  * solids and size are equal bit by bit. Differences that are too small to see count. */
-bool neph_scene_is_same_moment(const struct neph_scene *scene, double frame_a, double frame_b);
+bool neph_scene_are_frames_equal(const struct neph_scene *scene, double frame_a, double frame_b);
 
 /* Whether all frames of the scene have the same content. */
 bool neph_scene_is_static(const struct neph_scene *scene);

@@ -27,30 +27,31 @@ static const double support_radius = 7.43384437769967690; /* in widths: sqrt(2 l
 
 /* --- density --- */
 
-struct place {
+struct plume_place {
     double along_m;            /* along the axis, from the foot */
     struct neph_vec3 across_m; /* perpendicular to the axis */
 };
 
-static struct place place_of(const struct neph_plume *plume, struct neph_vec3 point_m)
+static struct plume_place find_place(const struct neph_plume *plume, struct neph_vec3 point_m)
 {
     const struct neph_vec3 offset_m = neph_vec3_sub(point_m, plume->foot_m);
     const double along_m = neph_vec3_dot(offset_m, plume->axis);
-    return (struct place){along_m, neph_vec3_along(offset_m, plume->axis, -along_m)};
+    return (struct plume_place){along_m, neph_vec3_along(offset_m, plume->axis, -along_m)};
 }
 
 /* The density is e^-folds. */
-static double folds_at(const struct neph_plume *plume, const struct place *place)
+static double exponent_at(const struct neph_plume *plume, const struct plume_place *plume_place)
 {
-    const double r = neph_vec3_length(place->across_m) / plume->width_m;
-    return place->along_m / plume->scale_height_m + 0.5 * r * r;
+    const double r = neph_vec3_length(plume_place->across_m) / plume->width_m;
+    return plume_place->along_m / plume->scale_height_m + 0.5 * r * r;
 }
 
 static double extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
 {
-    const struct place place = place_of(&medium->plume, point_m);
-    return place.along_m < 0.0 ? 0.0
-                               : medium->extinction_per_m * exp(-folds_at(&medium->plume, &place));
+    const struct plume_place plume_place = find_place(&medium->plume, point_m);
+    return plume_place.along_m < 0.0
+               ? 0.0
+               : medium->extinction_per_m * exp(-exponent_at(&medium->plume, &plume_place));
 }
 
 /* --- along a line --- */
@@ -67,7 +68,7 @@ struct line {
 static bool find_line(const struct neph_plume *plume, struct neph_vec3 origin_m,
                       struct neph_vec3 direction, double t0_m, double t1_m, struct line *line)
 {
-    const struct place start = place_of(plume, origin_m);
+    const struct plume_place start = find_place(plume, origin_m);
     const double slope = neph_vec3_dot(direction, plume->axis);
     const struct neph_vec3 across = neph_vec3_along(direction, plume->axis, -slope);
     const double width2_m2 = plume->width_m * plume->width_m;
@@ -81,9 +82,9 @@ static bool find_line(const struct neph_plume *plume, struct neph_vec3 origin_m,
                                                : INFINITY;
     *line = (struct line){.t0_m = t0_m, .t1_m = t1_m, .bend_per_m2 = bend_per_m2};
     line->densest_m = fmin(t1_m, fmax(t0_m, lowest_m));
-    const struct place densest = place_of(plume,
-                                          neph_vec3_along(origin_m, direction, line->densest_m));
-    line->folds = folds_at(plume, &densest);
+    const struct plume_place densest = find_place(
+        plume, neph_vec3_along(origin_m, direction, line->densest_m));
+    line->folds = exponent_at(plume, &densest);
     line->rise_per_m = slope / plume->scale_height_m +
                        neph_vec3_dot(densest.across_m, across) / width2_m2;
     return isfinite(line->densest_m);
@@ -153,12 +154,12 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
     double lengths_m[2];
     if (find_line(plume, cuts->origin_m, cuts->direction, cuts->t0_m, cuts->t1_m, &line)) {
         find_legs(&line, legs, lengths_m);
-        neph_cut(cuts, line.t0_m);
-        neph_cut(cuts, line.t1_m);
-        neph_cut(cuts, line.densest_m);
+        neph_cuts_add(cuts, line.t0_m);
+        neph_cuts_add(cuts, line.t1_m);
+        neph_cuts_add(cuts, line.densest_m);
         for (double folds = 4.0; folds <= decay_end; folds += 4.0) {
-            neph_cut(cuts, line.densest_m + leg_place_m(&legs[0], folds));
-            neph_cut(cuts, line.densest_m - leg_place_m(&legs[1], folds));
+            neph_cuts_add(cuts, line.densest_m + leg_place_m(&legs[0], folds));
+            neph_cuts_add(cuts, line.densest_m - leg_place_m(&legs[1], folds));
         }
     }
     const struct neph_vec3 normal = neph_vec3_cross(cuts->scene->sun.direction, plume->axis);
@@ -169,7 +170,7 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
     const double middle_m = neph_vec3_dot(to_foot_m, normal) / slope;
     const double width_m = plume->width_m * neph_vec3_length(normal) / fabs(slope);
     for (int k = -10; k <= 10; k += 2)
-        neph_cut(cuts, middle_m + k * width_m);
+        neph_cuts_add(cuts, middle_m + k * width_m);
 }
 
 /* --- boxes --- */
@@ -177,15 +178,16 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 /* A lower bound of folds, which are convex: the tangent plane at any point of the box is a lower
  * bound, and is tighter the nearer the point is to the minimum. Below the foot the formula is
  * negative but the density is 0: hence at least 0. */
-static double least_folds(const struct neph_plume *plume, const struct neph_bounds *box)
+static double find_least_exponent(const struct neph_plume *plume, const struct neph_bounds *box)
 {
     const double *low_m = &box->min_m.x, *high_m = &box->max_m.x, *axis = &plume->axis.x;
     struct neph_vec3 point_m = neph_bounds_nearest(box, plume->foot_m);
     double *point = &point_m.x, bound = 0.0;
     for (int step = 0; step <= 24; step++) {
-        const struct place place = place_of(plume, point_m);
-        const double *across_m = &place.across_m.x, width2_m2 = plume->width_m * plume->width_m;
-        double folds = folds_at(plume, &place);
+        const struct plume_place plume_place = find_place(plume, point_m);
+        const double *across_m = &plume_place.across_m.x,
+                     width2_m2 = plume->width_m * plume->width_m;
+        double folds = exponent_at(plume, &plume_place);
         for (int i = 0; i < 3; i++) {
             const double slope = axis[i] / plume->scale_height_m + across_m[i] / width2_m2;
             folds += slope * ((slope > 0.0 ? low_m[i] : high_m[i]) - point[i]);
@@ -210,9 +212,9 @@ static double bound_per_m(const struct neph_medium *medium, const struct neph_bo
                                         a.z > 0.0 ? box->max_m.z : box->min_m.z};
     if (!isfinite(side_m.x + side_m.y + side_m.z))
         return medium->extinction_per_m;
-    if (place_of(&medium->plume, highest_m).along_m < 0.0)
+    if (find_place(&medium->plume, highest_m).along_m < 0.0)
         return 0.0;
-    return medium->extinction_per_m * exp(-least_folds(&medium->plume, box));
+    return medium->extinction_per_m * exp(-find_least_exponent(&medium->plume, box));
 }
 
 /* The box of the cylinder outside which the density is below the level. */
@@ -250,7 +252,7 @@ static struct neph_bounds container(const struct neph_scene *scene,
 static void drift(struct neph_medium *medium, struct neph_vec3 by_m)
 {
     medium->plume.foot_m = neph_vec3_add(medium->plume.foot_m, by_m);
-    medium->bounds = neph_bounds_moved(medium->bounds, by_m);
+    medium->bounds = neph_bounds_translate(medium->bounds, by_m);
 }
 
 /* --- in a scene file --- */

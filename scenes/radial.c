@@ -7,7 +7,7 @@ struct offset {
     long double x, y, z;
 };
 
-static struct offset between(struct neph_vec3 from_m, struct neph_vec3 to_m)
+static struct offset find_offset(struct neph_vec3 from_m, struct neph_vec3 to_m)
 {
     return (struct offset){(long double)to_m.x - from_m.x, (long double)to_m.y - from_m.y,
                            (long double)to_m.z - from_m.z};
@@ -22,7 +22,7 @@ struct neph_radial_line neph_radial_line(struct neph_vec3 center_m, struct neph_
                                          struct neph_vec3 direction, double t0_m, double t1_m)
 {
     const struct offset d = {direction.x, direction.y, direction.z};
-    const struct offset from_m = between(center_m, origin_m);
+    const struct offset from_m = find_offset(center_m, origin_m);
     const long double norm = length(d);
     const struct offset unit = {d.x / norm, d.y / norm, d.z / norm};
     const long double along_m = from_m.x * unit.x + from_m.y * unit.y + from_m.z * unit.z;
@@ -36,5 +36,5 @@ struct neph_radial_line neph_radial_line(struct neph_vec3 center_m, struct neph_
 
 long double neph_radial_distance_m(struct neph_vec3 center_m, struct neph_vec3 point_m)
 {
-    return length(between(center_m, point_m));
+    return length(find_offset(center_m, point_m));
 }

@@ -19,8 +19,8 @@ enum neph_status neph_read_document(struct neph_document *document, struct neph_
         .document = document, .arena = arena, .diag = &errors->now, .errors = errors};
     enum neph_status status = neph_read_fields(&reader, neph_document_root(document), fields,
                                                target);
-    status = neph_also(&reader, NEPH_OK, status);
-    status = neph_also(&reader, status, check(&reader, status, target));
+    status = neph_keep_error(&reader, NEPH_OK, status);
+    status = neph_keep_error(&reader, status, check(&reader, status, target));
     if (status)
         status = neph_errors_report(errors, diag);
     free(errors);

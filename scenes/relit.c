@@ -66,7 +66,7 @@ static enum neph_status check(const struct neph_scene *scene, const struct neph_
 /* --- the light -------------------------------------------------------------------------------- */
 
 /* The horizontal direction of the view; for a vertical view the direction of the image's top. */
-static struct neph_vec3 ahead_of(const struct neph_scene *scene)
+static struct neph_vec3 find_view_direction(const struct neph_scene *scene)
 {
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     struct neph_vec3 ahead = {camera.forward.x, 0.0, camera.forward.z};
@@ -77,28 +77,28 @@ static struct neph_vec3 ahead_of(const struct neph_scene *scene)
     return neph_vec3_normalize(ahead);
 }
 
-static struct neph_vec3 right_of(struct neph_vec3 ahead)
+static struct neph_vec3 find_right_direction(struct neph_vec3 ahead)
 {
     return neph_vec3_cross(ahead, (struct neph_vec3){0.0, 1.0, 0.0});
 }
 
-static double elevation_rad_of(struct neph_vec3 sun)
+static double find_elevation_rad(struct neph_vec3 sun)
 {
     return asin(fmin(fmax(sun.y, -1.0), 1.0));
 }
 
-static double azimuth_rad_of(const struct neph_scene *scene, struct neph_vec3 sun)
+static double find_azimuth_rad(const struct neph_scene *scene, struct neph_vec3 sun)
 {
-    const struct neph_vec3 ahead = ahead_of(scene);
-    return atan2(neph_vec3_dot(sun, right_of(ahead)), neph_vec3_dot(sun, ahead));
+    const struct neph_vec3 ahead = find_view_direction(scene);
+    return atan2(neph_vec3_dot(sun, find_right_direction(ahead)), neph_vec3_dot(sun, ahead));
 }
 
-struct neph_relight neph_relight_of(const struct neph_scene *scene)
+struct neph_relight neph_relight_from_scene(const struct neph_scene *scene)
 {
     struct neph_relight light = {NAN, NAN, NAN, NAN, NAN, 0.0};
     if (scene->sun.present) {
-        light.sun_elevation_rad = elevation_rad_of(scene->sun.direction);
-        light.sun_azimuth_rad = azimuth_rad_of(scene, scene->sun.direction);
+        light.sun_elevation_rad = find_elevation_rad(scene->sun.direction);
+        light.sun_azimuth_rad = find_azimuth_rad(scene, scene->sun.direction);
     }
     if (scene->medium_count > 0) {
         const struct neph_medium *medium = &scene->media[0];
@@ -112,14 +112,14 @@ struct neph_relight neph_relight_of(const struct neph_scene *scene)
 static struct neph_vec3 sun_direction(const struct neph_scene *scene,
                                       const struct neph_relight *light)
 {
-    const struct neph_vec3 up = {0.0, 1.0, 0.0}, ahead = ahead_of(scene);
+    const struct neph_vec3 up = {0.0, 1.0, 0.0}, ahead = find_view_direction(scene);
     const struct neph_vec3 old = scene->sun.direction;
-    const double elevation_rad = isnan(light->sun_elevation_rad) ? elevation_rad_of(old)
+    const double elevation_rad = isnan(light->sun_elevation_rad) ? find_elevation_rad(old)
                                                                  : light->sun_elevation_rad;
-    const double azimuth_rad = isnan(light->sun_azimuth_rad) ? azimuth_rad_of(scene, old)
+    const double azimuth_rad = isnan(light->sun_azimuth_rad) ? find_azimuth_rad(scene, old)
                                                              : light->sun_azimuth_rad;
     const struct neph_vec3 across = neph_vec3_along(neph_vec3_scale(ahead, cos(azimuth_rad)),
-                                                    right_of(ahead), sin(azimuth_rad));
+                                                    find_right_direction(ahead), sin(azimuth_rad));
     return neph_vec3_along(neph_vec3_scale(across, cos(elevation_rad)), up, sin(elevation_rad));
 }
 
@@ -144,7 +144,7 @@ static void change_medium(struct neph_medium *medium, const struct neph_relight 
         medium->extinction_color = neph_rgb_scale(medium->extinction_color, light->density);
 }
 
-static void hold_still(struct neph_scene *scene)
+static void remove_motion(struct neph_scene *scene)
 {
     scene->frame_count = 1;
     scene->pause_count = scene->frame_scale_count = 0;
@@ -154,13 +154,13 @@ static void hold_still(struct neph_scene *scene)
 }
 
 /* Lets the sun sink to its present place, along the circle through the zenith. */
-static void let_sink(struct made *made, const struct neph_relight *light)
+static void move_sun(struct made *made, const struct neph_relight *light)
 {
     struct neph_scene *scene = &made->scene;
-    const double elevation_rad = elevation_rad_of(scene->sun.direction);
+    const double elevation_rad = find_elevation_rad(scene->sun.direction);
     const struct neph_relight before = {
         .sun_elevation_rad = elevation_rad + light->sun_sinks_rad,
-        .sun_azimuth_rad = azimuth_rad_of(scene, scene->sun.direction),
+        .sun_azimuth_rad = find_azimuth_rad(scene, scene->sun.direction),
     };
     for (int i = 0; i < 2; i++)
         made->sun_keys[i] = (struct neph_sun_key){.frame = i * (NEPH_RELIT_FRAMES - 1),
@@ -194,10 +194,10 @@ enum neph_status neph_scene_relit(const struct neph_scene *scene, const struct n
         created->solids[i].albedo = black;
         created->solids[i].surface = (struct neph_surface){0};
     }
-    hold_still(&created->scene);
+    remove_motion(&created->scene);
     light_scene(&created->scene, light);
     if (light->sun_sinks_rad > 0.0)
-        let_sink(created, light);
+        move_sun(created, light);
     for (int m = 0; m < scene->medium_count; m++)
         change_medium(&created->scene.media[m], light);
     status = neph_scene_hash(&created->scene, diag);

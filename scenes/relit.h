@@ -37,6 +37,6 @@ enum neph_status neph_scene_relit(const struct neph_scene *scene, const struct n
 
 /* The present values of a scene, with its first medium: NaN where it has no sun or medium. The
  * density is that in extinction_color. */
-struct neph_relight neph_relight_of(const struct neph_scene *scene);
+struct neph_relight neph_relight_from_scene(const struct neph_scene *scene);
 
 #endif

@@ -335,7 +335,7 @@ void neph_scene_print_keys(FILE *file);
 /* The name that the scene in this file must have: "folder/name.yaml" -> "name". The name of a .vdb
  * is in lower case, with _ in place of other characters: "Cloud-1.vdb" -> "cloud_1". The caller
  * frees it; NULL when memory is short. */
-char *neph_scene_name_of(const char *path);
+char *neph_scene_name_from_path(const char *path);
 
 /* Computes scene->hash from everything that changes a rendered value. Loading does it; a scene that
  * was built in memory needs it before it is rendered through the store. */

@@ -60,7 +60,7 @@ static void put_row(const struct neph_field *row, const struct neph_scene *scene
     neph_fields_hash(only, scene, text);
 }
 
-static const struct neph_field *row_of(const char *key)
+static const struct neph_field *find_row(const char *key)
 {
     const struct neph_field *row = neph_scene_fields;
     while (strcmp(row->key, key))
@@ -83,7 +83,7 @@ static void put_scene(const struct neph_scene *scene, FILE *text)
         if (parts[i].put)
             parts[i].put(scene, text);
         else
-            put_row(row_of(parts[i].key), scene, text);
+            put_row(find_row(parts[i].key), scene, text);
     for (const struct neph_field *row = neph_scene_fields; row->key; row++)
         if (!is_part(row))
             put_row(row, scene, text);

@@ -187,8 +187,8 @@ static void cut_leg(struct neph_cuts *cuts, const struct neph_shell *shell, doub
     if (low_m < shell->radius_m)
         x0_m = fmax(x0_m, sqrt((shell->radius_m - low_m) * (shell->radius_m + low_m)));
     for (int k = 0; k <= FOLD_CUTS; k++)
-        neph_cut(cuts,
-                 middle_m + side * x_at_climb_m(low_m, x0_m, k * FOLDS * shell->scale_height_m));
+        neph_cuts_add(
+            cuts, middle_m + side * x_at_climb_m(low_m, x0_m, k * FOLDS * shell->scale_height_m));
 }
 
 /* Splits on the ray, and where its sun rays are tangent to a sphere of some height: the edges of
@@ -211,8 +211,8 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
         double low_t_m, high_t_m;
         if (neph_solid_shadow(&ball, cuts->scene->sun.direction, cuts->origin_m, cuts->direction,
                               cuts->t0_m, cuts->t1_m, &low_t_m, &high_t_m)) {
-            neph_cut(cuts, low_t_m);
-            neph_cut(cuts, high_t_m);
+            neph_cuts_add(cuts, low_t_m);
+            neph_cuts_add(cuts, high_t_m);
         }
     }
 }

@@ -36,7 +36,7 @@ static struct neph_vec3 direction(double elevation_rad, double azimuth_rad)
                               -cos(elevation_rad) * cos(azimuth_rad)};
 }
 
-static void look(struct made *made, const struct neph_skyward *view)
+static void set_camera(struct made *made, const struct neph_skyward *view)
 {
     const struct neph_solid *ground = &made->scene.solids[0];
     struct neph_vec3 *eye_m = &made->key.position_m;
@@ -67,7 +67,7 @@ enum neph_status neph_scene_skyward(const struct neph_scene *scene, const struct
     created->scene.advance_count = created->scene.clear_count = 0;
     created->scene.sun_key_count = created->scene.wind_key_count = 0;
     created->scene.sun.direction = direction(view->sun_elevation_rad, 0.0);
-    look(created, view);
+    set_camera(created, view);
     status = neph_scene_hash(&created->scene, diag);
     if (status)
         neph_scene_destroy(&created->scene);

@@ -16,7 +16,7 @@ _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
 /* --- rotated boxes --------------------------------------------------------------------------- */
 
-struct neph_vec3 neph_turned(const struct neph_turn *turn, struct neph_vec3 v)
+struct neph_vec3 neph_rotate(const struct neph_turn *turn, struct neph_vec3 v)
 {
     const double c = turn->cosine, s = turn->sine;
     switch (turn->axis) {
@@ -29,33 +29,33 @@ struct neph_vec3 neph_turned(const struct neph_turn *turn, struct neph_vec3 v)
     }
 }
 
-struct neph_vec3 neph_turned_back(const struct neph_turn *turn, struct neph_vec3 vector)
+struct neph_vec3 neph_rotate_back(const struct neph_turn *turn, struct neph_vec3 vector)
 {
     const struct neph_turn back = {turn->axis, turn->cosine, -turn->sine};
-    return neph_turned(&back, vector);
+    return neph_rotate(&back, vector);
 }
 
-static struct neph_vec3 middle_of(const struct neph_bounds *box)
+static struct neph_vec3 find_middle(const struct neph_bounds *box)
 {
     return neph_vec3_scale(neph_vec3_add(box->min_m, box->max_m), 0.5);
 }
 
 struct neph_vec3 neph_box_direction(const struct neph_solid *box, struct neph_vec3 direction)
 {
-    return neph_is_turned(&box->turn) ? neph_turned_back(&box->turn, direction) : direction;
+    return neph_is_turned(&box->turn) ? neph_rotate_back(&box->turn, direction) : direction;
 }
 
 struct neph_vec3 neph_box_place_m(const struct neph_solid *box, struct neph_vec3 point_m)
 {
-    return neph_box_direction(box, neph_vec3_sub(point_m, middle_of(&box->box)));
+    return neph_box_direction(box, neph_vec3_sub(point_m, find_middle(&box->box)));
 }
 
 /* A point in the coordinates of the unrotated box. */
-static struct neph_vec3 own_point(const struct neph_solid *solid, struct neph_vec3 point_m)
+static struct neph_vec3 to_box_axes(const struct neph_solid *solid, struct neph_vec3 point_m)
 {
     if (!neph_is_turned(&solid->turn))
         return point_m;
-    return neph_vec3_add(middle_of(&solid->box), neph_box_place_m(solid, point_m));
+    return neph_vec3_add(find_middle(&solid->box), neph_box_place_m(solid, point_m));
 }
 
 /* Half the sides of the axis-aligned box around a rotated box. */
@@ -66,7 +66,7 @@ static struct neph_vec3 half_around(const struct neph_solid *solid)
     const struct neph_turn turn = {solid->turn.axis, fabs(solid->turn.cosine),
                                    fabs(solid->turn.sine)};
     const struct neph_turn back = {turn.axis, turn.cosine, -turn.sine};
-    const struct neph_vec3 a = neph_turned(&turn, half_m), b = neph_turned(&back, half_m);
+    const struct neph_vec3 a = neph_rotate(&turn, half_m), b = neph_rotate(&back, half_m);
     return (struct neph_vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
 }
 
@@ -76,7 +76,7 @@ struct neph_bounds neph_solid_bounds(const struct neph_solid *solid)
         return neph_bounds_around(solid->center_m, solid->radius_m);
     if (!neph_is_turned(&solid->turn))
         return solid->box;
-    const struct neph_vec3 middle_m = middle_of(&solid->box), half_m = half_around(solid);
+    const struct neph_vec3 middle_m = find_middle(&solid->box), half_m = half_around(solid);
     return (struct neph_bounds){neph_vec3_sub(middle_m, half_m), neph_vec3_add(middle_m, half_m)};
 }
 
@@ -86,7 +86,7 @@ bool neph_solid_contains(const struct neph_solid *solid, struct neph_vec3 point_
 {
     if (solid->kind == NEPH_SOLID_SPHERE)
         return neph_vec3_length(neph_vec3_sub(point_m, solid->center_m)) <= solid->radius_m;
-    return neph_bounds_contain(&solid->box, own_point(solid, point_m));
+    return neph_bounds_contain(&solid->box, to_box_axes(solid, point_m));
 }
 
 /* A shadow ray starts on a surface: nearer hits are that surface. Points of a sphere are rounded to
@@ -124,7 +124,7 @@ static bool solid_interval(const struct neph_solid *solid, struct neph_vec3 orig
         return sphere_interval(solid, origin_m, direction, t0_m, t1_m);
     *t0_m = -INFINITY;
     *t1_m = INFINITY;
-    return neph_bounds_clip(&solid->box, own_point(solid, origin_m),
+    return neph_bounds_clip(&solid->box, to_box_axes(solid, origin_m),
                             neph_box_direction(solid, direction), t0_m, t1_m);
 }
 
@@ -147,8 +147,8 @@ static struct neph_vec3 solid_normal(const struct neph_solid *solid, struct neph
 {
     if (solid->kind == NEPH_SOLID_SPHERE)
         return neph_vec3_normalize(neph_vec3_sub(point_m, solid->center_m));
-    const struct neph_vec3 normal = box_normal(&solid->box, own_point(solid, point_m));
-    return neph_is_turned(&solid->turn) ? neph_turned(&solid->turn, normal) : normal;
+    const struct neph_vec3 normal = box_normal(&solid->box, to_box_axes(solid, point_m));
+    return neph_is_turned(&solid->turn) ? neph_rotate(&solid->turn, normal) : normal;
 }
 
 struct neph_hit neph_scene_hit(const struct neph_scene *scene, struct neph_vec3 origin_m,
@@ -178,7 +178,7 @@ struct neph_vec3 neph_hit_outside_m(const struct neph_hit *hit, struct neph_vec3
     return neph_vec3_along(point_m, hit->normal, 1e-12 * scale_m);
 }
 
-bool neph_scene_sees_sun(const struct neph_scene *scene, struct neph_vec3 point_m)
+bool neph_scene_is_sun_visible(const struct neph_scene *scene, struct neph_vec3 point_m)
 {
     for (int i = 0; i < scene->solid_count; i++) {
         double t0_m, t1_m;
@@ -189,12 +189,12 @@ bool neph_scene_sees_sun(const struct neph_scene *scene, struct neph_vec3 point_
     return true;
 }
 
-bool neph_scene_sees(const struct neph_scene *scene, struct neph_vec3 point_m,
-                     struct neph_vec3 other_m)
+bool neph_scene_is_visible(const struct neph_scene *scene, struct neph_vec3 point_m,
+                           struct neph_vec3 other_m)
 {
-    const struct neph_vec3 way_m = neph_vec3_sub(other_m, point_m);
-    const double distance_m = neph_vec3_length(way_m);
-    const struct neph_vec3 direction = neph_vec3_scale(way_m, 1.0 / distance_m);
+    const struct neph_vec3 toward_m = neph_vec3_sub(other_m, point_m);
+    const double distance_m = neph_vec3_length(toward_m);
+    const struct neph_vec3 direction = neph_vec3_scale(toward_m, 1.0 / distance_m);
     if (distance_m == 0.0)
         return true;
     for (int i = 0; i < scene->solid_count; i++) {
@@ -317,7 +317,7 @@ bool neph_solid_shadow(const struct neph_solid *solid, struct neph_vec3 sun_dire
     const bool hidden = solid->kind == NEPH_SOLID_SPHERE
                             ? sphere_shadow(solid, sun_direction, origin_m, direction, &u0, &u1)
                             : box_shadow(&solid->box, neph_box_direction(solid, sun_direction),
-                                         own_point(solid, origin_m),
+                                         to_box_axes(solid, origin_m),
                                          neph_box_direction(solid, direction), &u0, &u1);
     if (!hidden)
         return false;
@@ -366,11 +366,11 @@ static bool box_point_shadow(const struct neph_bounds *box, struct neph_vec3 lig
 static bool sphere_hides(const struct neph_solid *sphere, struct neph_vec3 light_m,
                          struct neph_vec3 point_m)
 {
-    const struct neph_vec3 way_m = neph_vec3_sub(light_m, point_m);
-    const double distance_m = neph_vec3_length(way_m);
+    const struct neph_vec3 toward_m = neph_vec3_sub(light_m, point_m);
+    const double distance_m = neph_vec3_length(toward_m);
     double t0_m, t1_m;
     return distance_m > 0.0 &&
-           sphere_interval(sphere, point_m, neph_vec3_scale(way_m, 1.0 / distance_m), &t0_m,
+           sphere_interval(sphere, point_m, neph_vec3_scale(toward_m, 1.0 / distance_m), &t0_m,
                            &t1_m) &&
            t1_m > 0.0 && t0_m < distance_m;
 }
@@ -428,8 +428,8 @@ bool neph_solid_point_shadow(const struct neph_solid *solid, struct neph_vec3 li
     double u0 = t0_m, u1 = t1_m;
     const bool hidden = solid->kind == NEPH_SOLID_SPHERE
                             ? sphere_point_shadow(solid, light_m, origin_m, direction, &u0, &u1)
-                            : box_point_shadow(&solid->box, own_point(solid, light_m),
-                                               own_point(solid, origin_m),
+                            : box_point_shadow(&solid->box, to_box_axes(solid, light_m),
+                                               to_box_axes(solid, origin_m),
                                                neph_box_direction(solid, direction), &u0, &u1);
     if (!hidden)
         return false;

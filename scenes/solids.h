@@ -32,8 +32,8 @@ struct neph_vec3 neph_box_place_m(const struct neph_solid *box, struct neph_vec3
 struct neph_vec3 neph_box_direction(const struct neph_solid *box, struct neph_vec3 direction);
 
 /* Rotates a vector, and rotates it back. */
-struct neph_vec3 neph_turned(const struct neph_turn *turn, struct neph_vec3 vector);
-struct neph_vec3 neph_turned_back(const struct neph_turn *turn, struct neph_vec3 vector);
+struct neph_vec3 neph_rotate(const struct neph_turn *turn, struct neph_vec3 vector);
+struct neph_vec3 neph_rotate_back(const struct neph_turn *turn, struct neph_vec3 vector);
 
 /* Whether there is a rotation. */
 static inline bool neph_is_turned(const struct neph_turn *turn)
@@ -42,11 +42,11 @@ static inline bool neph_is_turned(const struct neph_turn *turn)
 }
 
 /* True when no solid is between the point and the sun. */
-bool neph_scene_sees_sun(const struct neph_scene *scene, struct neph_vec3 point_m);
+bool neph_scene_is_sun_visible(const struct neph_scene *scene, struct neph_vec3 point_m);
 
 /* True when no solid is between the point and another point, which is outside all solids. */
-bool neph_scene_sees(const struct neph_scene *scene, struct neph_vec3 point_m,
-                     struct neph_vec3 other_m);
+bool neph_scene_is_visible(const struct neph_scene *scene, struct neph_vec3 point_m,
+                           struct neph_vec3 other_m);
 
 /* neph_solid_shadow() for a point light. */
 bool neph_solid_point_shadow(const struct neph_solid *solid, struct neph_vec3 light_m,

@@ -37,7 +37,7 @@ static struct neph_rgb incident_light(const struct neph_scene *scene)
 }
 
 /* Sets channels without extinction, which have no collisions, to 0. */
-static struct neph_rgb in_channels(struct neph_rgb color, struct neph_rgb light)
+static struct neph_rgb clear_unused_channels(struct neph_rgb color, struct neph_rgb light)
 {
     return (struct neph_rgb){color.r > 0.0 ? light.r : 0.0, color.g > 0.0 ? light.g : 0.0,
                              color.b > 0.0 ? light.b : 0.0};
@@ -49,13 +49,14 @@ struct neph_source neph_medium_source(const struct neph_scene *scene,
     struct neph_source source = {{0, 0, 0}, neph_medium_glow(medium)};
     if (scene->scattering == NEPH_SCATTERING_NONE)
         return source;
-    const struct neph_rgb scattered = in_channels(medium->extinction_color, medium->albedo);
+    const struct neph_rgb scattered = clear_unused_channels(medium->extinction_color,
+                                                            medium->albedo);
     source.ambient = neph_rgb_add(source.ambient, neph_rgb_mul(scattered, incident_light(scene)));
     source.sun = neph_rgb_mul(scattered, sunlight(scene));
     return source;
 }
 
-static double channel_of(struct neph_rgb rgb, int channel)
+static double get_channel(struct neph_rgb rgb, int channel)
 {
     return channel == 0 ? rgb.r : channel == 1 ? rgb.g : rgb.b;
 }
@@ -69,10 +70,10 @@ bool neph_scene_sources_differ(const struct neph_scene *scene)
         const struct neph_source source = neph_medium_source(scene, medium);
         const struct neph_rgb all = neph_rgb_add(source.sun, source.ambient);
         for (int j = 0; j < 3; j++) {
-            if (!(channel_of(medium->extinction_color, j) > 0.0))
+            if (!(get_channel(medium->extinction_color, j) > 0.0))
                 continue;
-            least[j] = fmin(least[j], channel_of(all, j));
-            most[j] = fmax(most[j], channel_of(all, j));
+            least[j] = fmin(least[j], get_channel(all, j));
+            most[j] = fmax(most[j], get_channel(all, j));
         }
     }
     return most[0] > differs_by * least[0] || most[1] > differs_by * least[1] ||

@@ -6,7 +6,7 @@
 
 enum { WORD_MAX = 40 };
 
-static int minimum_of(int a, int b)
+static int minimum(int a, int b)
 {
     return a < b ? a : b;
 }
@@ -26,9 +26,9 @@ static int edit_distance(const char *a, const char *b)
                 continue;
             }
             const int replace = table[i - 1][j - 1] + (a[i - 1] != b[j - 1]);
-            int best = minimum_of(replace, 1 + minimum_of(table[i - 1][j], table[i][j - 1]));
+            int best = minimum(replace, 1 + minimum(table[i - 1][j], table[i][j - 1]));
             if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-                best = minimum_of(best, table[i - 2][j - 2] + 1);
+                best = minimum(best, table[i - 2][j - 2] + 1);
             table[i][j] = best;
         }
     }
@@ -42,7 +42,7 @@ static int distance(const char *word, const char *known)
     return size >= 3 && !strncasecmp(word, known, size) ? 0 : edit_distance(word, known);
 }
 
-struct neph_spelling neph_spelling_of(const char *word)
+struct neph_spelling neph_spelling_init(const char *word)
 {
     return (struct neph_spelling){word, NULL, WORD_MAX};
 }

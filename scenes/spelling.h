@@ -11,7 +11,7 @@ struct neph_spelling {
     int distance;        /* of the nearest */
 };
 
-struct neph_spelling neph_spelling_of(const char *word);
+struct neph_spelling neph_spelling_init(const char *word);
 
 /* Keeps the known word if it is nearer than those before. */
 void neph_spelling_offer(struct neph_spelling *spelling, const char *known);

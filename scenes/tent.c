@@ -103,15 +103,15 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
     const struct side side = {tent, line.impact_m};
     for (int k = -1; k <= 1; k++) {
         const long double radius_m = peak_m(tent) + k * tent->half_width_m;
-        neph_cut(cuts, (double)(-line.s0_m - place_m(&side, radius_m)));
-        neph_cut(cuts, (double)(-line.s0_m + place_m(&side, radius_m)));
+        neph_cuts_add(cuts, (double)(-line.s0_m - place_m(&side, radius_m)));
+        neph_cuts_add(cuts, (double)(-line.s0_m + place_m(&side, radius_m)));
         const struct neph_solid ball = {
             .kind = NEPH_SOLID_SPHERE, .center_m = tent->center_m, .radius_m = (double)radius_m};
         double low_t_m, high_t_m;
         if (neph_solid_shadow(&ball, cuts->scene->sun.direction, cuts->origin_m, cuts->direction,
                               cuts->t0_m, cuts->t1_m, &low_t_m, &high_t_m)) {
-            neph_cut(cuts, low_t_m);
-            neph_cut(cuts, high_t_m);
+            neph_cuts_add(cuts, low_t_m);
+            neph_cuts_add(cuts, high_t_m);
         }
     }
 }

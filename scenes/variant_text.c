@@ -39,7 +39,7 @@ struct file {
 /* --- places in the file ----------------------------------------------------------------------- */
 
 /* libyaml counts characters, without a byte order mark. */
-static size_t byte_of(const struct file *file, size_t character)
+static size_t find_byte(const struct file *file, size_t character)
 {
     size_t byte = strncmp(file->text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     for (; byte < file->size && (character > 0 || ((unsigned char)file->text[byte] & 0xc0) == 0x80);
@@ -56,8 +56,8 @@ static bool is_block(const yaml_node_t *node)
 /* A mapping in block style ends where the next key begins: that key keeps its indentation. */
 static void replace_node(struct file *file, const yaml_node_t *node, const char *text)
 {
-    const size_t from = byte_of(file, node->start_mark.index);
-    size_t to = byte_of(file, node->end_mark.index);
+    const size_t from = find_byte(file, node->start_mark.index);
+    size_t to = find_byte(file, node->end_mark.index);
     while (is_block(node) && file->text[to - 1] == ' ')
         to--;
     text = neph_arena_format(&file->arena, is_block(node) ? "%s\n" : "%s", text);
@@ -75,7 +75,7 @@ static void replace_key(struct file *file, const char *key, const char *text)
     }
     const yaml_node_t *first = yaml_document_get_node(&file->document.yaml,
                                                       root->data.mapping.pairs.start->key);
-    const size_t place = byte_of(file, first->start_mark.index);
+    const size_t place = find_byte(file, first->start_mark.index);
     const int column = (int)first->start_mark.column;
     const char *pair = is_block(root)
                            ? neph_arena_format(&file->arena, "%s: %s\n%*s", key, text, column, "")
@@ -87,7 +87,7 @@ static void replace_key(struct file *file, const char *key, const char *text)
 
 static const char *quoted(struct neph_arena *arena, const char *text)
 {
-    char *made = neph_arena_zeroed(arena, 2 * strlen(text) + 3, 1), *to = made;
+    char *made = neph_arena_allocate(arena, 2 * strlen(text) + 3, 1), *to = made;
     if (!made)
         return "";
     *to++ = '\'';
@@ -106,14 +106,14 @@ static void put_vec3(FILE *out, const char *key, double x, double y, double z)
 }
 
 /* Copies a key with its value from the file, so that it is read as the same number. */
-static bool put_as_it_was(FILE *out, struct file *file, const char *path, const char *before)
+static bool copy_from_file(FILE *out, struct file *file, const char *path, const char *before)
 {
     const char *dot = strrchr(path, '.'), *key = dot + 1;
     const yaml_node_t *node = neph_document_find(&file->document, path);
     if (node->type == YAML_MAPPING_NODE)
         return false; /* the file has only a part of the path */
-    const size_t from = byte_of(file, node->start_mark.index);
-    const size_t to = byte_of(file, node->end_mark.index);
+    const size_t from = find_byte(file, node->start_mark.index);
+    const size_t to = find_byte(file, node->end_mark.index);
     fprintf(out, "%s%s: %.*s", before, key, (int)(to - from), file->text + from);
     return true;
 }
@@ -124,7 +124,7 @@ static void put_sun(FILE *out, struct file *file, const struct neph_scene *made)
     for (int i = 0; i < made->sun_key_count; i++) {
         const struct neph_sun_key *key = &made->sun_keys[i];
         fprintf(out, "%s\n    {frame: %g, ", i ? "," : "", key->frame);
-        if (!put_as_it_was(out, file, "sun.direction", ""))
+        if (!copy_from_file(out, file, "sun.direction", ""))
             put_vec3(out, "direction", key->direction.x, key->direction.y, key->direction.z);
         put_vec3(out, ", irradiance_w_per_m2", key->irradiance_w_per_m2.r,
                  key->irradiance_w_per_m2.g, key->irradiance_w_per_m2.b);
@@ -134,7 +134,7 @@ static void put_sun(FILE *out, struct file *file, const struct neph_scene *made)
 }
 
 /* Whether a key is replaced by camera keys. */
-static bool is_placing(const char *key)
+static bool is_camera_place_key(const char *key)
 {
     return !strcmp(key, "position_m") || !strcmp(key, "look_at_m") || !strcmp(key, "keys");
 }
@@ -147,7 +147,8 @@ static void put_camera(FILE *out, struct file *file, const struct neph_scene *ma
     for (; pair < camera->data.mapping.pairs.top; pair++) {
         const char *key = neph_document_text(
             yaml_document_get_node(&file->document.yaml, pair->key));
-        if (!is_placing(key) && put_as_it_was(out, file, neph_at("camera.%s", key).text, ""))
+        if (!is_camera_place_key(key) &&
+            copy_from_file(out, file, neph_format_path("camera.%s", key).text, ""))
             fprintf(out, ", ");
     }
     fprintf(out, "keys: [");
@@ -259,7 +260,7 @@ static enum neph_status make_splices(struct file *file, const struct neph_scene 
     return status ? status : neph_arena_check(&file->arena, diag);
 }
 
-static int by_place(const void *a_, const void *b_)
+static int compare_places(const void *a_, const void *b_)
 {
     const struct splice *a = a_, *b = b_;
     return (a->from > b->from) - (a->from < b->from);
@@ -272,7 +273,7 @@ static enum neph_status join(struct file *file, char **text, struct neph_diag *d
     FILE *out = open_memstream(&joined, &size);
     if (!out)
         return neph_fail_memory(diag);
-    qsort(file->splices, (size_t)file->splice_count, sizeof(file->splices[0]), by_place);
+    qsort(file->splices, (size_t)file->splice_count, sizeof(file->splices[0]), compare_places);
     for (int i = 0; i < file->splice_count; i++) {
         fwrite(file->text + place, 1, file->splices[i].from - place, out);
         fputs(file->splices[i].text, out);

@@ -85,7 +85,7 @@ static void decode(const unsigned char *bytes, int count, int width_bytes, float
     }
 }
 
-static struct neph_block block_of(const struct neph_volume_box *box)
+static struct neph_block find_block(const struct neph_volume_box *box)
 {
     const int *first = box->first, *last = box->last;
     return (struct neph_block){
@@ -95,7 +95,7 @@ static struct neph_block block_of(const struct neph_volume_box *box)
 }
 
 /* Copies the rows of one slice that are in the box. */
-static void take_slice(const unsigned char *bytes, const struct header *header,
+static void copy_slice(const unsigned char *bytes, const struct header *header,
                        const struct neph_volume_box *box, int k,
                        const struct neph_turned_block *turned, float *values)
 {
@@ -124,7 +124,7 @@ static enum neph_status read_slices(FILE *file, const struct header *header,
             status = neph_fail(diag, NEPH_ERR_IO, "%s",
                                ferror(file) ? strerror(errno) : "it became shorter meanwhile");
         else if (k >= box->first[2])
-            take_slice(bytes, header, box, k, turned, values);
+            copy_slice(bytes, header, box, k, turned, values);
     }
     free(bytes);
     return status;
@@ -142,7 +142,7 @@ enum neph_status neph_volume_read_df3(const struct neph_volume_request *request,
     if (!status)
         status = find_box(request, &header, &box, diag);
     if (!status) {
-        const struct neph_block block = block_of(&box);
+        const struct neph_block block = find_block(&box);
         status = neph_volume_create_grid(request, &neph_axis_turn_none, &block, &turned, &made,
                                          diag);
     }

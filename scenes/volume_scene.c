@@ -74,7 +74,7 @@ static enum neph_status check_grid(const char *path, const struct neph_grid *gri
 
 /* Distance from the centre of a box to a camera that looks back at it and sees its eight corners in
  * a square frame, with a margin of a tenth. */
-static double distance_of(struct neph_vec3 size_m, struct neph_vec3 backward)
+static double find_camera_distance(struct neph_vec3 size_m, struct neph_vec3 backward)
 {
     const double slope = tan(0.5 * FOV_DEG * NEPH_RAD_PER_DEG);
     const struct neph_vec3 right = neph_vec3_normalize(
@@ -99,7 +99,7 @@ static char *format(const char *name, const char *written, const struct neph_gri
     const struct neph_vec3 middle_m = neph_vec3_scale(neph_vec3_add(box.min_m, box.max_m), 0.5);
     const struct neph_vec3 backward = neph_vec3_normalize((struct neph_vec3){-0.35, 0.12, 1.0});
     const struct neph_vec3 eye_m = neph_vec3_along(middle_m, backward,
-                                                   distance_of(size_m, backward));
+                                                   find_camera_distance(size_m, backward));
     const double extinction_per_m = OPTICAL_DEPTH / largest_column_m(grid);
     return neph_format(
         "# A scene around the medium of a .vdb file: neph scenes --new vdb.\n"
@@ -151,7 +151,7 @@ enum neph_status neph_volume_scene_text(const char *path, const char *written, c
         status = neph_volume_read(&request, &grid, diag);
     if (!status)
         status = check_grid(path, grid, diag);
-    char *name = neph_scene_name_of(path);
+    char *name = neph_scene_name_from_path(path);
     char *made = status || !name ? NULL : format(name, written, grid);
     free(name);
     neph_grid_destroy(grid);

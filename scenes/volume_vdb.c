@@ -184,7 +184,7 @@ static void format_box(const struct neph_volume_box *box, char text[BOX_BYTES])
         snprintf(text, BOX_BYTES, "all");
 }
 
-static const char *use_of(const struct neph_volume_request *request)
+static const char *get_use(const struct neph_volume_request *request)
 {
     return request->counts_zeros ? "active" : request->is_fitted ? "fit" : "file";
 }
@@ -199,8 +199,8 @@ static enum neph_status run_reader(const struct neph_volume_request *request, si
     snprintf(side_max, sizeof(side_max), "%d", NEPH_GRID_SIDE_MAX);
     format_box(request->index_box, index_box);
     const char *argv[ARGUMENTS_MAX] = {
-        NULL,      "read",   voxels->path,    request->path, memory_limit,
-        cpu_limit, side_max, use_of(request), index_box,     request->grid_name};
+        NULL,      "read",   voxels->path,     request->path, memory_limit,
+        cpu_limit, side_max, get_use(request), index_box,     request->grid_name};
     return run_program(argv, wall_per_cpu * (double)cpu_s, diag);
 }
 
@@ -210,7 +210,7 @@ struct voxels {
     size_t size, used;
 };
 
-static bool take(struct voxels *voxels, void *to, size_t size)
+static bool read_bytes(struct voxels *voxels, void *to, size_t size)
 {
     if (size > voxels->size - voxels->used)
         return false;
@@ -262,46 +262,46 @@ static bool is_inside(const int64_t size[3], const struct neph_vdb_block *block)
     return true;
 }
 
-static bool take_row(struct voxels *voxels, const struct neph_vdb_block *block, float *to,
-                     ptrdiff_t step)
+static bool read_vdb_row(struct voxels *voxels, const struct neph_vdb_block *block, float *to,
+                         ptrdiff_t step)
 {
     const int count = block->last[0] - block->first[0] + 1;
     for (int i = 0; i < count; i++) {
         to[i * step] = block->value;
-        if (!block->is_uniform && !take(voxels, &to[i * step], sizeof(*to)))
+        if (!block->is_uniform && !read_bytes(voxels, &to[i * step], sizeof(*to)))
             return false;
     }
     return true;
 }
 
-static bool take_block(struct voxels *voxels, const int64_t size[3],
+static bool read_block(struct voxels *voxels, const int64_t size[3],
                        const struct neph_turned_block *turned, float *values)
 {
     struct neph_vdb_block block;
-    if (!take(voxels, &block, sizeof(block)) || !is_inside(size, &block))
+    if (!read_bytes(voxels, &block, sizeof(block)) || !is_inside(size, &block))
         return false;
     const ptrdiff_t *step = turned->step;
     for (int k = block.first[2]; k <= block.last[2]; k++)
         for (int j = block.first[1]; j <= block.last[1]; j++) {
             float *row = values + turned->first + block.first[0] * step[0] + j * step[1] +
                          k * step[2];
-            if (!take_row(voxels, &block, row, step[0]))
+            if (!read_vdb_row(voxels, &block, row, step[0]))
                 return false;
         }
     return true;
 }
 
-static enum neph_status take_grid(const struct neph_volume_request *request, struct voxels *voxels,
+static enum neph_status read_grid(const struct neph_volume_request *request, struct voxels *voxels,
                                   struct neph_grid **grid, struct neph_diag *diag)
 {
     struct neph_vdb_placement placement;
     struct neph_turned_block turned;
-    if (!take(voxels, &placement, sizeof(placement)))
+    if (!read_bytes(voxels, &placement, sizeof(placement)))
         return neph_fail(diag, NEPH_ERR_INPUT, "damaged: OpenVDB failed without a message");
     struct neph_grid *made = NULL;
     enum neph_status status = create_grid(request, &placement, &turned, &made, diag);
     while (!status && voxels->used < voxels->size)
-        if (!take_block(voxels, placement.size, &turned, made->values))
+        if (!read_block(voxels, placement.size, &turned, made->values))
             status = neph_fail(diag, NEPH_ERR_INPUT, "damaged: OpenVDB read nonsense from it");
     if (status)
         neph_grid_destroy(made);
@@ -310,7 +310,7 @@ static enum neph_status take_grid(const struct neph_volume_request *request, str
     return status;
 }
 
-static enum neph_status map_and_take(const struct neph_volume_request *request, int fd,
+static enum neph_status map_and_read(const struct neph_volume_request *request, int fd,
                                      struct neph_grid **grid, struct neph_diag *diag)
 {
     struct stat info;
@@ -321,7 +321,7 @@ static enum neph_status map_and_take(const struct neph_volume_request *request, 
     if (bytes == MAP_FAILED)
         return neph_fail(diag, NEPH_ERR_MEMORY, "mmap: %s", strerror(errno));
     voxels.bytes = bytes;
-    enum neph_status status = take_grid(request, &voxels, grid, diag);
+    enum neph_status status = read_grid(request, &voxels, grid, diag);
     if (bytes)
         munmap(bytes, voxels.size);
     return status;
@@ -338,7 +338,7 @@ enum neph_status neph_volume_read_vdb(const struct neph_volume_request *request,
         return status;
     status = run_reader(request, source->size_bytes, &voxels, diag);
     if (!status)
-        status = map_and_take(request, voxels.fd, grid, diag);
+        status = map_and_read(request, voxels.fd, grid, diag);
     shared_destroy(&voxels);
     return status;
 }

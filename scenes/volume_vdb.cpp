@@ -86,7 +86,7 @@ struct request {
     return text;
 }
 
-void limit(int resource, uint64_t maximum)
+void limit_resource(int resource, uint64_t maximum)
 {
     const rlimit both = {maximum, maximum};
     if (setrlimit(static_cast<__rlimit_resource>(resource), &both) != 0)
@@ -202,7 +202,7 @@ std::string list_names(const std::vector<entry *> &entries)
 }
 
 /* The grid with this label, or the only grid with this name. */
-entry &choose(std::vector<entry> &entries, const char *wanted)
+entry &choose_entry(std::vector<entry> &entries, const char *wanted)
 {
     if (entries.empty())
         throw bad_file("it has no grid");
@@ -331,10 +331,10 @@ struct sides {
     double at[3];
 };
 
-bool fits(const request &asked, const CoordBBox &box)
+bool fits(const request &request_in, const CoordBBox &box)
 {
-    return sides(box).longest() <= asked.side_max &&
-           sides(box).bytes() <= static_cast<double>(asked.memory_limit_bytes);
+    return sides(box).longest() <= request_in.side_max &&
+           sides(box).bytes() <= static_cast<double>(request_in.memory_limit_bytes);
 }
 
 /* The key of a scene file for a box. */
@@ -345,19 +345,20 @@ std::string key_of(const CoordBBox &box)
                  high[0], high[1], high[2]);
 }
 
-[[noreturn]] void refuse_size(const request &asked, const CoordBBox &box, const std::string &hint)
+[[noreturn]] void refuse_size(const request &request_in, const CoordBBox &box,
+                              const std::string &hint)
 {
     const sides of(box);
-    if (of.longest() > asked.side_max)
+    if (of.longest() > request_in.side_max)
         throw bad_file(words("%.0f x %.0f x %.0f voxels from (%d, %d, %d) on; a side may have at "
                              "most %d",
                              of.at[0], of.at[1], of.at[2], box.min()[0], box.min()[1], box.min()[2],
-                             asked.side_max) +
+                             request_in.side_max) +
                        "\t" + hint);
     throw bad_file(words("%.0f x %.0f x %.0f nodes need %.0f MiB of memory, and the limit is "
                          "%.0f MiB",
                          of.at[0], of.at[1], of.at[2], of.bytes() / 0x1p20,
-                         static_cast<double>(asked.memory_limit_bytes) / 0x1p20) +
+                         static_cast<double>(request_in.memory_limit_bytes) / 0x1p20) +
                    "\t" + hint);
 }
 
@@ -366,7 +367,7 @@ const char *const smaller = "resample the volume to fewer nodes, or read a part 
 
 /* Checks the size in the metadata, so that a huge grid is refused before its topology is read. A
  * box that is too large because of stray voxels is examined later. */
-void check_promised_size(const entry &chosen, const request &asked)
+void check_promised_size(const entry &chosen, const request &request_in)
 {
     const auto low = chosen.grid->getMetadata<openvdb::Vec3IMetadata>("file_bbox_min");
     const auto high = chosen.grid->getMetadata<openvdb::Vec3IMetadata>("file_bbox_max");
@@ -374,9 +375,9 @@ void check_promised_size(const entry &chosen, const request &asked)
     if (!low || !high || !count || low->value()[0] > high->value()[0])
         return;
     const CoordBBox box(Coord(low->value()), Coord(high->value()));
-    if (!fits(asked, box) && static_cast<double>(count->value()) * sizeof(float) >
-                                 static_cast<double>(asked.memory_limit_bytes))
-        refuse_size(asked, box, smaller);
+    if (!fits(request_in, box) && static_cast<double>(count->value()) * sizeof(float) >
+                                      static_cast<double>(request_in.memory_limit_bytes))
+        refuse_size(request_in, box, smaller);
 }
 
 using leaf_node = FloatTree::LeafNodeType;
@@ -403,7 +404,7 @@ void for_each_part(const FloatTree &tree, const CoordBBox &within, Uniform unifo
 }
 
 /* The smallest box around the values that are not 0. */
-CoordBBox box_of_values(const FloatTree &tree, const CoordBBox &within)
+CoordBBox find_value_box(const FloatTree &tree, const CoordBBox &within)
 {
     CoordBBox box;
     for_each_part(
@@ -418,7 +419,7 @@ CoordBBox box_of_values(const FloatTree &tree, const CoordBBox &within)
     return box;
 }
 
-double sum_of_values(const FloatTree &tree, const CoordBBox &within)
+double sum_values(const FloatTree &tree, const CoordBBox &within)
 {
     double sum = 0.0;
     for_each_part(
@@ -498,13 +499,13 @@ CoordBBox box_without_strays(const FloatTree &tree, const CoordBBox &box)
         main.max()[i] = last;
     }
     if (main.empty() || main == box ||
-        !(sum_of_values(tree, main) >= (1.0 - stray_density_max) * sum_of_values(tree, box)))
+        !(sum_values(tree, main) >= (1.0 - stray_density_max) * sum_values(tree, box)))
         return CoordBBox();
-    return box_of_values(tree, main);
+    return find_value_box(tree, main);
 }
 
 /* Whether any side is much longer in `to`. */
-bool grows(const sides &from, const sides &to)
+bool is_much_longer(const sides &from, const sides &to)
 {
     for (int i = 0; i < 3; i++)
         if (to.at[i] >= stray_growth_min * from.at[i])
@@ -513,19 +514,19 @@ bool grows(const sides &from, const sides &to)
 }
 
 /* Refuses a box that is too large, or whose size defines a scale and depends on stray voxels. */
-void check_strays(const FloatTree &tree, const request &asked, const CoordBBox &box)
+void check_strays(const FloatTree &tree, const request &request_in, const CoordBBox &box)
 {
-    const bool is_too_large = !fits(asked, box);
-    if (!is_too_large && !asked.is_fitted)
+    const bool is_too_large = !fits(request_in, box);
+    if (!is_too_large && !request_in.is_fitted)
         return;
     const CoordBBox main = box_without_strays(tree, box);
     const sides all(box), rest(main);
-    if (is_too_large && (main.empty() || !fits(asked, main)))
-        refuse_size(asked, box, smaller);
+    if (is_too_large && (main.empty() || !fits(request_in, main)))
+        refuse_size(request_in, box, smaller);
     if (is_too_large)
-        refuse_size(asked, box,
+        refuse_size(request_in, box,
                     "stray voxels make it so large; leave them out with " + key_of(main));
-    if (main.empty() || !grows(rest, all))
+    if (main.empty() || !is_much_longer(rest, all))
         return;
     throw bad_file(
         words("stray voxels decide its size: %.0f x %.0f x %.0f voxels, and %.0f x %.0f x "
@@ -647,29 +648,29 @@ void export_voxels(const FloatTree &tree, const CoordBBox &block, const CoordBBo
 }
 
 /* The box that neph gets, after the values were read. */
-CoordBBox choose_block(const FloatTree &tree, const request &asked, const CoordBBox &active)
+CoordBBox choose_block(const FloatTree &tree, const request &request_in, const CoordBBox &active)
 {
-    if (asked.has_index_box)
-        return asked.index_box;
-    CoordBBox box = asked.counts_zeros ? active : box_of_values(tree, active);
+    if (request_in.has_index_box)
+        return request_in.index_box;
+    CoordBBox box = request_in.counts_zeros ? active : find_value_box(tree, active);
     if (box.empty())
         box = active;
-    check_strays(tree, asked, box);
+    check_strays(tree, request_in, box);
     return box;
 }
 
-void read_volume(const char *voxels, const request &asked)
+void read_volume(const char *voxels, const request &request_in)
 {
-    archive file(asked.path);
+    archive file(request_in.path);
     std::vector<entry> entries = file.contents();
-    entry &chosen = choose(entries, asked.grid_name);
+    entry &chosen = choose_entry(entries, request_in.grid_name);
     check_kind(chosen);
     file.read_metadata(chosen);
     check_class(chosen);
-    if (!asked.has_index_box)
-        check_promised_size(chosen, asked);
-    else if (!fits(asked, asked.index_box))
-        refuse_size(asked, asked.index_box, "make index_box smaller");
+    if (!request_in.has_index_box)
+        check_promised_size(chosen, request_in);
+    else if (!fits(request_in, request_in.index_box))
+        refuse_size(request_in, request_in.index_box, "make index_box smaller");
     file.read_topology(chosen);
 
     const FloatTree &tree = openvdb::gridConstPtrCast<FloatGrid>(chosen.grid)->tree();
@@ -683,7 +684,7 @@ void read_volume(const char *voxels, const request &asked)
     check_voxel_count(chosen, tree);
 
     file.read_voxels(chosen);
-    const CoordBBox block = choose_block(tree, asked, active);
+    const CoordBBox block = choose_block(tree, request_in, active);
     const neph_vdb_placement placement = placement_of(chosen, block);
     block_writer out(voxels);
     out.put(&placement, sizeof(placement));
@@ -703,17 +704,17 @@ CoordBBox parse_box(const char *text)
 
 request parse_request(int argc, char **argv)
 {
-    request asked = {};
-    asked.path = argv[3];
-    asked.memory_limit_bytes = strtoull(argv[4], nullptr, 10);
-    asked.side_max = static_cast<int32_t>(strtol(argv[6], nullptr, 10));
-    asked.is_fitted = strcmp(argv[7], "fit") == 0;
-    asked.counts_zeros = strcmp(argv[7], "active") == 0;
-    asked.has_index_box = strcmp(argv[8], "all") != 0;
-    if (asked.has_index_box)
-        asked.index_box = parse_box(argv[8]);
-    asked.grid_name = argc > 9 ? argv[9] : nullptr;
-    return asked;
+    request request_in = {};
+    request_in.path = argv[3];
+    request_in.memory_limit_bytes = strtoull(argv[4], nullptr, 10);
+    request_in.side_max = static_cast<int32_t>(strtol(argv[6], nullptr, 10));
+    request_in.is_fitted = strcmp(argv[7], "fit") == 0;
+    request_in.counts_zeros = strcmp(argv[7], "active") == 0;
+    request_in.has_index_box = strcmp(argv[8], "all") != 0;
+    if (request_in.has_index_box)
+        request_in.index_box = parse_box(argv[8]);
+    request_in.grid_name = argc > 9 ? argv[9] : nullptr;
+    return request_in;
 }
 
 int run_read(int argc, char **argv)
@@ -723,9 +724,9 @@ int run_read(int argc, char **argv)
     const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
     mallopt(M_ARENA_MAX, 1);
     try {
-        limit(RLIMIT_CORE, 0);
-        limit(RLIMIT_CPU, strtoull(argv[5], nullptr, 10));
-        limit(RLIMIT_AS, base_memory_bytes + 3 * memory_limit_bytes);
+        limit_resource(RLIMIT_CORE, 0);
+        limit_resource(RLIMIT_CPU, strtoull(argv[5], nullptr, 10));
+        limit_resource(RLIMIT_AS, base_memory_bytes + 3 * memory_limit_bytes);
         openvdb::initialize();
     } catch (const std::exception &error) {
         fprintf(stderr, "OpenVDB does not start: %s\n", error.what());

@@ -8,7 +8,7 @@
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
-_Static_assert(NEPH_FAILING_TRUTH_COUNT == 2, "a new kind");
+_Static_assert(NEPH_FAILING_REFERENCE_COUNT == 2, "a new kind");
 _Static_assert(NEPH_INJECTED_VALUES == 6, "a new kind");
 _Static_assert(NEPH_QUANTITY_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
@@ -39,7 +39,7 @@ const char *const neph_failing_measure_words[] = {
     NULL,
 };
 
-const char *const neph_failing_truth_words[] = {
+const char *const neph_failing_reference_words[] = {
     [NEPH_FAILING_MARCH] = "march",
     [NEPH_FAILING_EXACT] = "exact",
     NULL,
@@ -75,7 +75,7 @@ const char *neph_injected_value_name(enum neph_injected_value value)
     return neph_injected_value_words[value];
 }
 
-const char *neph_failing_truth_name(enum neph_failing_truth truth)
+const char *neph_failing_reference_name(enum neph_failing_reference truth)
 {
-    return neph_failing_truth_words[truth];
+    return neph_failing_reference_words[truth];
 }

@@ -138,7 +138,7 @@ static bool is_repeated(int index, int count)
     return before && after;
 }
 
-static void assert_every_failure_is_told(const char *name, allocation_user *work, void *context)
+static void assert_every_failure_is_reported(const char *name, allocation_user *work, void *context)
 {
     struct neph_diag diag = {0};
     stay_on_one_processor();

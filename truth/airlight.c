@@ -25,22 +25,22 @@ struct airlight {
     enum zone zone;
 };
 
-static double signed_of(enum zone zone)
+static double zone_sign(enum zone zone)
 {
     return zone == BEFORE ? -1.0 : 1.0;
 }
 
-static double distance_of(const struct airlight *a, double x)
+static double distance_at_variable(const struct airlight *a, double x)
 {
     if (a->zone == NEAR)
         return a->foot_m + a->height_m * tan(x);
     const double angle = a->height_m * x;
     /* h / tan(h x), without 0 / 0 */
     const double s_m = angle < 1e-8 ? 1.0 / x : a->height_m / tan(angle);
-    return a->foot_m + signed_of(a->zone) * s_m;
+    return a->foot_m + zone_sign(a->zone) * s_m;
 }
 
-static double place_of(const struct airlight *a, double t_m)
+static double variable_at_distance(const struct airlight *a, double t_m)
 {
     const double s_m = t_m - a->foot_m;
     if (a->zone == NEAR)
@@ -74,7 +74,7 @@ static void source(double x, void *context, double value[3])
 {
     const struct airlight *a = context;
     const struct neph_pieces *pieces = a->pieces;
-    const double t_m = distance_of(a, x);
+    const double t_m = distance_at_variable(a, x);
     const struct neph_vec3 point_m = neph_vec3_along(pieces->origin_m, pieces->direction, t_m);
     const struct neph_lit lit = neph_light_at(a->light, point_m);
     const double part = neph_light_falloff(a->light, neph_vec3_scale(lit.direction, -1.0));
@@ -95,7 +95,7 @@ static void source(double x, void *context, double value[3])
 }
 
 /* The pieces of the ray in a zone, in its variable of integration. */
-static int pieces_of_zone(const struct airlight *a, struct neph_interval *places)
+static int clip_pieces_to_zone(const struct airlight *a, struct neph_interval *places)
 {
     const double low_m[ZONE_COUNT] = {-INFINITY, a->foot_m - a->height_m, a->foot_m + a->height_m};
     const double high_m[ZONE_COUNT] = {low_m[NEAR], low_m[BEHIND], INFINITY};
@@ -105,7 +105,7 @@ static int pieces_of_zone(const struct airlight *a, struct neph_interval *places
         const double t1_m = fmin(a->pieces->at_m[i].high, high_m[a->zone]);
         if (!(t0_m < t1_m))
             continue;
-        const double x0 = place_of(a, t0_m), x1 = place_of(a, t1_m);
+        const double x0 = variable_at_distance(a, t0_m), x1 = variable_at_distance(a, t1_m);
         if (x0 != x1)
             places[count++] = (struct neph_interval){fmin(x0, x1), fmax(x0, x1)};
     }
@@ -116,7 +116,7 @@ static double add_zone(struct airlight *a, struct neph_rgb *radiance)
 {
     struct neph_interval places[NEPH_CUTS_MAX];
     double result[3];
-    const int count = pieces_of_zone(a, places);
+    const int count = clip_pieces_to_zone(a, places);
     if (count == 0)
         return 0.0;
     const double error = neph_pieces_integrate(a->pieces->scene, source, a, places, count,
@@ -149,11 +149,11 @@ double neph_airlight(const struct neph_scene *scene, struct neph_vec3 origin_m,
         struct airlight airlight = {.pieces = &pieces, .light = light};
         airlight.foot_m = neph_vec3_dot(way_m, direction);
         airlight.height_m = neph_vec3_length(neph_vec3_along(way_m, direction, -airlight.foot_m));
-        pieces.count = neph_lamplit_pieces(scene, light, origin_m, direction, t0_m, t1_m,
-                                           pieces.at_m);
+        pieces.count = neph_light_lit_pieces(scene, light, origin_m, direction, t0_m, t1_m,
+                                             pieces.at_m);
         if (pieces.count == 0)
             continue;
-        if (neph_is_lamp_peak(scene, light, origin_m, direction))
+        if (neph_is_light_peak(scene, light, origin_m, direction))
             add_infinity(light->intensity_w_per_sr, radiance);
         neph_pieces_sum_depths(&pieces);
         for (airlight.zone = BEFORE; airlight.zone < ZONE_COUNT; airlight.zone++)
@@ -162,14 +162,14 @@ double neph_airlight(const struct neph_scene *scene, struct neph_vec3 origin_m,
     return error;
 }
 
-struct neph_rgb neph_lamplight_reflected(const struct neph_scene *scene, struct neph_vec3 point_m,
-                                         struct neph_vec3 normal)
+struct neph_rgb neph_reflect_lights(const struct neph_scene *scene, struct neph_vec3 point_m,
+                                    struct neph_vec3 normal)
 {
     struct neph_rgb sum = {0, 0, 0};
     for (int i = 0; i < scene->light_count; i++) {
         const struct neph_lit lit = neph_light_at(&scene->lights[i], point_m);
         const double cosine = neph_vec3_dot(normal, lit.direction);
-        if (cosine <= 0.0 || !neph_scene_sees(scene, point_m, scene->lights[i].position_m))
+        if (cosine <= 0.0 || !neph_scene_is_visible(scene, point_m, scene->lights[i].position_m))
             continue;
         const struct neph_rgb depth = neph_scene_optical_depth(scene, point_m, lit.direction, 0.0,
                                                                lit.distance_m);

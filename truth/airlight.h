@@ -24,7 +24,7 @@ double neph_airlight(const struct neph_scene *scene, struct neph_vec3 origin_m,
 
 /* Radiance of all lights reflected by a Lambertian surface of albedo 1, at a point just outside of
  * it. */
-struct neph_rgb neph_lamplight_reflected(const struct neph_scene *scene, struct neph_vec3 point_m,
-                                         struct neph_vec3 normal);
+struct neph_rgb neph_reflect_lights(const struct neph_scene *scene, struct neph_vec3 point_m,
+                                    struct neph_vec3 normal);
 
 #endif

@@ -13,7 +13,7 @@
 
 /* ln(1 - w x cot x), without the cancellation at small x where 1 - x cot x = x^2/3 + x^4/45 + ...
  */
-static double log_of_dispersion(double albedo, double x, double tangent)
+static double log_dispersion(double albedo, double x, double tangent)
 {
     double rest; /* 1 - x cot x */
     if (x < 0.1) {
@@ -40,7 +40,7 @@ static double double_exponential(double albedo, double cosine, double step)
             continue;
         const double tangent = part < 0.5 ? tan(0.5 * M_PI * part) / cosine
                                           : 1.0 / (tan(0.5 * M_PI * rest) * cosine);
-        sum += weight * log_of_dispersion(albedo, atan(tangent), tangent);
+        sum += weight * log_dispersion(albedo, atan(tangent), tangent);
     }
     return sum * step;
 }

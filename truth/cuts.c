@@ -18,9 +18,9 @@ static int compare_doubles(const void *a, const void *b)
 static void cut_faces(struct neph_cuts *cuts, const struct neph_bounds *bounds)
 {
     double near_m, far_m;
-    if (neph_cuts_inside(cuts, bounds, &near_m, &far_m)) {
-        neph_cut(cuts, near_m);
-        neph_cut(cuts, far_m);
+    if (neph_cuts_clip(cuts, bounds, &near_m, &far_m)) {
+        neph_cuts_add(cuts, near_m);
+        neph_cuts_add(cuts, far_m);
     }
 }
 
@@ -45,7 +45,7 @@ static void cut_sun_kinks(struct neph_cuts *cuts, const struct neph_bounds *boun
     for (int i = 0; i < count; i++)
         for (int j = i + 1; j < count; j++)
             if (slope[i] != slope[j])
-                neph_cut(cuts, (constant[j] - constant[i]) / (slope[i] - slope[j]));
+                neph_cuts_add(cuts, (constant[j] - constant[i]) / (slope[i] - slope[j]));
 }
 
 /* Cut at the kinks of a light: its rays change their face of the bounds at an edge, which is where
@@ -63,7 +63,8 @@ static void cut_light_kinks(struct neph_cuts *cuts, const struct neph_bounds *bo
         const double a_m = (edge & 1 ? high_m : low_m)[a] - light[a];
         const double b_m = (edge & 2 ? high_m : low_m)[b] - light[b];
         if (isfinite(a_m) && isfinite(b_m))
-            neph_cut(cuts, -(b_m * way_m[a] - a_m * way_m[b]) / (b_m * slope[a] - a_m * slope[b]));
+            neph_cuts_add(cuts,
+                          -(b_m * way_m[a] - a_m * way_m[b]) / (b_m * slope[a] - a_m * slope[b]));
     }
 }
 
@@ -77,14 +78,14 @@ static void cut_cone(struct neph_cuts *cuts, const struct neph_light *light, dou
     const double a = da * da - c2, b = wa * da - c2 * neph_vec3_dot(w, cuts->direction);
     const double c = wa * wa - c2 * neph_vec3_dot(w, w);
     const double q = -(b + copysign(sqrt(fmax(0.0, b * b - a * c)), b));
-    neph_cut(cuts, q / a);
-    neph_cut(cuts, c / q);
+    neph_cuts_add(cuts, q / a);
+    neph_cuts_add(cuts, c / q);
 }
 
 static void cut_light(struct neph_cuts *cuts, const struct neph_light *light)
 {
     const struct neph_vec3 way_m = neph_vec3_sub(light->position_m, cuts->origin_m);
-    neph_cut(cuts, neph_vec3_dot(way_m, cuts->direction));
+    neph_cuts_add(cuts, neph_vec3_dot(way_m, cuts->direction));
     if (light->is_spot) {
         cut_cone(cuts, light, light->inner_cosine);
         cut_cone(cuts, light, light->outer_cosine);
@@ -122,8 +123,8 @@ static void make_cuts(struct neph_cuts *cuts, const struct neph_interval *shadow
 {
     const struct neph_scene *scene = cuts->scene;
     for (int i = 0; i < shadow_count; i++) {
-        neph_cut(cuts, shadows[i].low);
-        neph_cut(cuts, shadows[i].high);
+        neph_cuts_add(cuts, shadows[i].low);
+        neph_cuts_add(cuts, shadows[i].high);
     }
     for (int m = 0; m < scene->medium_count; m++) {
         cut_faces(cuts, &scene->media[m].bounds);
@@ -179,9 +180,9 @@ int neph_lit_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
     return lit_pieces(&cuts, shadows, shadow_count, pieces);
 }
 
-int neph_lamplit_pieces(const struct neph_scene *scene, const struct neph_light *light,
-                        struct neph_vec3 origin_m, struct neph_vec3 direction, double t0_m,
-                        double t1_m, struct neph_interval *pieces)
+int neph_light_lit_pieces(const struct neph_scene *scene, const struct neph_light *light,
+                          struct neph_vec3 origin_m, struct neph_vec3 direction, double t0_m,
+                          double t1_m, struct neph_interval *pieces)
 {
     struct neph_interval shadows[NEPH_SCENE_SOLIDS_MAX];
     struct neph_cuts cuts; /* not zero-initialised: it is large */

@@ -19,9 +19,9 @@ int neph_lit_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
 
 /* The same, with scales, for a point light instead of the sun, and finite t1_m: also cut at the
  * light's foot and where the ray crosses the inner and outer cone of a spot. */
-int neph_lamplit_pieces(const struct neph_scene *scene, const struct neph_light *light,
-                        struct neph_vec3 origin_m, struct neph_vec3 direction, double t0_m,
-                        double t1_m, struct neph_interval *pieces);
+int neph_light_lit_pieces(const struct neph_scene *scene, const struct neph_light *light,
+                          struct neph_vec3 origin_m, struct neph_vec3 direction, double t0_m,
+                          double t1_m, struct neph_interval *pieces);
 
 /* All pieces of [t0_m, t1_m], without shadows. */
 int neph_ray_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,

@@ -72,7 +72,7 @@ static struct neph_rgb depth_between(const struct neph_flight *flight, double t0
 
 /* ---- looking up ---- */
 
-static double channel_of(struct neph_rgb rgb, int channel)
+static double read_channel(struct neph_rgb rgb, int channel)
 {
     if (channel == NEPH_FLIGHT_MEAN)
         return (rgb.r + rgb.g + rgb.b) / 3.0;
@@ -84,7 +84,7 @@ static double extinction_per_m(const struct neph_flight *flight, int medium, int
                                double t_m)
 {
     const struct neph_medium *m = &flight->scene->media[medium];
-    return channel_of(m->extinction_color, channel) *
+    return read_channel(m->extinction_color, channel) *
            neph_medium_extinction_per_m(
                m, neph_vec3_along(flight->ray.origin_m, flight->ray.direction, t_m));
 }
@@ -119,7 +119,7 @@ static double finite_end_m(const struct neph_flight *flight, int channel, double
     if (!(step_m > 0.0 && step_m < 1e300))
         step_m = 1.0;
     while (step_m < 1e300 &&
-           channel_of(depth_between(flight, t0_m, t0_m + step_m), channel) < target)
+           read_channel(depth_between(flight, t0_m, t0_m + step_m), channel) < target)
         step_m *= 2.0;
     return t0_m + step_m;
 }
@@ -133,7 +133,7 @@ static double place_m(const struct neph_flight *flight, int channel, double t0_m
     double high_m = isinf(t1_m) ? finite_end_m(flight, channel, t0_m, target) : t1_m;
     double t_m = isinf(t1_m) ? 0.5 * (low_m + high_m) : t0_m + (t1_m - t0_m) * (target / whole);
     for (int i = 0; i < 100; i++) {
-        const double excess = channel_of(depth_between(flight, t0_m, t_m), channel) - target;
+        const double excess = read_channel(depth_between(flight, t0_m, t_m), channel) - target;
         if (fabs(excess) <= placement * fmin(whole, 1.0) || high_m - low_m <= 1e-15 * high_m)
             break;
         if (excess > 0.0)
@@ -184,7 +184,7 @@ static double channel_part(const struct neph_flight *flight, int channel)
     const double own = flight->depth[channel][flight->count - 1];
     const double mean = flight->depth[NEPH_FLIGHT_MEAN][flight->count - 1];
     const double depth_part = isinf(mean) ? (double)isinf(own) : own / mean;
-    return depth_part * channel_of(flight->scene->sun.irradiance_w_per_m2, channel);
+    return depth_part * read_channel(flight->scene->sun.irradiance_w_per_m2, channel);
 }
 
 /* The logarithm of the sunlight that is scattered at a depth and reaches the camera, without
@@ -199,7 +199,7 @@ static double log_light_at(const struct neph_flight *flight, double target)
         neph_scene_optical_depth(flight->scene, at_m, flight->scene->sun.direction, 0.0, INFINITY));
     double log_light[3], most = -INFINITY, sum = 0.0;
     for (int j = 0; j < 3; j++) {
-        log_light[j] = log(channel_part(flight, j)) - flight->depth[j][i] - channel_of(way, j);
+        log_light[j] = log(channel_part(flight, j)) - flight->depth[j][i] - read_channel(way, j);
         most = fmax(most, log_light[j]);
     }
     for (int j = 0; j < 3; j++)
@@ -228,7 +228,7 @@ void neph_flight_init(struct neph_flight *flight, const struct neph_scene *scene
     flight->ray = *ray;
     flight->is_table = is_possible(scene);
     flight->lit.is_known = flight->guess.lit.is_known = false;
-    neph_own_flight_init(&flight->own, scene, ray);
+    neph_medium_flight_init(&flight->own, scene, ray);
     if (flight->own.is_known)
         return;
     if (!flight->is_table) {
@@ -271,11 +271,11 @@ struct neph_collision neph_flight_collide(const struct neph_flight *flight, int 
     const struct neph_rgb way = depth_between(flight, flight->t_m[i], collision.t_m);
     const struct neph_rgb color = flight->scene->media[collision.medium].extinction_color;
     for (int j = 0; j < 3; j++) {
-        const double excess = flight->depth[j][i] + channel_of(way, j) - target;
+        const double excess = flight->depth[j][i] + read_channel(way, j) - target;
         collision.ratio[j] = 0.0;
         if (flight->chance[j] > 0.0)
-            collision.ratio[j] = channel_of(color, j) / channel_of(color, channel) * exp(-excess) *
-                                 flight->chance[channel] / flight->chance[j];
+            collision.ratio[j] = read_channel(color, j) / read_channel(color, channel) *
+                                 exp(-excess) * flight->chance[channel] / flight->chance[j];
     }
     return collision;
 }
@@ -284,7 +284,7 @@ struct neph_collision neph_flight_collide_lit(const struct neph_flight *flight,
                                               struct neph_random *random, double value[3])
 {
     struct neph_collision collision = {flight->ray.end_m, -1, {1.0, 1.0, 1.0}};
-    const double target = neph_lit_flight_draw(&flight->lit, random);
+    const double target = neph_lit_flight_sample(&flight->lit, random);
     const int i = find_interval(flight->depth[NEPH_FLIGHT_MEAN], flight->count, target);
     collision.t_m = interval_place_m(flight, NEPH_FLIGHT_MEAN, i, target);
     collision.medium = pick_medium(flight, NEPH_FLIGHT_MEAN, collision.t_m, random);
@@ -292,7 +292,7 @@ struct neph_collision neph_flight_collide_lit(const struct neph_flight *flight,
     const struct neph_rgb color = flight->scene->media[collision.medium].extinction_color;
     const double density = neph_lit_flight_density(&flight->lit, target);
     for (int j = 0; j < 3; j++)
-        value[j] = channel_of(color, j) / channel_of(color, NEPH_FLIGHT_MEAN) *
-                   exp(-flight->depth[j][i] - channel_of(way, j)) / density;
+        value[j] = read_channel(color, j) / read_channel(color, NEPH_FLIGHT_MEAN) *
+                   exp(-flight->depth[j][i] - read_channel(way, j)) / density;
     return collision;
 }

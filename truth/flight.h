@@ -37,7 +37,7 @@ struct neph_flight {
     bool is_table;
     struct neph_guess guess;
     /* Used instead of all others if media differ in brightness and `own.is_known`. */
-    struct neph_own_flight own;
+    struct neph_medium_flight own;
 };
 
 /* Tabulate a ray, if possible, and the sunlight along it, if that is the only light to scatter. */

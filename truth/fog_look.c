@@ -12,7 +12,7 @@ static const double opaque = 1e300;
 
 static const double ln2 = 0.693147180559945309417232121458;
 
-struct neph_unreal_layer neph_unreal_layer_of(const struct neph_fog_layer *layer)
+struct neph_unreal_layer neph_unreal_layer_from_fog(const struct neph_fog_layer *layer)
 {
     return (struct neph_unreal_layer){layer->extinction_per_m / (ln2 * ln2),
                                       layer->falloff_per_m / ln2, layer->height_m};
@@ -54,8 +54,8 @@ struct way {
     struct neph_vec3 direction;
 };
 
-static struct way way_of(const struct neph_fog_look *look, struct neph_vec3 origin_m,
-                         struct neph_vec3 direction, double length_m)
+static struct way make_fog_segment(const struct neph_fog_look *look, struct neph_vec3 origin_m,
+                                   struct neph_vec3 direction, double length_m)
 {
     const double drop_m = fmax(0.0, origin_m.y - look->observer_height_max_m);
     struct way way = {origin_m.y - drop_m, direction.y, length_m, direction};
@@ -85,9 +85,10 @@ static double lost(double depth, double log_base)
 }
 
 /* Light of an optical depth; `begun` is its part that has directional light. */
-static struct neph_fog_look_light light_of(const struct neph_scene *scene,
-                                           const struct neph_fog_look *look, const struct way *way,
-                                           double depth, double begun, double log_base)
+static struct neph_fog_look_light compute_fog_light(const struct neph_scene *scene,
+                                                    const struct neph_fog_look *look,
+                                                    const struct way *way, double depth,
+                                                    double begun, double log_base)
 {
     const struct neph_rgb sky = scene->background_w_per_m2_sr, dim = look->sky_light,
                           own = look->inscattering_w_per_m2_sr, sun = look->directional_w_per_m2_sr;
@@ -123,23 +124,23 @@ static struct neph_fog_look_light unreal(const struct neph_scene *scene,
     double depth = 0.0;
     if (length_m <= 0.0)
         return (struct neph_fog_look_light){.transmittance = 1.0};
-    const struct neph_medium *fog = neph_fog_look_medium(scene);
+    const struct neph_medium *fog = neph_fog_look_find_medium(scene);
     for (int l = 0; l < fog->layer_count; l++) {
-        const struct neph_unreal_layer layer = neph_unreal_layer_of(&fog->layers[l]);
+        const struct neph_unreal_layer layer = neph_unreal_layer_from_fog(&fog->layers[l]);
         const double at_start_per_m = neph_unreal_density_per_m(&layer,
                                                                 way->y_m + start_m * way->k_y);
         if (at_start_per_m > 0.0)
             depth += at_start_per_m *
                      unreal_mean_length_m(layer.falloff_per_m * way->k_y, length_m);
     }
-    return light_of(scene, look, way, fmin(depth, opaque),
-                    part_behind(look->directional_start_m, length_m), ln2);
+    return compute_fog_light(scene, look, way, fmin(depth, opaque),
+                             part_behind(look->directional_start_m, length_m), ln2);
 }
 
 static struct neph_fog_look_light filament(const struct neph_scene *scene,
                                            const struct neph_fog_look *look, const struct way *way)
 {
-    const struct neph_fog_layer *layer = &neph_fog_look_medium(scene)->layers[0];
+    const struct neph_fog_layer *layer = &neph_fog_look_find_medium(scene)->layers[0];
     const double start_m = look->start_distance_m;
     if (way->length_m <= start_m)
         return (struct neph_fog_look_light){.transmittance = 1.0};
@@ -147,17 +148,19 @@ static struct neph_fog_look_light filament(const struct neph_scene *scene,
                               opaque); /* of the whole segment from the camera */
     const double part = part_behind(start_m, way->length_m);
     const double glowing = part_behind(look->directional_start_m, way->length_m);
-    return light_of(scene, look, way, whole * part, part > 0.0 ? glowing / part : 0.0, 1.0);
+    return compute_fog_light(scene, look, way, whole * part, part > 0.0 ? glowing / part : 0.0,
+                             1.0);
 }
 
 /* Switch off controls that a model does not have. */
-static struct neph_fog_look known_of(const struct neph_fog_look *look, enum neph_fog_model model)
+static struct neph_fog_look mask_unknown_controls(const struct neph_fog_look *look,
+                                                  enum neph_fog_model model)
 {
     unsigned known = 0;
     for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++)
         if (model == NEPH_FOG_UNREAL || neph_fog_controls()[c].filament)
             known |= 1u << c;
-    return neph_fog_look_only(look, known);
+    return neph_fog_look_mask_controls(look, known);
 }
 
 struct neph_fog_look_light neph_fog_look_ray(const struct neph_scene *scene,
@@ -165,8 +168,8 @@ struct neph_fog_look_light neph_fog_look_ray(const struct neph_scene *scene,
                                              enum neph_fog_model model, struct neph_vec3 origin_m,
                                              struct neph_vec3 direction, double length_m)
 {
-    const struct neph_fog_look known = known_of(look, model);
-    const struct way way = way_of(&known, origin_m, direction, length_m);
+    const struct neph_fog_look known = mask_unknown_controls(look, model);
+    const struct way way = make_fog_segment(&known, origin_m, direction, length_m);
     const bool is_cut = known.cutoff_distance_m > 0.0 && way.length_m > known.cutoff_distance_m;
     if (scene->medium_count == 0 || is_cut || way.length_m <= 0.0)
         return (struct neph_fog_look_light){.transmittance = 1.0};

@@ -35,7 +35,7 @@
 struct neph_unreal_layer {
     double density_per_m, falloff_per_m, height_m;
 };
-struct neph_unreal_layer neph_unreal_layer_of(const struct neph_fog_layer *layer);
+struct neph_unreal_layer neph_unreal_layer_from_fog(const struct neph_fog_layer *layer);
 
 /* Parts of the formulas: Unreal's density at a height, and L; Filament's I of a whole ray. */
 double neph_unreal_density_per_m(const struct neph_unreal_layer *layer, double y_m);
@@ -53,7 +53,7 @@ struct neph_fog_look_light {
 };
 
 /* The light along a ray of a length, which may be infinite, or 0 for no fog. `look` replaces the
- * scene's own. The scene must satisfy neph_fog_look_is_of(), or have no media. */
+ * scene's own. The scene must satisfy neph_fog_look_can_model(), or have no media. */
 struct neph_fog_look_light neph_fog_look_ray(const struct neph_scene *scene,
                                              const struct neph_fog_look *look,
                                              enum neph_fog_model model, struct neph_vec3 origin_m,

@@ -15,7 +15,7 @@ enum { WAY_PLACES = 12 };
 /* Limit of the light of free flights: mean square over squared mean. */
 static const double spread_max = 4.0;
 
-static double mean_of(struct neph_rgb color)
+static double channel_mean(struct neph_rgb color)
 {
     return (color.r + color.g + color.b) / 3.0;
 }
@@ -23,7 +23,7 @@ static double mean_of(struct neph_rgb color)
 /* Extinction of a medium, mean of the channels. */
 static double extinction_per_m(const struct neph_medium *medium, struct neph_vec3 at_m)
 {
-    return mean_of(medium->extinction_color) * neph_medium_extinction_per_m(medium, at_m);
+    return channel_mean(medium->extinction_color) * neph_medium_extinction_per_m(medium, at_m);
 }
 
 static double total_per_m(const struct neph_scene *scene, struct neph_vec3 at_m)
@@ -86,7 +86,7 @@ static double sun_depth(const struct neph_scene *scene, struct neph_vec3 at_m)
 {
     double sum = 0.0;
     for (int m = 0; m < scene->medium_count; m++)
-        sum += mean_of(scene->media[m].extinction_color) *
+        sum += channel_mean(scene->media[m].extinction_color) *
                guess_own_depth(&scene->media[m], at_m, scene->sun.direction, INFINITY);
     return sum;
 }
@@ -116,7 +116,7 @@ static void guess_depths(struct neph_guess *guess, const struct neph_scene *scen
 }
 
 /* The ratio for spread_max, by the trapezoidal rule. */
-static double spread_of_free_flights(const struct neph_guess *guess)
+static double compute_free_flight_spread(const struct neph_guess *guess)
 {
     const struct neph_lit_flight *lit = &guess->lit;
     double mean = 0.0, square = 0.0;
@@ -145,7 +145,7 @@ void neph_guess_init(struct neph_guess *guess, const struct neph_scene *scene,
         guess->sun_depth[i] = sun_depth(scene, place_m(guess, i * NEPH_GUESS_PLACES));
         guess->lit.log_light[i] = -guess->lit.s[i] - guess->sun_depth[i];
     }
-    if (spread_of_free_flights(guess) > spread_max)
+    if (compute_free_flight_spread(guess) > spread_max)
         neph_lit_flight_complete(&guess->lit, scene->environment_light || neph_scene_emits(scene));
 }
 
@@ -167,11 +167,12 @@ static int pick_medium(const struct neph_scene *scene, struct neph_vec3 at_m, do
     return last;
 }
 
-struct neph_guessed neph_guess_draw(const struct neph_guess *guess, const struct neph_scene *scene,
-                                    struct neph_random *random)
+struct neph_guess_result neph_guess_sample(const struct neph_guess *guess,
+                                           const struct neph_scene *scene,
+                                           struct neph_random *random)
 {
     const struct neph_lit_flight *lit = &guess->lit;
-    const double s = neph_lit_flight_draw(lit, random);
+    const double s = neph_lit_flight_sample(lit, random);
     int i = 0;
     while (i + 1 < NEPH_GUESS_STRETCHES && guess->depth[i + 1] <= s)
         i++;
@@ -183,7 +184,7 @@ struct neph_guessed neph_guess_draw(const struct neph_guess *guess, const struct
     const int cell = (int)fmin(cells, NEPH_LIT_CELLS - 1);
     const double within = cells - cell;
     const double total = total_per_m(scene, at_m);
-    struct neph_guessed guessed = {
+    struct neph_guess_result guessed = {
         .collision = {t_m, pick_medium(scene, at_m, total, random), {1.0, 1.0, 1.0}},
         .view_depth = s,
         .sun_depth = guess->sun_depth[cell] * (1.0 - within) + guess->sun_depth[cell + 1] * within,
@@ -194,6 +195,6 @@ struct neph_guessed neph_guess_draw(const struct neph_guess *guess, const struct
     const struct neph_rgb color = scene->media[guessed.collision.medium].extinction_color;
     const double value[3] = {color.r, color.g, color.b};
     for (int j = 0; j < 3; j++)
-        guessed.value[j] = value[j] / mean_of(color) * total / density_per_m;
+        guessed.value[j] = value[j] / channel_mean(color) * total / density_per_m;
     return guessed;
 }

@@ -34,13 +34,14 @@ struct neph_rgb neph_guess_depth(const struct neph_scene *scene, struct neph_vec
 void neph_guess_init(struct neph_guess *guess, const struct neph_scene *scene,
                      const struct neph_ray *ray);
 
-struct neph_guessed {
+struct neph_guess_result {
     struct neph_collision collision; /* medium -1: zero density at the point */
     double value[3]; /* extinction of the medium per channel, divided by the probability density */
     double view_depth, sun_depth; /* guessed, from the camera and to the sun */
 };
 
-struct neph_guessed neph_guess_draw(const struct neph_guess *guess, const struct neph_scene *scene,
-                                    struct neph_random *random);
+struct neph_guess_result neph_guess_sample(const struct neph_guess *guess,
+                                           const struct neph_scene *scene,
+                                           struct neph_random *random);
 
 #endif

@@ -142,9 +142,9 @@ static double place_per_m(const struct segment *segment, int l, double s_m)
         const double s1_m = segment->stretches[i].t1_m - pass->foot_m;
         if (!(s_m >= s0_m && s_m <= s1_m))
             continue;
-        per_m += (1.0 - NEPH_LAMP_PLACES_BY_OCTAVE) * by_squares;
+        per_m += (1.0 - NEPH_LIGHT_POINTS_BY_OCTAVE) * by_squares;
         if (s_m <= octaves_end_m(pass->height_m, s0_m, s1_m))
-            per_m += NEPH_LAMP_PLACES_BY_OCTAVE * by_octaves;
+            per_m += NEPH_LIGHT_POINTS_BY_OCTAVE * by_octaves;
     }
     return per_m;
 }
@@ -191,19 +191,20 @@ static int pick(const double *weights, int count, double sum, double *u)
     return picked;
 }
 
-struct neph_lamp_place neph_lamp_place_draw(const struct neph_scene *scene,
-                                            struct neph_vec3 origin_m, struct neph_vec3 direction,
-                                            double end_m, struct neph_random *random)
+struct neph_light_point neph_light_point_sample(const struct neph_scene *scene,
+                                                struct neph_vec3 origin_m,
+                                                struct neph_vec3 direction, double end_m,
+                                                struct neph_random *random)
 {
     struct segment segment; /* not zero-initialised: it is large */
-    struct neph_lamp_place place = {.light = NULL};
+    struct neph_light_point place = {.light = NULL};
     init_segment(&segment, scene, origin_m, direction, end_m);
     double choice = neph_random_uniform(random);
     const double u = neph_random_uniform(random);
-    const bool by_octaves = choice < NEPH_LAMP_PLACES_BY_OCTAVE;
+    const bool by_octaves = choice < NEPH_LIGHT_POINTS_BY_OCTAVE;
     choice = by_octaves
-                 ? choice / NEPH_LAMP_PLACES_BY_OCTAVE
-                 : (choice - NEPH_LAMP_PLACES_BY_OCTAVE) / (1.0 - NEPH_LAMP_PLACES_BY_OCTAVE);
+                 ? choice / NEPH_LIGHT_POINTS_BY_OCTAVE
+                 : (choice - NEPH_LIGHT_POINTS_BY_OCTAVE) / (1.0 - NEPH_LIGHT_POINTS_BY_OCTAVE);
     if (!(segment.weight_sum > 0.0))
         return place;
     const int l = by_octaves
@@ -229,8 +230,8 @@ struct neph_lamp_place neph_lamp_place_draw(const struct neph_scene *scene,
     return place;
 }
 
-const struct neph_light *neph_lamp_pick(const struct neph_scene *scene, struct neph_vec3 point_m,
-                                        double *probability, struct neph_random *random)
+const struct neph_light *neph_light_choose(const struct neph_scene *scene, struct neph_vec3 point_m,
+                                           double *probability, struct neph_random *random)
 {
     double weights[NEPH_SCENE_LIGHTS_MAX], sum = 0.0;
     for (int i = 0; i < scene->light_count; i++) {
@@ -245,8 +246,8 @@ const struct neph_light *neph_lamp_pick(const struct neph_scene *scene, struct n
     return &scene->lights[picked];
 }
 
-struct neph_vec3 neph_lamp_direction_draw(const struct neph_scene *scene, struct neph_vec3 point_m,
-                                          struct neph_random *random)
+struct neph_vec3 neph_light_direction_sample(const struct neph_scene *scene,
+                                             struct neph_vec3 point_m, struct neph_random *random)
 {
     const int last = scene->light_count - 1;
     const int picked = (int)fmin(last, scene->light_count * neph_random_uniform(random));
@@ -256,8 +257,8 @@ struct neph_vec3 neph_lamp_direction_draw(const struct neph_scene *scene, struct
     return neph_direction_around(lit.direction, M_PI * neph_random_uniform(random), random);
 }
 
-double neph_lamp_direction_per_sr(const struct neph_scene *scene, struct neph_vec3 point_m,
-                                  struct neph_vec3 direction)
+double neph_light_direction_per_sr(const struct neph_scene *scene, struct neph_vec3 point_m,
+                                   struct neph_vec3 direction)
 {
     double sum_per_sr = 0.0;
     for (int i = 0; i < scene->light_count; i++) {

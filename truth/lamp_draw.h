@@ -25,10 +25,10 @@
 
 /* The share of points sampled by 1 / d. It costs at most 1 / (1 - share) of the samples where 1 /
  * d^2 would suffice. */
-#define NEPH_LAMP_PLACES_BY_OCTAVE (1.0 / 4)
+#define NEPH_LIGHT_POINTS_BY_OCTAVE (1.0 / 4)
 
 /* A point on a segment, and the sampled light. */
-struct neph_lamp_place {
+struct neph_light_point {
     const struct neph_light *light;
     double t_m;
     struct neph_vec3 to_light; /* unit */
@@ -37,22 +37,23 @@ struct neph_lamp_place {
 };
 
 /* Sample a point on origin + t direction, t in [0, end_m] (may be +inf), inside media. */
-struct neph_lamp_place neph_lamp_place_draw(const struct neph_scene *scene,
-                                            struct neph_vec3 origin_m, struct neph_vec3 direction,
-                                            double end_m, struct neph_random *random);
+struct neph_light_point neph_light_point_sample(const struct neph_scene *scene,
+                                                struct neph_vec3 origin_m,
+                                                struct neph_vec3 direction, double end_m,
+                                                struct neph_random *random);
 
 /* Choose a light for a surface, by its irradiance without cosine and occlusion; NULL: no light. */
-const struct neph_light *neph_lamp_pick(const struct neph_scene *scene, struct neph_vec3 point_m,
-                                        double *probability, struct neph_random *random);
+const struct neph_light *neph_light_choose(const struct neph_scene *scene, struct neph_vec3 point_m,
+                                           double *probability, struct neph_random *random);
 
-/* The share of directions sampled by neph_lamp_direction_draw(). */
-#define NEPH_LAMP_DIRECTIONS (1.0 / 8)
+/* The share of directions sampled by neph_light_direction_sample(). */
+#define NEPH_LIGHT_DIRECTIONS (1.0 / 8)
 
 /* Sample a direction by 1 / sin of its angle from a light, with equal weights of the lights; and
  * the density of any direction [1/sr]. */
-struct neph_vec3 neph_lamp_direction_draw(const struct neph_scene *scene, struct neph_vec3 point_m,
-                                          struct neph_random *random);
-double neph_lamp_direction_per_sr(const struct neph_scene *scene, struct neph_vec3 point_m,
-                                  struct neph_vec3 direction);
+struct neph_vec3 neph_light_direction_sample(const struct neph_scene *scene,
+                                             struct neph_vec3 point_m, struct neph_random *random);
+double neph_light_direction_per_sr(const struct neph_scene *scene, struct neph_vec3 point_m,
+                                   struct neph_vec3 direction);
 
 #endif

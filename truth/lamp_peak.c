@@ -36,8 +36,8 @@ static bool scatters_beside(const struct neph_scene *scene, const struct neph_li
     return false;
 }
 
-bool neph_is_lamp_peak(const struct neph_scene *still, const struct neph_light *light,
-                       struct neph_vec3 origin_m, struct neph_vec3 direction)
+bool neph_is_light_peak(const struct neph_scene *still, const struct neph_light *light,
+                        struct neph_vec3 origin_m, struct neph_vec3 direction)
 {
     const struct neph_vec3 way_m = neph_vec3_sub(light->position_m, origin_m);
     const double foot_m = neph_vec3_dot(way_m, direction);
@@ -51,8 +51,8 @@ bool neph_is_lamp_peak(const struct neph_scene *still, const struct neph_light *
            (foot_m > beside_m && scatters_beside(still, light, direction, -beside_m));
 }
 
-bool neph_find_lamp_peak(const struct neph_scene *still, const struct neph_camera *camera,
-                         int width_px, int height_px, struct neph_lamp_peak *peak)
+bool neph_find_light_peak(const struct neph_scene *still, const struct neph_camera *camera,
+                          int width_px, int height_px, struct neph_light_peak *peak)
 {
     if (still->scattering == NEPH_SCATTERING_NONE || still->medium_count == 0)
         return false;
@@ -79,9 +79,9 @@ bool neph_find_lamp_peak(const struct neph_scene *still, const struct neph_camer
                 const struct neph_pixel_ray ray = neph_camera_ray(camera, width_px, height_px,
                                                                   column, row);
                 if (row < 0 || column < 0 ||
-                    !neph_is_lamp_peak(still, light, ray.origin_m, ray.direction))
+                    !neph_is_light_peak(still, light, ray.origin_m, ray.direction))
                     continue;
-                *peak = (struct neph_lamp_peak){l, column, row, is_at_the_eye};
+                *peak = (struct neph_light_peak){l, column, row, is_at_the_eye};
                 return true;
             }
     }

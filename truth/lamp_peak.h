@@ -12,10 +12,10 @@
 
 /* Whether this applies to a light and a ray: the ray passes the light nearer than double precision
  * can resolve. */
-bool neph_is_lamp_peak(const struct neph_scene *still, const struct neph_light *light,
-                       struct neph_vec3 origin_m, struct neph_vec3 direction);
+bool neph_is_light_peak(const struct neph_scene *still, const struct neph_light *light,
+                        struct neph_vec3 origin_m, struct neph_vec3 direction);
 
-struct neph_lamp_peak {
+struct neph_light_peak {
     int light; /* its index in the scene */
     int column, row;
     bool is_at_the_eye; /* the light is at the eye, where the rays of many pixels start */
@@ -24,7 +24,7 @@ struct neph_lamp_peak {
 /* Find the first such pixel of a frame; `still` is the scene at the frame's time (neph_scene_at()).
  * False: there is none. Costs a few operations per light, and one ray per pixel if a light is at
  * the eye. */
-bool neph_find_lamp_peak(const struct neph_scene *still, const struct neph_camera *camera,
-                         int width_px, int height_px, struct neph_lamp_peak *peak);
+bool neph_find_light_peak(const struct neph_scene *still, const struct neph_camera *camera,
+                          int width_px, int height_px, struct neph_light_peak *peak);
 
 #endif

@@ -96,7 +96,7 @@ static double draw_lit(const struct neph_lit_flight *lit, double u)
     return lit->s[i] + (lit->s[i + 1] - lit->s[i]) * x;
 }
 
-double neph_lit_flight_draw(const struct neph_lit_flight *lit, struct neph_random *random)
+double neph_lit_flight_sample(const struct neph_lit_flight *lit, struct neph_random *random)
 {
     const double share = neph_random_uniform(random), u = neph_random_uniform(random);
     double s = u * lit->s[NEPH_LIT_CELLS];

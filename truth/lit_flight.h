@@ -44,7 +44,7 @@ void neph_lit_flight_edges(struct neph_lit_flight *lit, double end);
 void neph_lit_flight_complete(struct neph_lit_flight *lit, bool also_ambient);
 
 /* Sample a depth s. */
-double neph_lit_flight_draw(const struct neph_lit_flight *lit, struct neph_random *random);
+double neph_lit_flight_sample(const struct neph_lit_flight *lit, struct neph_random *random);
 
 /* The probability density per unit of s. */
 double neph_lit_flight_density(const struct neph_lit_flight *lit, double s);

@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-bool neph_on_screen(const struct neph_scene *scene, const struct neph_screen *screen,
-                    struct neph_vec3 point_m)
+bool neph_is_on_screen(const struct neph_scene *scene, const struct neph_screen *screen,
+                       struct neph_vec3 point_m)
 {
     const struct neph_camera *camera = &screen->camera;
     const bool is_parallel = camera->orthographic_height_m > 0.0;
@@ -18,5 +18,5 @@ bool neph_on_screen(const struct neph_scene *scene, const struct neph_screen *sc
         return false;
     const struct neph_vec3 eye_m = is_parallel ? neph_vec3_along(point_m, camera->forward, -depth_m)
                                                : camera->position_m;
-    return neph_scene_sees(scene, point_m, eye_m);
+    return neph_scene_is_visible(scene, point_m, eye_m);
 }

@@ -14,7 +14,7 @@ struct neph_screen {
 
 /* Whether a point just outside a surface is visible: inside the frame, in front of the camera, and
  * not occluded by a solid. */
-bool neph_on_screen(const struct neph_scene *scene, const struct neph_screen *screen,
-                    struct neph_vec3 point_m);
+bool neph_is_on_screen(const struct neph_scene *scene, const struct neph_screen *screen,
+                       struct neph_vec3 point_m);
 
 #endif

@@ -271,7 +271,7 @@ static enum neph_status leave_checkpoint(struct render *render, struct neph_diag
 /* ---- the render ------------------------------------------------------------------------------ */
 
 /* Whether to render another round; `sample_s` is the time of the last sample of all pixels. */
-static bool goes_on(const struct render *render, int done, double sample_s)
+static bool needs_another_round(const struct render *render, int done, double sample_s)
 {
     const struct neph_oracle_params *params = render->params;
     if (done >= params->samples)
@@ -289,7 +289,7 @@ static enum neph_status run_rounds(struct render *render, struct neph_diag *diag
 {
     double sample_s = 0.0;
     enum neph_status status = NEPH_OK;
-    for (int done = samples_done(render); !status && goes_on(render, done, sample_s);) {
+    for (int done = samples_done(render); !status && needs_another_round(render, done, sample_s);) {
         const double start_s = neph_wall_s();
         render->round_end = next_round_end(done, render->params->samples);
         status = neph_parallel_rows(render->params->height_px, render_row, render, diag);

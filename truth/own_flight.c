@@ -23,45 +23,45 @@ static const double placement = 1e-12;
 /* Tables are evaluated just before the far end, which may be infinitely far. */
 static const double before_end = 1.0 - 1e-9;
 
-static double mean_of(struct neph_rgb color)
+static double channel_mean(struct neph_rgb color)
 {
     return (color.r + color.g + color.b) / 3.0;
 }
 
-static const struct neph_medium *medium_of(const struct neph_own_flight *flight,
-                                           const struct neph_own_part *part)
+static const struct neph_medium *part_medium(const struct neph_medium_flight *flight,
+                                             const struct neph_medium_flight_part *part)
 {
     return &flight->scene->media[part->medium];
 }
 
-static struct neph_vec3 point_m(const struct neph_own_flight *flight, double t_m)
+static struct neph_vec3 point_m(const struct neph_medium_flight *flight, double t_m)
 {
     return neph_vec3_along(flight->ray.origin_m, flight->ray.direction, t_m);
 }
 
 /* Extinction of the medium, mean of the channels. */
-static double extinction_per_m(const struct neph_own_flight *flight,
-                               const struct neph_own_part *part, double t_m)
+static double extinction_per_m(const struct neph_medium_flight *flight,
+                               const struct neph_medium_flight_part *part, double t_m)
 {
-    const struct neph_medium *medium = medium_of(flight, part);
-    return mean_of(medium->extinction_color) *
+    const struct neph_medium *medium = part_medium(flight, part);
+    return channel_mean(medium->extinction_color) *
            neph_medium_extinction_per_m(medium, point_m(flight, t_m));
 }
 
 /* ---- from optical depths of one medium to distances ------------------------------------------ */
 
 /* The optical depth s up to a distance, for a medium with a closed form. */
-static double depth_at(const struct neph_own_flight *flight, const struct neph_own_part *part,
-                       double t_m)
+static double depth_at(const struct neph_medium_flight *flight,
+                       const struct neph_medium_flight_part *part, double t_m)
 {
-    const struct neph_medium *medium = medium_of(flight, part);
-    return mean_of(medium->extinction_color) *
+    const struct neph_medium *medium = part_medium(flight, part);
+    return channel_mean(medium->extinction_color) *
            neph_medium_optical_depth(medium, flight->ray.origin_m, flight->ray.direction, 0.0, t_m);
 }
 
 /* A distance beyond `low_m` at which s has reached the target. */
-static double finite_end_m(const struct neph_own_flight *flight, const struct neph_own_part *part,
-                           double low_m, double target)
+static double finite_end_m(const struct neph_medium_flight *flight,
+                           const struct neph_medium_flight_part *part, double low_m, double target)
 {
     double step_m = 1.0;
     while (step_m < 1e300 && depth_at(flight, part, low_m + step_m) < target)
@@ -71,8 +71,9 @@ static double finite_end_m(const struct neph_own_flight *flight, const struct ne
 
 /* The distance at which s reaches the target: Newton's method, with bisection when it leaves the
  * bracket. */
-static double solve_m(const struct neph_own_flight *flight, const struct neph_own_part *part,
-                      double low_m, double high_m, double target)
+static double solve_m(const struct neph_medium_flight *flight,
+                      const struct neph_medium_flight_part *part, double low_m, double high_m,
+                      double target)
 {
     const double close = placement * fmin(target, 1.0);
     if (isinf(high_m))
@@ -94,7 +95,7 @@ static double solve_m(const struct neph_own_flight *flight, const struct neph_ow
 }
 
 /* The position of a guessed s, in segments. */
-static double guessed_place(const struct neph_own_part *part, double s)
+static double guessed_place(const struct neph_medium_flight_part *part, double s)
 {
     int i = 0;
     while (i + 1 < NEPH_GUESS_STRETCHES && part->depth[i + 1] <= s)
@@ -102,13 +103,13 @@ static double guessed_place(const struct neph_own_part *part, double s)
     return i + fmin((s - part->depth[i]) / (part->depth[i + 1] - part->depth[i]), 1.0);
 }
 
-static double stretch_m(const struct neph_own_part *part)
+static double stretch_m(const struct neph_medium_flight_part *part)
 {
     return (part->t1_m - part->t0_m) / NEPH_GUESS_STRETCHES;
 }
 
 /* The index of the last edge at or before s, except the very last edge. */
-static int find_cell(const struct neph_own_part *part, double s)
+static int find_cell(const struct neph_medium_flight_part *part, double s)
 {
     int i = 0;
     while (i + 1 < NEPH_LIT_CELLS && part->lit.s[i + 1] <= s)
@@ -116,10 +117,10 @@ static int find_cell(const struct neph_own_part *part, double s)
     return i;
 }
 
-static double place_m(const struct neph_own_flight *flight, const struct neph_own_part *part,
-                      double s)
+static double place_m(const struct neph_medium_flight *flight,
+                      const struct neph_medium_flight_part *part, double s)
 {
-    if (!neph_medium_has_closed_form(medium_of(flight, part)))
+    if (!neph_medium_has_closed_form(part_medium(flight, part)))
         return part->t0_m + guessed_place(part, s) * stretch_m(part);
     const int cell = find_cell(part, s);
     const bool is_inside = s < part->lit.s[NEPH_LIT_CELLS];
@@ -130,7 +131,8 @@ static double place_m(const struct neph_own_flight *flight, const struct neph_ow
 /* ---- the tables ---- */
 
 /* Guess the depths; none is 0, as in truth/guess.c. */
-static void guess_depths(const struct neph_own_flight *flight, struct neph_own_part *part)
+static void guess_depths(const struct neph_medium_flight *flight,
+                         struct neph_medium_flight_part *part)
 {
     double own[NEPH_GUESS_STRETCHES], shared[NEPH_GUESS_STRETCHES], sum = 0.0;
     const double length_m = stretch_m(part);
@@ -156,7 +158,8 @@ static void guess_depths(const struct neph_own_flight *flight, struct neph_own_p
 }
 
 /* Set the edges; false: the ray misses the medium. */
-static bool find_edges(const struct neph_own_flight *flight, struct neph_own_part *part)
+static bool find_edges(const struct neph_medium_flight *flight,
+                       struct neph_medium_flight_part *part)
 {
     const double end = depth_at(flight, part, part->t1_m);
     if (!(end > 0.0))
@@ -182,8 +185,9 @@ static double log_sent(double sun, double ambient, double sun_depth)
 }
 
 /* The logarithm of the light that arrives from an edge, all channels together. */
-static double log_light_at(const struct neph_own_flight *flight, const struct neph_source *source,
-                           struct neph_own_part *part, int edge)
+static double log_light_at(const struct neph_medium_flight *flight,
+                           const struct neph_source *source, struct neph_medium_flight_part *part,
+                           int edge)
 {
     const struct neph_scene *scene = flight->scene;
     const struct neph_vec3 at_m = point_m(flight, part->edge_t_m[edge]);
@@ -192,9 +196,9 @@ static double log_light_at(const struct neph_own_flight *flight, const struct ne
     struct neph_rgb sun = {0, 0, 0};
     if (scene->sun.present)
         sun = neph_guess_depth(scene, at_m, scene->sun.direction, INFINITY);
-    part->view_depth[edge] = mean_of(view);
-    part->sun_depth[edge] = mean_of(sun);
-    const struct neph_rgb color = medium_of(flight, part)->extinction_color;
+    part->view_depth[edge] = channel_mean(view);
+    part->sun_depth[edge] = channel_mean(sun);
+    const struct neph_rgb color = part_medium(flight, part)->extinction_color;
     const double log_light[3] = {
         log(color.r) + log_sent(source->sun.r, source->ambient.r, sun.r) - view.r,
         log(color.g) + log_sent(source->sun.g, source->ambient.g, sun.g) - view.g,
@@ -214,7 +218,8 @@ static bool is_black(struct neph_rgb light)
 }
 
 /* Set up a medium; false: no light of it arrives on the ray. */
-static bool init_part(const struct neph_own_flight *flight, struct neph_own_part *part, int m)
+static bool init_part(const struct neph_medium_flight *flight, struct neph_medium_flight_part *part,
+                      int m)
 {
     const struct neph_medium *medium = &flight->scene->media[m];
     const struct neph_source source = neph_medium_source(flight->scene, medium);
@@ -236,7 +241,7 @@ static bool init_part(const struct neph_own_flight *flight, struct neph_own_part
     return true;
 }
 
-static void share_out(struct neph_own_flight *flight)
+static void share_out(struct neph_medium_flight *flight)
 {
     double most = -INFINITY, sum = 0.0;
     for (int p = 0; p < flight->count; p++)
@@ -254,7 +259,7 @@ static void share_out(struct neph_own_flight *flight)
 /* ---- free flights ---- */
 
 /* The probability that a free flight collides with the medium, mean of the channels. */
-static double chance_of_flights(const struct neph_own_part *part)
+static double compute_collision_chance(const struct neph_medium_flight_part *part)
 {
     double sum = 0.0;
     for (int i = 0; i < NEPH_LIT_CELLS; i++) {
@@ -265,23 +270,23 @@ static double chance_of_flights(const struct neph_own_part *part)
     return sum;
 }
 
-static double brightness(const struct neph_own_flight *flight, const struct neph_own_part *part,
-                         int channel)
+static double brightness(const struct neph_medium_flight *flight,
+                         const struct neph_medium_flight_part *part, int channel)
 {
-    const struct neph_source source = neph_medium_source(flight->scene, medium_of(flight, part));
+    const struct neph_source source = neph_medium_source(flight->scene, part_medium(flight, part));
     const struct neph_rgb all = neph_rgb_add(source.sun, source.ambient);
     return channel == 0 ? all.r : channel == 1 ? all.g : all.b;
 }
 
 /* Whether free flights collide with bright media often enough, in all channels with light. */
-static bool do_flights_suffice(const struct neph_own_flight *flight)
+static bool do_flights_suffice(const struct neph_medium_flight *flight)
 {
     for (int j = 0; j < 3; j++) {
         double most = 0.0, met = 0.0;
         for (int p = 0; p < flight->count; p++) {
             const double bright = brightness(flight, &flight->parts[p], j);
             most = fmax(most, bright);
-            met += bright * chance_of_flights(&flight->parts[p]);
+            met += bright * compute_collision_chance(&flight->parts[p]);
         }
         if (met < flights_suffice * most)
             return false;
@@ -290,7 +295,7 @@ static bool do_flights_suffice(const struct neph_own_flight *flight)
 }
 
 /* Whether guesses are possible: media without closed forms are bounded on the ray. */
-static bool is_possible(const struct neph_own_flight *flight)
+static bool is_possible(const struct neph_medium_flight *flight)
 {
     for (int m = 0; m < flight->scene->medium_count; m++) {
         const struct neph_medium *medium = &flight->scene->media[m];
@@ -304,8 +309,8 @@ static bool is_possible(const struct neph_own_flight *flight)
     return true;
 }
 
-void neph_own_flight_init(struct neph_own_flight *flight, const struct neph_scene *scene,
-                          const struct neph_ray *ray)
+void neph_medium_flight_init(struct neph_medium_flight *flight, const struct neph_scene *scene,
+                             const struct neph_ray *ray)
 {
     flight->scene = scene;
     flight->ray = *ray;
@@ -324,8 +329,8 @@ void neph_own_flight_init(struct neph_own_flight *flight, const struct neph_scen
 
 /* ---- sampling -------------------------------------------------------------------------------- */
 
-static const struct neph_own_part *pick_part(const struct neph_own_flight *flight,
-                                             struct neph_random *random)
+static const struct neph_medium_flight_part *pick_part(const struct neph_medium_flight *flight,
+                                                       struct neph_random *random)
 {
     double left = neph_random_uniform(random);
     int p = 0;
@@ -335,7 +340,7 @@ static const struct neph_own_part *pick_part(const struct neph_own_flight *fligh
 }
 
 static double between_edges(const double at_edges[NEPH_LIT_CELLS + 1],
-                            const struct neph_own_part *part, double s)
+                            const struct neph_medium_flight_part *part, double s)
 {
     const int i = find_cell(part, s);
     const double width = part->lit.s[i + 1] - part->lit.s[i];
@@ -344,30 +349,30 @@ static double between_edges(const double at_edges[NEPH_LIT_CELLS + 1],
 }
 
 /* True extinction of the medium over its guessed extinction; 1 if s is exact. */
-static double true_over_guessed(const struct neph_own_flight *flight,
-                                const struct neph_own_part *part, double s, double t_m)
+static double true_over_guessed(const struct neph_medium_flight *flight,
+                                const struct neph_medium_flight_part *part, double s, double t_m)
 {
-    if (neph_medium_has_closed_form(medium_of(flight, part)))
+    if (neph_medium_has_closed_form(part_medium(flight, part)))
         return 1.0;
     const int i = (int)fmin(guessed_place(part, s), NEPH_GUESS_STRETCHES - 1);
     const double guessed_per_m = (part->depth[i + 1] - part->depth[i]) / stretch_m(part);
     return extinction_per_m(flight, part, t_m) / guessed_per_m;
 }
 
-struct neph_guessed neph_own_flight_draw(const struct neph_own_flight *flight,
-                                         struct neph_random *random)
+struct neph_guess_result neph_medium_flight_sample(const struct neph_medium_flight *flight,
+                                                   struct neph_random *random)
 {
-    struct neph_guessed drawn = {.collision = {flight->ray.end_m, -1, {1.0, 1.0, 1.0}}};
+    struct neph_guess_result drawn = {.collision = {flight->ray.end_m, -1, {1.0, 1.0, 1.0}}};
     if (flight->count == 0)
         return drawn;
-    const struct neph_own_part *part = pick_part(flight, random);
-    const double s = neph_lit_flight_draw(&part->lit, random);
+    const struct neph_medium_flight_part *part = pick_part(flight, random);
+    const double s = neph_lit_flight_sample(&part->lit, random);
     const double t_m = place_m(flight, part, s);
     const double weight = true_over_guessed(flight, part, s, t_m) /
                           (neph_lit_flight_density(&part->lit, s) * part->chance);
     if (!(weight > 0.0))
         return drawn;
-    const struct neph_rgb color = medium_of(flight, part)->extinction_color;
+    const struct neph_rgb color = part_medium(flight, part)->extinction_color;
     struct neph_rgb way = {0, 0, 0};
     if (flight->is_exact)
         way = neph_scene_optical_depth(flight->scene, flight->ray.origin_m, flight->ray.direction,
@@ -376,8 +381,8 @@ struct neph_guessed neph_own_flight_draw(const struct neph_own_flight *flight,
     drawn.collision.medium = part->medium;
     drawn.view_depth = between_edges(part->view_depth, part, s);
     drawn.sun_depth = between_edges(part->sun_depth, part, s);
-    drawn.value[0] = color.r / mean_of(color) * weight * exp(-way.r);
-    drawn.value[1] = color.g / mean_of(color) * weight * exp(-way.g);
-    drawn.value[2] = color.b / mean_of(color) * weight * exp(-way.b);
+    drawn.value[0] = color.r / channel_mean(color) * weight * exp(-way.r);
+    drawn.value[1] = color.g / channel_mean(color) * weight * exp(-way.g);
+    drawn.value[2] = color.b / channel_mean(color) * weight * exp(-way.b);
     return drawn;
 }

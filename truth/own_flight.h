@@ -24,7 +24,7 @@
 #include "truth/guess.h"
 #include "truth/lit_flight.h"
 
-struct neph_own_part {
+struct neph_medium_flight_part {
     int medium;
     double chance;                          /* probability of being chosen */
     double t0_m, t1_m;                      /* range of the ray in the medium; t1 may be +inf */
@@ -36,24 +36,24 @@ struct neph_own_part {
                                              * form */
 };
 
-struct neph_own_flight {
+struct neph_medium_flight {
     const struct neph_scene *scene;
     struct neph_ray ray;
     bool is_known;
     bool is_exact; /* all media have closed forms */
     int count;
-    struct neph_own_part parts[NEPH_SCENE_MEDIA_MAX]; /* of the media that send light */
+    struct neph_medium_flight_part parts[NEPH_SCENE_MEDIA_MAX]; /* of the media that send light */
 };
 
 /* Set up. `is_known` is false if the media do not differ; and, if a medium has no closed form, also
  * if it is unbounded on the ray or if free flights collide with bright media often enough. */
-void neph_own_flight_init(struct neph_own_flight *flight, const struct neph_scene *scene,
-                          const struct neph_ray *ray);
+void neph_medium_flight_init(struct neph_medium_flight *flight, const struct neph_scene *scene,
+                             const struct neph_ray *ray);
 
 /* Sample a collision, if `is_known`. `value` is its weight per channel over its probability
  * density: extinction of the medium, times the transmittance from the camera if `is_exact`. Medium
  * -1: no light. */
-struct neph_guessed neph_own_flight_draw(const struct neph_own_flight *flight,
-                                         struct neph_random *random);
+struct neph_guess_result neph_medium_flight_sample(const struct neph_medium_flight *flight,
+                                                   struct neph_random *random);
 
 #endif

@@ -74,14 +74,14 @@ static bool reflect(struct path *path, struct neph_rgb albedo)
     return path->value[0] > 0.0 || path->value[1] > 0.0 || path->value[2] > 0.0;
 }
 
-static double most_of(const struct path *path)
+static double largest_path_value(const struct path *path)
 {
     return fmax(path->value[0], fmax(path->value[1], path->value[2]));
 }
 
 static bool survives(struct path *path)
 {
-    const double most = most_of(path);
+    const double most = largest_path_value(path);
     if (most >= path->roulette)
         return true;
     if (neph_random_uniform(path->random) * path->roulette >= most)
@@ -106,7 +106,7 @@ static struct neph_rgb transmittance(const struct path *path, struct neph_vec3 d
 static struct neph_rgb sunlight(const struct path *path, double per_sr)
 {
     const struct neph_sun *sun = &path->scene->sun;
-    if (!sun->present || per_sr == 0.0 || !neph_scene_sees_sun(path->scene, path->at_m))
+    if (!sun->present || per_sr == 0.0 || !neph_scene_is_sun_visible(path->scene, path->at_m))
         return black;
     const struct neph_rgb light = neph_rgb_mul(
         sun->irradiance_w_per_m2, transmittance(path, sun->direction, path->sun_depth));
@@ -152,13 +152,13 @@ static struct neph_rgb attenuated(struct neph_rgb light, struct neph_rgb through
 }
 
 /* Light of a point light that media scatter into the segment from here to `end_m`. */
-static struct neph_rgb segment_lamplight(const struct path *path, double end_m)
+static struct neph_rgb sample_segment_light(const struct path *path, double end_m)
 {
     const struct neph_scene *scene = path->scene;
     if (scene->light_count == 0)
         return black;
-    const struct neph_lamp_place place = neph_lamp_place_draw(scene, path->at_m, path->direction,
-                                                              end_m, path->random);
+    const struct neph_light_point place = neph_light_point_sample(
+        scene, path->at_m, path->direction, end_m, path->random);
     if (!(place.density_per_m > 0.0))
         return black;
     const struct neph_vec3 point_m = neph_vec3_along(path->at_m, path->direction, place.t_m);
@@ -169,7 +169,7 @@ static struct neph_rgb segment_lamplight(const struct path *path, double end_m)
         scattered_per_m_sr(scene, point_m, neph_vec3_dot(path->direction, place.to_light)));
     path->cost->lookups++;
     if (!(arriving.r > 0.0 || arriving.g > 0.0 || arriving.b > 0.0) ||
-        !neph_scene_sees(scene, point_m, place.light->position_m))
+        !neph_scene_is_visible(scene, point_m, place.light->position_m))
         return black;
     const struct neph_rgb through = neph_rgb_mul(
         transmittance_between(path, path->at_m, path->direction, place.t_m),
@@ -178,18 +178,18 @@ static struct neph_rgb segment_lamplight(const struct path *path, double end_m)
 }
 
 /* Light of a point light that the surface at the path's position reflects. */
-static struct neph_rgb surface_lamplight(const struct path *path, struct neph_vec3 normal)
+static struct neph_rgb sample_surface_light(const struct path *path, struct neph_vec3 normal)
 {
     double probability;
     const struct neph_light *light = path->scene->light_count == 0
                                          ? NULL
-                                         : neph_lamp_pick(path->scene, path->at_m, &probability,
-                                                          path->random);
+                                         : neph_light_choose(path->scene, path->at_m, &probability,
+                                                             path->random);
     if (!light)
         return black;
     const struct neph_lit lit = neph_light_at(light, path->at_m);
     const double cosine = neph_vec3_dot(normal, lit.direction);
-    if (cosine <= 0.0 || !neph_scene_sees(path->scene, path->at_m, light->position_m))
+    if (cosine <= 0.0 || !neph_scene_is_visible(path->scene, path->at_m, light->position_m))
         return black;
     const struct neph_rgb through = transmittance_between(path, path->at_m, lit.direction,
                                                           lit.distance_m);
@@ -199,7 +199,7 @@ static struct neph_rgb surface_lamplight(const struct path *path, struct neph_ve
 }
 
 /* Environment light along the path's direction, unscattered. */
-static struct neph_rgb surroundings(const struct path *path)
+static struct neph_rgb sample_environment(const struct path *path)
 {
     if (!path->scene->environment_light ||
         neph_scene_hit(path->scene, path->at_m, path->direction).solid)
@@ -217,16 +217,16 @@ static void turn(struct path *path, struct neph_vec3 own,
                  double (*per_sr)(const void *context, struct neph_vec3 direction),
                  const void *context)
 {
-    const double share = NEPH_LAMP_DIRECTIONS;
+    const double share = NEPH_LIGHT_DIRECTIONS;
     const struct neph_scene *scene = path->scene;
     path->direction = own;
     if (scene->light_count == 0 || scene->scattering != NEPH_SCATTERING_MULTIPLE)
         return;
     if (neph_random_uniform(path->random) < share)
-        path->direction = neph_lamp_direction_draw(scene, path->at_m, path->random);
+        path->direction = neph_light_direction_sample(scene, path->at_m, path->random);
     const double wanted = per_sr(context, path->direction);
     const double drawn = (1.0 - share) * wanted +
-                         share * neph_lamp_direction_per_sr(scene, path->at_m, path->direction);
+                         share * neph_light_direction_per_sr(scene, path->at_m, path->direction);
     for (int j = 0; j < 3; j++)
         path->value[j] *= wanted / drawn;
 }
@@ -268,7 +268,7 @@ static bool leave_medium(struct path *path, int index, struct neph_rgb *light)
     const struct scattered scattered = {&medium->phase, path->direction};
     turn(path, neph_phase_sample(&medium->phase, path->direction, path->random), scattered_per_sr,
          &scattered);
-    return most_of(path) > 0.0;
+    return largest_path_value(path) > 0.0;
 }
 
 /* Move to a surface, without its direct light; false: it absorbs everything. */
@@ -284,7 +284,7 @@ static bool reach_surface(struct path *path, const struct neph_hit *hit)
 static bool leave_surface(struct path *path, const struct neph_hit *hit)
 {
     turn(path, neph_cosine_sample(hit->normal, path->random), reflected_per_sr, &hit->normal);
-    return most_of(path) > 0.0;
+    return largest_path_value(path) > 0.0;
 }
 
 static bool meet_surface(struct path *path, const struct neph_hit *hit, struct neph_rgb *light)
@@ -294,9 +294,9 @@ static bool meet_surface(struct path *path, const struct neph_hit *hit, struct n
     const struct neph_vec3 own = neph_cosine_sample(hit->normal, path->random);
     const double cosine = neph_vec3_dot(hit->normal, path->scene->sun.direction);
     add(light, sunlight(path, fmax(0.0, cosine) / M_PI));
-    add(light, surface_lamplight(path, hit->normal));
+    add(light, sample_surface_light(path, hit->normal));
     turn(path, own, reflected_per_sr, &hit->normal);
-    return most_of(path) > 0.0;
+    return largest_path_value(path) > 0.0;
 }
 
 /* Trace from an event to the end of the path. `*direct` receives environment light without a
@@ -304,11 +304,11 @@ static bool meet_surface(struct path *path, const struct neph_hit *hit, struct n
 static void follow(struct path *path, struct neph_rgb *direct, struct neph_rgb *light)
 {
     /* Relative to the current value, which is small after a first collision in a thin medium. */
-    path->roulette = roulette_below * most_of(path);
+    path->roulette = roulette_below * largest_path_value(path);
     for (struct neph_rgb *escaped = direct; survives(path); escaped = light) {
         const struct neph_hit hit = neph_scene_hit(path->scene, path->at_m, path->direction);
         const struct neph_ray ray = {path->at_m, path->direction, hit.t_m};
-        add(light, segment_lamplight(path, hit.t_m));
+        add(light, sample_segment_light(path, hit.t_m));
         const struct neph_collision collision = neph_tracker_collide(
             path->tracker, &ray, path->channel, path->random, path->cost);
         if (!neph_tracker_is_grey(path->tracker))
@@ -360,7 +360,7 @@ static bool enter_lit_volume(struct path *path, const struct neph_flight *flight
 static bool enter_guessed_volume(struct path *path, const struct neph_guess *guess,
                                  struct neph_collision *collision)
 {
-    const struct neph_guessed guessed = neph_guess_draw(guess, path->scene, path->random);
+    const struct neph_guess_result guessed = neph_guess_sample(guess, path->scene, path->random);
     *collision = guessed.collision;
     if (collision->medium < 0)
         return false;
@@ -377,10 +377,10 @@ static bool enter_guessed_volume(struct path *path, const struct neph_guess *gue
 }
 
 /* Sample the first collision if media differ in brightness: each has its own samples. */
-static bool enter_own_volume(struct path *path, const struct neph_own_flight *flight,
-                             struct neph_collision *collision)
+static bool enter_medium_volume(struct path *path, const struct neph_medium_flight *flight,
+                                struct neph_collision *collision)
 {
-    const struct neph_guessed drawn = neph_own_flight_draw(flight, path->random);
+    const struct neph_guess_result drawn = neph_medium_flight_sample(flight, path->random);
     struct neph_rgb light = {1, 1, 1};
     *collision = drawn.collision;
     if (collision->medium < 0)
@@ -405,7 +405,7 @@ static bool enter_volume(struct path *path, const struct neph_view *view,
                          const struct neph_flight *flight, struct neph_collision *collision)
 {
     if (flight && flight->own.is_known)
-        return enter_own_volume(path, &flight->own, collision);
+        return enter_medium_volume(path, &flight->own, collision);
     if (flight && flight->lit.is_known)
         return enter_lit_volume(path, flight, collision);
     if (flight && flight->guess.lit.is_known)
@@ -439,7 +439,7 @@ static void trace_volume(struct path *path, const struct neph_view *view,
 {
     struct neph_collision collision;
     if (path->scene->scattering != NEPH_SCATTERING_NONE)
-        light->order1 = light->volume = segment_lamplight(path, view->hit.t_m);
+        light->order1 = light->volume = sample_segment_light(path, view->hit.t_m);
     if (needs_no_collision(path->scene) || !enter_volume(path, view, flight, &collision))
         return;
     struct neph_rgb order1 = black;
@@ -450,7 +450,7 @@ static void trace_volume(struct path *path, const struct neph_view *view,
     if (path->scene->scattering == NEPH_SCATTERING_MULTIPLE)
         follow(path, &order1, &light->volume);
     else
-        add(&order1, surroundings(path));
+        add(&order1, sample_environment(path));
     add(&light->order1, order1);
     add(&light->volume, order1);
 }
@@ -465,7 +465,7 @@ static void trace_surface(struct path *path, const struct neph_view *view,
     if (path->scene->scattering == NEPH_SCATTERING_MULTIPLE)
         follow(path, &light->surface, &light->surface);
     else
-        add(&light->surface, surroundings(path));
+        add(&light->surface, sample_environment(path));
 }
 
 bool neph_path_has_volume(const struct neph_scene *scene)
@@ -509,7 +509,7 @@ static struct neph_rgb sunlit_surface(const struct neph_scene *scene, const stru
     if (!scene->sun.present || cosine <= 0.0)
         return black;
     const struct neph_vec3 point_m = neph_hit_outside_m(&view->hit, seen_point_m(view));
-    if (!neph_scene_sees_sun(scene, point_m))
+    if (!neph_scene_is_sun_visible(scene, point_m))
         return black;
     const struct neph_rgb depth = neph_scene_optical_depth(scene, point_m, scene->sun.direction,
                                                            0.0, INFINITY);
@@ -520,13 +520,13 @@ static struct neph_rgb sunlit_surface(const struct neph_scene *scene, const stru
 }
 
 /* Light of point lights that a surface reflects. */
-static struct neph_rgb lamplit_surface(const struct neph_scene *scene, const struct neph_view *view)
+static struct neph_rgb compute_surface_lights(const struct neph_scene *scene,
+                                              const struct neph_view *view)
 {
     if (scene->light_count == 0)
         return black;
     const struct neph_vec3 point_m = neph_hit_outside_m(&view->hit, seen_point_m(view));
-    return neph_rgb_mul(seen_color(view),
-                        neph_lamplight_reflected(scene, point_m, view->hit.normal));
+    return neph_rgb_mul(seen_color(view), neph_reflect_lights(scene, point_m, view->hit.normal));
 }
 
 struct neph_view neph_view_create(const struct neph_scene *scene, struct neph_vec3 origin_m,
@@ -538,9 +538,10 @@ struct neph_view neph_view_create(const struct neph_scene *scene, struct neph_ve
     const struct neph_rgb depth = neph_scene_optical_depth(scene, origin_m, direction, 0.0,
                                                            view.hit.t_m);
     view.transmittance = (struct neph_rgb){exp(-depth.r), exp(-depth.g), exp(-depth.b)};
-    const struct neph_rgb behind = view.hit.solid ? neph_rgb_add(sunlit_surface(scene, &view),
-                                                                 lamplit_surface(scene, &view))
-                                                  : scene->background_w_per_m2_sr;
+    const struct neph_rgb behind = view.hit.solid
+                                       ? neph_rgb_add(sunlit_surface(scene, &view),
+                                                      compute_surface_lights(scene, &view))
+                                       : scene->background_w_per_m2_sr;
     view.unscattered = neph_rgb_mul(behind, view.transmittance);
     return view;
 }

@@ -26,8 +26,8 @@ struct place {
     struct neph_rgb color;
 };
 
-static struct place place_of(const struct neph_hit *hit, struct neph_vec3 origin_m,
-                             struct neph_vec3 direction)
+static struct place hit_surface_place(const struct neph_hit *hit, struct neph_vec3 origin_m,
+                                      struct neph_vec3 direction)
 {
     const struct neph_vec3 point_m = neph_vec3_along(origin_m, direction, hit->t_m);
     return (struct place){.solid = hit->solid,
@@ -69,7 +69,7 @@ struct plane {
     struct neph_vec3 point_m, normal;
 };
 
-static struct plane face_of(const struct neph_solid *box, int face)
+static struct plane make_face_plane(const struct neph_solid *box, int face)
 {
     const struct neph_vec3 middle_m = neph_vec3_scale(neph_vec3_add(box->box.min_m, box->box.max_m),
                                                       0.5);
@@ -79,7 +79,7 @@ static struct plane face_of(const struct neph_solid *box, int face)
                                face / 2 == 2 ? side : 0};
     const double depth_m = fabs(neph_vec3_dot(normal, half_m));
     if (neph_is_turned(&box->turn))
-        normal = neph_turned(&box->turn, normal);
+        normal = neph_rotate(&box->turn, normal);
     return (struct plane){neph_vec3_along(middle_m, normal, depth_m), normal};
 }
 
@@ -96,7 +96,7 @@ static bool finds_face(const struct neph_scene *scene, const struct neph_solid *
     const struct neph_hit hit = neph_scene_hit(scene, point_m, direction);
     if (hit.solid != mirror || neph_vec3_dot(hit.normal, face->normal) < 0.5)
         return false;
-    *place = place_of(&hit, point_m, direction);
+    *place = hit_surface_place(&hit, point_m, direction);
     return true;
 }
 
@@ -115,14 +115,14 @@ static void add_mirrored_sun(const struct neph_scene *scene, const struct neph_s
     struct place place;
     if (neph_vec3_dot(sun, face->normal) > 0.0 &&
         finds_face(scene, mirror, face, point_m, direction, &place) &&
-        neph_scene_sees_sun(scene, place.point_m))
+        neph_scene_is_sun_visible(scene, place.point_m))
         add_beam(beams, direction, mirrored_light(&place, scene->sun.irradiance_w_per_m2));
 }
 
 /* Add the light at the mirrored point, with its direction mirrored back. */
-static void add_mirrored_lamp(const struct neph_scene *scene, const struct neph_light *lamp,
-                              const struct neph_solid *mirror, const struct plane *face,
-                              struct neph_vec3 point_m, struct beams *beams)
+static void add_mirrored_light(const struct neph_scene *scene, const struct neph_light *lamp,
+                               const struct neph_solid *mirror, const struct plane *face,
+                               struct neph_vec3 point_m, struct beams *beams)
 {
     const double height_m = height_above_m(face, point_m);
     if (height_m <= 0.0 || height_above_m(face, lamp->position_m) <= 0.0)
@@ -133,7 +133,7 @@ static void add_mirrored_lamp(const struct neph_scene *scene, const struct neph_
                                                        -1.0);
     struct place place;
     if (finds_face(scene, mirror, face, point_m, direction, &place) &&
-        neph_scene_sees(scene, place.point_m, lamp->position_m))
+        neph_scene_is_visible(scene, place.point_m, lamp->position_m))
         add_beam(beams, direction, mirrored_light(&place, lit.irradiance_w_per_m2));
 }
 
@@ -141,11 +141,11 @@ static void add_mirrored(const struct neph_scene *scene, const struct neph_solid
                          struct neph_vec3 point_m, struct beams *beams)
 {
     for (int f = 0; f < FACES; f++) {
-        const struct plane face = face_of(mirror, f);
+        const struct plane face = make_face_plane(mirror, f);
         if (scene->sun.present)
             add_mirrored_sun(scene, mirror, &face, point_m, beams);
         for (int i = 0; i < scene->light_count; i++)
-            add_mirrored_lamp(scene, &scene->lights[i], mirror, &face, point_m, beams);
+            add_mirrored_light(scene, &scene->lights[i], mirror, &face, point_m, beams);
     }
 }
 
@@ -154,12 +154,12 @@ static void find_beams(const struct neph_scene *scene, struct neph_vec3 point_m,
                        struct beams *beams)
 {
     beams->count = 0;
-    if (scene->sun.present && neph_scene_sees_sun(scene, point_m))
+    if (scene->sun.present && neph_scene_is_sun_visible(scene, point_m))
         add_beam(beams, scene->sun.direction, scene->sun.irradiance_w_per_m2);
     for (int i = 0; i < scene->light_count; i++) {
         const struct neph_light *lamp = &scene->lights[i];
         const struct neph_lit lit = neph_light_at(lamp, point_m);
-        if (lit.distance_m > 0.0 && neph_scene_sees(scene, point_m, lamp->position_m))
+        if (lit.distance_m > 0.0 && neph_scene_is_visible(scene, point_m, lamp->position_m))
             add_beam(beams, lit.direction, lit.irradiance_w_per_m2);
     }
     const struct neph_solid *mirror = find_mirror(scene);
@@ -193,14 +193,14 @@ static void reflect_beams(const struct neph_scene *scene, const struct place *pl
 
 /* ---- paths ----------------------------------------------------------------------------------- */
 
-static double most_of(struct neph_rgb value)
+static double largest_throughput(struct neph_rgb value)
 {
     return fmax(value.r, fmax(value.g, value.b));
 }
 
 static bool survives(struct neph_rgb *value, struct neph_random *random)
 {
-    const double most = most_of(*value);
+    const double most = largest_throughput(*value);
     if (most >= roulette_below)
         return true;
     if (neph_random_uniform(random) * roulette_below >= most)
@@ -246,11 +246,11 @@ static void follow(const struct neph_scene *scene, int bounces, struct neph_vec3
             *escaped = neph_rgb_add(*escaped, neph_rgb_mul(value, scene->background_w_per_m2_sr));
         if (!hit.solid || met == bounces)
             return;
-        const struct place place = place_of(&hit, point_m, direction);
+        const struct place place = hit_surface_place(&hit, point_m, direction);
         *indirect = neph_rgb_add(*indirect, neph_rgb_mul(value, lit_surface(scene, &place)));
         point_m = place.point_m;
         value = neph_rgb_mul(value, neph_rgb_scale(place.color, leave(&place, random, &direction)));
-        if (!(most_of(value) > 0.0))
+        if (!(largest_throughput(value) > 0.0))
             return;
     }
 }
@@ -263,7 +263,7 @@ static bool leads_on_screen(const struct neph_scene *scene, const struct neph_sc
     if (!screen || !hit.solid)
         return false;
     const struct neph_vec3 met_m = neph_vec3_along(point_m, direction, hit.t_m);
-    return neph_on_screen(scene, screen, neph_hit_outside_m(&hit, met_m));
+    return neph_is_on_screen(scene, screen, neph_hit_outside_m(&hit, met_m));
 }
 
 /* ---- views ----------------------------------------------------------------------------------- */
@@ -283,7 +283,7 @@ struct neph_reflected_view neph_reflected_view(const struct neph_scene *scene,
     struct neph_reflected_view view = {.hit = neph_scene_hit(scene, origin_m, direction)};
     if (!view.hit.solid)
         return view;
-    const struct place place = place_of(&view.hit, origin_m, direction);
+    const struct place place = hit_surface_place(&view.hit, origin_m, direction);
     const double metalness = place.solid->surface.metalness;
     view.point_m = place.point_m;
     view.from = place.from;
@@ -355,7 +355,7 @@ static const char *find_obstacle(const struct neph_scene *scene)
     return NULL;
 }
 
-bool neph_reflected_can(const struct neph_scene *scene, char *reason, size_t reason_size)
+bool neph_reflected_is_supported(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
     const char *obstacle = find_obstacle(scene);
     if (obstacle)

@@ -56,7 +56,7 @@ struct neph_reflected {
 
 /* Whether the scene is supported; else the reason as text: media; sun or lights in a mirrored
  * sphere or in several mirrors. */
-bool neph_reflected_can(const struct neph_scene *scene, char *reason, size_t reason_size);
+bool neph_reflected_is_supported(const struct neph_scene *scene, char *reason, size_t reason_size);
 
 struct neph_reflected_view neph_reflected_view(const struct neph_scene *scene,
                                                struct neph_vec3 origin_m,

@@ -98,9 +98,9 @@ static enum neph_status slab_alloc(const struct neph_slab_params *params, int mo
                                .sun_cosine = params->sun_cosine,
                                .phase = params->phase,
                                .view_count = params->view_count};
-    made->view_cosines = neph_arena_zeroed(&made->arena, views, sizeof(double));
-    made->up = neph_arena_zeroed(&made->arena, views * modes, sizeof(double));
-    made->down = neph_arena_zeroed(&made->arena, views * modes, sizeof(double));
+    made->view_cosines = neph_arena_allocate(&made->arena, views, sizeof(double));
+    made->up = neph_arena_allocate(&made->arena, views * modes, sizeof(double));
+    made->down = neph_arena_allocate(&made->arena, views * modes, sizeof(double));
     if (made->arena.is_short) {
         neph_slab_destroy(made);
         return neph_fail_memory(diag);
@@ -173,8 +173,8 @@ static void solve_mode(int index, void *context)
 }
 
 /* Compute the fluxes, which are integrals of mode 0 over the nodes. */
-static void take_fluxes(const struct neph_doubling *layer, const struct neph_doubling_light *light,
-                        struct neph_slab *slab)
+static void store_fluxes(const struct neph_doubling *layer, const struct neph_doubling_light *light,
+                         struct neph_slab *slab)
 {
     double up = 0.0, down = 0.0;
     for (int i = 0; i < layer->node_count; i++) {
@@ -189,8 +189,8 @@ static void take_fluxes(const struct neph_doubling *layer, const struct neph_dou
 }
 
 /* Store the light scattered at least twice; returns its largest value over the views. */
-static double take_mode(const struct neph_doubling *layer, const struct neph_doubling_light *light,
-                        struct neph_slab *slab, int mode)
+static double store_mode(const struct neph_doubling *layer, const struct neph_doubling_light *light,
+                         struct neph_slab *slab, int mode)
 {
     double largest = 0.0;
     for (int v = 0; v < slab->view_count; v++) {
@@ -219,9 +219,9 @@ static enum neph_status solve_modes(struct work *work, struct neph_slab *slab, i
             if (work->status[i])
                 return neph_fail(diag, work->status[i], "%s", work->diag[i].message);
             if (work->first_mode + i == 0)
-                take_fluxes(&work->layer, &work->light[i], slab);
-            const double size = take_mode(&work->layer, &work->light[i], slab,
-                                          work->first_mode + i);
+                store_fluxes(&work->layer, &work->light[i], slab);
+            const double size = store_mode(&work->layer, &work->light[i], slab,
+                                           work->first_mode + i);
             batch_largest = fmax(batch_largest, size);
         }
         slab->mode_count += count;

@@ -169,7 +169,7 @@ static enum neph_status check(const struct neph_scene *scene,
     if (!(params->limits.ao_distance_m > 0.0))
         return neph_fail(diag, NEPH_ERR_USAGE, "an ambient distance of %g m: must be above 0",
                          params->limits.ao_distance_m);
-    if (!neph_reflected_can(scene, reason, sizeof(reason)))
+    if (!neph_reflected_is_supported(scene, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "surfaces: cannot: %s", reason);
     return NEPH_OK;
 }

@@ -30,7 +30,7 @@ struct neph_surfaces_params {
  * world axes; 0 for the sky. If the scene's scattering is not `multiple`, light meets no surface
  * before the visible one. The same params and scene give the same bits, on any number of threads.
  * `*frame` is owned by the caller. NEPH_ERR_USAGE: a parameter is out of range.
- * NEPH_ERR_UNSUPPORTED: see neph_reflected_can(). */
+ * NEPH_ERR_UNSUPPORTED: see neph_reflected_is_supported(). */
 enum neph_status neph_surfaces_render(const struct neph_scene *scene,
                                       const struct neph_surfaces_params *params,
                                       struct neph_image **frame, struct neph_diag *diag);

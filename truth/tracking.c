@@ -230,8 +230,8 @@ static void collide_candidates(const struct neph_tracker *tracker, const struct 
 
 /* Multiply the ratios of the other channels for a coloured medium: for an inverted medium, whose
  * null collisions are not sampled, and for the collision itself. */
-static void weigh_channels(const struct neph_tracker *tracker, const struct neph_ray *ray,
-                           int channel, struct neph_collision *collision)
+static void multiply_channel_ratios(const struct neph_tracker *tracker, const struct neph_ray *ray,
+                                    int channel, struct neph_collision *collision)
 {
     for (int m = 0; m < tracker->count; m++) {
         const struct tracked *tracked = &tracker->media[m];
@@ -262,7 +262,7 @@ struct neph_collision neph_tracker_collide(const struct neph_tracker *tracker,
             collide_fog(&tracker->media[m], m, ray, channel, random, &collision);
     collide_candidates(tracker, ray, channel, random, &collision, cost);
     if (!tracker->grey)
-        weigh_channels(tracker, ray, channel, &collision);
+        multiply_channel_ratios(tracker, ray, channel, &collision);
     cost->collisions += collision.medium >= 0;
     return collision;
 }

@@ -190,7 +190,7 @@ static bool counts(struct neph_rgb rest, struct neph_rgb whole)
 static double log_light(const struct ray *ray, double t_m)
 {
     const struct neph_vec3 point_m = ray_point(ray, t_m);
-    if (!neph_scene_sees_sun(ray->scene, point_m))
+    if (!neph_scene_is_sun_visible(ray->scene, point_m))
         return -INFINITY;
     return -least_depth(ray, neph_rgb_add(view_optical_depth(ray, 0.0, t_m),
                                           sun_optical_depth(ray->scene, point_m)));
@@ -467,7 +467,7 @@ static double integrate_emission(const struct ray *ray, struct neph_rgb depth,
 }
 
 /* In-scattered radiance of the point lights along the ray; returns the estimated error. */
-static double integrate_lamplight(const struct ray *ray, struct neph_rgb *volume)
+static double integrate_point_lights(const struct ray *ray, struct neph_rgb *volume)
 {
     double t0_m, t1_m;
     if (!scattering_range(ray, faint_end_m(ray), &t0_m, &t1_m))
@@ -485,7 +485,7 @@ static struct neph_rgb sunlit_radiance(const struct neph_scene *scene, const str
     if (!scene->sun.present || cosine <= 0.0)
         return (struct neph_rgb){0, 0, 0};
     const struct neph_vec3 outside_m = neph_hit_outside_m(hit, point_m);
-    if (!neph_scene_sees_sun(scene, outside_m))
+    if (!neph_scene_is_sun_visible(scene, outside_m))
         return (struct neph_rgb){0, 0, 0};
     const struct neph_rgb light = neph_rgb_scale(transmittance(sun_optical_depth(scene, outside_m)),
                                                  cosine / M_PI);
@@ -499,8 +499,8 @@ static struct neph_rgb surface_radiance(const struct neph_scene *scene, const st
     const struct neph_rgb sunlit = sunlit_radiance(scene, hit, point_m);
     if (scene->light_count == 0)
         return sunlit;
-    const struct neph_rgb lamplit = neph_lamplight_reflected(
-        scene, neph_hit_outside_m(hit, point_m), hit->normal);
+    const struct neph_rgb lamplit = neph_reflect_lights(scene, neph_hit_outside_m(hit, point_m),
+                                                        hit->normal);
     return neph_rgb_add(sunlit, neph_rgb_mul(neph_surface_color(hit, point_m), lamplit));
 }
 
@@ -608,7 +608,7 @@ struct neph_ray_light neph_transport_ray(const struct neph_scene *scene, struct 
         light.quadrature_error = integrate_volume(&ray, &light.volume);
     }
     if (scene->light_count > 0 && scatters)
-        light.quadrature_error += integrate_lamplight(&ray, &light.volume);
+        light.quadrature_error += integrate_point_lights(&ray, &light.volume);
     if (neph_scene_emits(scene)) {
         struct neph_rgb own = {0, 0, 0};
         light.quadrature_error += integrate_emission(&ray, depth, &own);

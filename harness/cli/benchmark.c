@@ -47,7 +47,7 @@ struct left_out {
 struct both {
     struct neph_benchmark noise;
     struct neph_benchmark_frames frames;
-    struct neph_showing showing; /* the post-processing of the frames, with --chain */
+    struct neph_display_chain showing; /* the post-processing of the frames, with --chain */
     struct neph_engine_info noise_infos[NEPH_BENCHMARK_ENGINES_MAX + 1];
     struct neph_engine_info frame_infos[NEPH_BENCHMARK_FRAMES_ENGINES_MAX];
     int left_out_count;
@@ -200,7 +200,7 @@ static enum neph_status apply_setting(struct both *both, const char *text, struc
     for (int e = 0; e < both->noise.engine_count + both->frames.engine_count; e++) {
         const int f = e - both->noise.engine_count;
         struct neph_job *job = f < 0 ? &both->noise.engines[e].job : &both->frames.engines[f].job;
-        const char *assignment = neph_settings_for(job->engine, text);
+        const char *assignment = neph_settings_match_engine(job->engine, text);
         if (assignment)
             return neph_settings_set(job->engine, &job->shot.settings, assignment, diag);
     }
@@ -210,8 +210,8 @@ static enum neph_status apply_setting(struct both *both, const char *text, struc
 
 /* Whether an engine stays in the benchmark. An engine that cannot render the scene is noted in
  * `left_out`; any other error ends the benchmark through `*status`. */
-static bool can_go_on(const struct neph_job *job, struct both *both, enum neph_status *status,
-                      struct neph_diag *diag)
+static bool is_engine_supported(const struct neph_job *job, struct both *both,
+                                enum neph_status *status, struct neph_diag *diag)
 {
     struct neph_diag why = {.line = 0};
     if (*status)
@@ -232,17 +232,17 @@ static bool can_go_on(const struct neph_job *job, struct both *both, enum neph_s
 }
 
 /* Remove the engines that cannot render the scene. NEPH_ERR_UNSUPPORTED: none is left. */
-static enum neph_status leave_out(struct both *both, struct neph_diag *diag)
+static enum neph_status remove_unsupported_engines(struct both *both, struct neph_diag *diag)
 {
     struct neph_benchmark_engine *noise = both->noise.engines;
     struct neph_benchmark_frames_engine *frames = both->frames.engines;
     int noisy = 0, flying = 0;
     enum neph_status status = NEPH_OK;
     for (int e = 0; e < both->noise.engine_count; e++)
-        if (can_go_on(&noise[e].job, both, &status, diag))
+        if (is_engine_supported(&noise[e].job, both, &status, diag))
             noise[noisy++] = noise[e];
     for (int e = 0; e < both->frames.engine_count; e++)
-        if (can_go_on(&frames[e].job, both, &status, diag))
+        if (is_engine_supported(&frames[e].job, both, &status, diag))
             frames[flying++] = frames[e];
     both->noise.engine_count = noisy;
     both->frames.engine_count = flying;
@@ -274,11 +274,11 @@ static enum neph_status find_chain(const struct request *request, struct neph_di
                          "--chain=%s: none of the engines can have frames in flight", path);
     both->showing.scene = request->scene;
     both->frames.showing = &both->showing;
-    enum neph_status status = neph_showing_load(&both->showing, path, diag);
+    enum neph_status status = neph_display_chain_load(&both->showing, path, diag);
     if (!status)
-        status = neph_showing_check(&both->showing, diag);
+        status = neph_display_chain_check(&both->showing, diag);
     if (!status)
-        status = neph_showing_check_size(&both->showing, diag);
+        status = neph_display_chain_check_size(&both->showing, diag);
     both->showing.params.width_px = request->shared.size.width_px;
     both->showing.params.height_px = request->shared.size.height_px;
     for (int e = 0; e < both->frames.engine_count && !status; e++) {
@@ -296,7 +296,7 @@ static int list_default(const char *names[NEPH_ENGINE_COUNT])
     const struct neph_engine *const *engines = neph_engines(&count);
     names[listed++] = "tracer";
     for (int i = 0; i < count && listed < NEPH_BENCHMARK_ENGINES_MAX; i++)
-        if (neph_engine_is(engines[i], "cycles"))
+        if (neph_engine_is_kind(engines[i], "cycles"))
             names[listed++] = engines[i]->name;
     return listed;
 }
@@ -319,7 +319,7 @@ static enum neph_status fill_both(const struct request *request, struct neph_sha
     for (int i = 0; i < request->shared.settings.count && !status; i++)
         status = apply_setting(both, request->shared.settings.list[i], diag);
     if (!status)
-        status = leave_out(both, diag);
+        status = remove_unsupported_engines(both, diag);
     if (!status)
         status = find_chain(request, diag);
     if (!status)
@@ -342,8 +342,8 @@ static void print_settings(const struct neph_job *job, const char *preset, FILE 
 
 static void print_engine(const struct neph_benchmark_engine *engine, FILE *out)
 {
-    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
-        const struct neph_rmse_rung *rung = &engine->rungs[k];
+    for (int k = 0; k < NEPH_BENCHMARK_LEVELS; k++) {
+        const struct neph_rmse_level *rung = &engine->rungs[k];
         fprintf(out, "%-8s %8d %10.3f %10.3g %10.3f%% %10.3f%% %14.4g\n", engine->job.engine->name,
                 rung->samples, rung->render_s, 1e-6 * neph_benchmark_paths_per_s(engine, k),
                 100.0 * sqrt(rung->noise2), 100.0 * sqrt(fmax(0.0, rung->error2)),
@@ -495,7 +495,7 @@ static void print_flight(const struct neph_benchmark_frames *benchmark,
     print_settings(&engine->job, engine->preset, out);
 }
 
-static void print_ceilings(const struct neph_ceilings *ceilings, FILE *out)
+static void print_ceilings(const struct neph_roofline_limits *ceilings, FILE *out)
 {
     fprintf(out,
             "ceilings: copies %.4g GB/s (2 x %zu MiB), buffer samples %.4g G/s, waiting for each "
@@ -561,7 +561,7 @@ static void set_scratch(struct both *both, const char *path)
 }
 
 /* One JSON document for each kind; an object of both if there are both. */
-static json_t *json_of(const struct both *both)
+static json_t *make_benchmark_json(const struct both *both)
 {
     const bool has_noise = both->noise.engine_count > 0, has_frames = both->frames.engine_count > 0;
     json_t *noise = has_noise ? neph_benchmark_json(&both->noise) : NULL,
@@ -573,17 +573,17 @@ static json_t *json_of(const struct both *both)
     return json;
 }
 
-static struct neph_rungs_aim aim_of(const struct request *request)
+static struct neph_sample_levels_target choose_ladder_aim(const struct request *request)
 {
     static const double usual_rung_s = 4.0;
     if (!isnan(request->error))
-        return (struct neph_rungs_aim){.error = request->error};
-    return (struct neph_rungs_aim){.rung_s = isnan(request->rung_s) ? usual_rung_s
-                                                                    : request->rung_s};
+        return (struct neph_sample_levels_target){.error = request->error};
+    return (struct neph_sample_levels_target){.rung_s = isnan(request->rung_s) ? usual_rung_s
+                                                                               : request->rung_s};
 }
 
 /* Warn about options that apply to no requested engine. */
-static void warn_of_idle(const struct request *request, const struct both *both)
+static void warn_unused_options(const struct request *request, const struct both *both)
 {
     if (both->noise.engine_count == 0 && !(isnan(request->error) && isnan(request->rung_s)))
         neph_progress_warn("--%s has no effect: none of the engines has noise",
@@ -598,9 +598,9 @@ static enum neph_status measure(const struct request *request, struct neph_diag 
     struct both *both = request->both;
     const bool quiet = request->shared.quiet || request->shared.json;
     enum neph_status status = NEPH_OK;
-    warn_of_idle(request, both);
+    warn_unused_options(request, both);
     both->frames.without_ceilings = request->without_ceilings;
-    both->noise.aim = aim_of(request);
+    both->noise.aim = choose_ladder_aim(request);
     if (both->frames.engine_count > 0)
         status = neph_benchmark_frames_run(
             &both->frames, request->repeat > 0 ? request->repeat : usual_frame_count, quiet, diag);
@@ -660,7 +660,7 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     if (!status)
         answer(request->both, &publication->answer);
     if (!status && request->shared.json)
-        publication->json = json_of(request->both);
+        publication->json = make_benchmark_json(request->both);
     return status;
 }
 
@@ -668,7 +668,7 @@ static void finish(void *request_)
 {
     struct request *request = request_;
     if (request->both)
-        neph_showing_finish(&request->both->showing);
+        neph_display_chain_finish(&request->both->showing);
     free(request->both);
     neph_scene_destroy(request->scene);
 }

@@ -52,7 +52,7 @@ void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
         neph_hint(diag, "its logs are in %s", path.text);
 }
 
-void neph_cli_say_where(const char *verb, const char *folder)
+void neph_cli_print_folder(const char *verb, const char *folder)
 {
     fprintf(stderr, "neph %s: results are in %s\n", verb, folder);
 }
@@ -116,7 +116,7 @@ void neph_cli_print_presets(const struct neph_preset *presets, int indent)
                "", p->assignments[0] ? p->assignments : "(nothing else)");
 }
 
-enum neph_status neph_cli_give_json(json_t *json, bool wanted, struct neph_diag *diag)
+enum neph_status neph_cli_print_json(json_t *json, bool wanted, struct neph_diag *diag)
 {
     if (wanted)
         return neph_json_print(json, diag);

@@ -67,9 +67,9 @@ json_t *neph_cli_post_stages_json(void);
 void neph_cli_post_print_stages(const char *indent);
 
 /* Print on stderr that the results of a verb are in that folder. */
-void neph_cli_say_where(const char *verb, const char *folder);
+void neph_cli_print_folder(const char *verb, const char *folder);
 
 /* Print JSON on stdout if `wanted`; always takes the reference over. */
-enum neph_status neph_cli_give_json(json_t *json, bool wanted, struct neph_diag *diag);
+enum neph_status neph_cli_print_json(json_t *json, bool wanted, struct neph_diag *diag);
 
 #endif

@@ -33,7 +33,7 @@ struct request {
     const char *versus; /* words of the other test */
     double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: the default */
     int warm_up_frames;
-    bool rings, by_position, frozen_is_fine, negative_is_fine, all;
+    bool rings, by_position, allow_frozen_frames, negative_is_fine, all;
 };
 
 enum { MEASURING, VIEWING, JUDGING, WRITING }; /* groups of the help */
@@ -85,7 +85,7 @@ static const struct neph_cli_option options[] = {
      "The same for numbers that should be large: ssim_mean=0.98", NEPH_CLI_WORDS, AT(below),
      .group = JUDGING},
     {"frozen-ok", 0, NULL, "Frames that are bit for bit the one before are meant to be so",
-     NEPH_CLI_FLAG, AT(frozen_is_fine), .group = JUDGING},
+     NEPH_CLI_FLAG, AT(allow_frozen_frames), .group = JUDGING},
     {"negative-ok", 0, NULL,
      "Values below 0 are no reason to stop: a filter with negative lobes made them", NEPH_CLI_FLAG,
      AT(negative_is_fine), .group = JUDGING},
@@ -160,7 +160,7 @@ static const struct neph_cli_syntax flicker_syntax = {
 /* ---- the measurement set-up ------------------------------------------------------------------ */
 
 /* The viewing conditions: the defaults, replaced by the given options. */
-static struct neph_viewing viewing_of(const struct request *request)
+static struct neph_viewing make_viewing(const struct request *request)
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     const struct {
@@ -213,7 +213,7 @@ static enum neph_status choose_limited(struct neph_comparison *comparison,
         const struct neph_extractor *extractor = NULL;
         status = parse_limit(request, i, &limit, diag);
         if (!status && neph_metric_find(limit.metric, &extractor))
-            neph_choose(comparison, extractor);
+            neph_choose_extractor(comparison, extractor);
         comparison->detail_masks |= !status && neph_mask_is_detail(limit.mask);
     }
     return status;
@@ -246,7 +246,7 @@ static enum neph_status choose_extractors(struct neph_comparison *comparison,
         const struct neph_extractor *extractor = neph_extractor_at(i);
         if (!extractor->costly && extractor->temporal == request->temporal &&
             (!comparison->without_reference || neph_extractor_needs_no_reference(extractor)))
-            neph_choose(comparison, extractor);
+            neph_choose_extractor(comparison, extractor);
     }
     for (int i = 0; i < request->shared.settings.count && !status; i++)
         status = neph_choose_setting(comparison, request->shared.settings.list[i], diag);
@@ -265,7 +265,7 @@ static enum neph_status prepare(const struct request *request, struct neph_sides
         .reference = sides->reference,
         .without_reference = sides->without_reference,
         .test = sides->test,
-        .viewing = viewing_of(request),
+        .viewing = make_viewing(request),
         .own_frame_rate = isnan(request->frame_rate_hz),
         .warm_up_frames = request->warm_up_frames,
         .mask = wanted_mask(request),
@@ -274,7 +274,7 @@ static enum neph_status prepare(const struct request *request, struct neph_sides
                         (request->mask && neph_mask_is_detail(request->mask)),
         .layer = request->layer,
         .maps_directory = request->maps,
-        .frozen_is_fine = request->frozen_is_fine || !request->temporal,
+        .allow_frozen_frames = request->allow_frozen_frames || !request->temporal,
         .by_position = request->by_position,
         .quiet = request->shared.quiet,
         .negative_allowed = request->negative_is_fine ? SIZE_MAX : 0,
@@ -434,7 +434,7 @@ static enum neph_status add_versus(struct work *work, struct neph_diag *diag)
     other->test = work->sides->other;
     other->maps_directory = NULL;
     if (other->with_movement)
-        neph_cli_page_take(&work->page, NEPH_PAGE_OTHER, other);
+        neph_cli_page_add_comparison(&work->page, NEPH_PAGE_OTHER, other);
     const enum neph_status judged = neph_comparison_run(other, true, beside, diag);
     enum neph_status status = beside->asked && judged == NEPH_ERR_GATE ? NEPH_OK : judged;
     if (judged == NEPH_ERR_GATE && beside->asked)
@@ -451,8 +451,8 @@ static enum neph_status add_versus(struct work *work, struct neph_diag *diag)
     return status ? status : judged;
 }
 
-static bool has_numbers_of(const struct neph_compared *compared,
-                           const struct neph_extractor *extractor)
+static bool has_extractor_numbers(const struct neph_compared *compared,
+                                  const struct neph_extractor *extractor)
 {
     for (int i = 0; i < compared->numbers.count; i++) {
         const struct neph_extractor *owner = NULL;
@@ -464,11 +464,11 @@ static bool has_numbers_of(const struct neph_compared *compared,
 }
 
 /* An explicitly named metric that was not measured is an error. */
-static enum neph_status check_taken(const char *word, const struct neph_compared *compared,
-                                    struct neph_diag *diag)
+static enum neph_status check_was_measured(const char *word, const struct neph_compared *compared,
+                                           struct neph_diag *diag)
 {
     const struct neph_extractor *extractor = neph_find_extractor(word);
-    if (!extractor || has_numbers_of(compared, extractor)) /* "all" is no extractor */
+    if (!extractor || has_extractor_numbers(compared, extractor)) /* "all" is no extractor */
         return NEPH_OK;
     const char *because = "the images have nothing that it is taken of";
     for (int i = 0; i < compared->not_taken_count; i++)
@@ -483,9 +483,9 @@ static enum neph_status check_all(const struct request *request,
 {
     enum neph_status status = NEPH_OK;
     if (request->metrics.count == 0 && request->temporal)
-        status = check_taken("flicker", compared, diag);
+        status = check_was_measured("flicker", compared, diag);
     for (int i = 0; i < request->metrics.count && !status; i++)
-        status = check_taken(request->metrics.words[i], compared, diag);
+        status = check_was_measured(request->metrics.words[i], compared, diag);
     for (int i = 0; i < limit_count(request) && !status; i++) {
         struct neph_limit limit;
         status = parse_limit(request, i, &limit, diag);
@@ -576,7 +576,7 @@ static enum neph_status measure(const struct request *request,
     if (!status)
         status = neph_cli_page_begin(request->page, &work.page, diag);
     if (!status && asked->with_movement)
-        neph_cli_page_take(&work.page, NEPH_PAGE_TEST, asked);
+        neph_cli_page_add_comparison(&work.page, NEPH_PAGE_TEST, asked);
     if (!status)
         status = neph_comparison_run(asked, sides->other.count > 0, compared, diag);
     if (compared->asked)

@@ -26,7 +26,8 @@ static struct neph_meter_choice *find_choice(struct neph_comparison *comparison,
     return NULL;
 }
 
-void neph_choose(struct neph_comparison *comparison, const struct neph_extractor *extractor)
+void neph_choose_extractor(struct neph_comparison *comparison,
+                           const struct neph_extractor *extractor)
 {
     if (find_choice(comparison, extractor) || comparison->choice_count == NEPH_CHOICES_MAX)
         return;
@@ -40,7 +41,7 @@ enum neph_status neph_choose_word(struct neph_comparison *comparison, const char
 {
     const struct neph_extractor *extractor = neph_find_extractor(word);
     if (extractor) {
-        neph_choose(comparison, extractor);
+        neph_choose_extractor(comparison, extractor);
         return NEPH_OK;
     }
     if (strcmp(word, "all") != 0) {
@@ -51,12 +52,12 @@ enum neph_status neph_choose_word(struct neph_comparison *comparison, const char
     for (int i = 0; i < neph_extractor_count(); i++)
         if (!comparison->without_reference ||
             neph_extractor_needs_no_reference(neph_extractor_at(i)))
-            neph_choose(comparison, neph_extractor_at(i));
+            neph_choose_extractor(comparison, neph_extractor_at(i));
     return NEPH_OK;
 }
 
 /* Warn about the old form of settings, EXTRACTOR.KEY=VALUE. */
-static void warn_of_dot(const char *extractor, const char *key)
+static void warn_old_setting_form(const char *extractor, const char *key)
 {
     char was[160], is[160];
     neph_text_format(was, sizeof(was), "-s %s.%s", extractor, key);
@@ -74,12 +75,12 @@ enum neph_status neph_choose_setting(struct neph_comparison *comparison, const c
         return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s' is not EXTRACTOR:KEY=VALUE", text);
     snprintf(name, sizeof(name), "%.*s", (int)length, text);
     if (text[length] == '.')
-        warn_of_dot(name, key);
+        warn_old_setting_form(name, key);
     const struct neph_extractor *extractor = neph_extractor_find(name);
     if (!extractor)
         return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s': there is no extractor '%s'", text,
                          name);
-    neph_choose(comparison, extractor); /* a setting also chooses its extractor */
+    neph_choose_extractor(comparison, extractor); /* a setting also chooses its extractor */
     snprintf(owner, sizeof(owner), "extractor %s", name);
     return neph_options_set(extractor->options, owner, key,
                             &find_choice(comparison, extractor)->settings, diag);

@@ -11,7 +11,8 @@
 const struct neph_extractor *neph_find_extractor(const char *word);
 
 /* Add an extractor with its default settings, unless it is in the comparison already. */
-void neph_choose(struct neph_comparison *comparison, const struct neph_extractor *extractor);
+void neph_choose_extractor(struct neph_comparison *comparison,
+                           const struct neph_extractor *extractor);
 
 /* Add an extractor by its name or by the name of one of its metrics; "all" adds all extractors.
  * NEPH_ERR_USAGE. */

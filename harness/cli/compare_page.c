@@ -21,8 +21,8 @@ enum neph_status neph_cli_page_begin(const char *place, struct neph_cli_page *pa
     return !status && !page->maps ? neph_fail_memory(diag) : status;
 }
 
-void neph_cli_page_take(struct neph_cli_page *page, enum neph_page_side side,
-                        struct neph_comparison *comparison)
+void neph_cli_page_add_comparison(struct neph_cli_page *page, enum neph_page_side side,
+                                  struct neph_comparison *comparison)
 {
     if (!page->folder)
         return;
@@ -52,7 +52,7 @@ enum neph_status neph_cli_page_write(struct neph_cli_page *page, const char *ver
     char *verdict = NULL, told[512] = "";
     if (!page->folder)
         return NEPH_OK;
-    enum neph_status status = neph_written(write_words, &words, &verdict, diag);
+    enum neph_status status = neph_write_to_text(write_words, &words, &verdict, diag);
     const struct neph_compare_page made = {
         .verb = verb,
         .names = {form->test, form->other},

@@ -24,8 +24,8 @@ enum neph_status neph_cli_page_begin(const char *place, struct neph_cli_page *pa
 
 /* Make a comparison of a sequence draw its maps for the page. The page must outlive the
  * comparison. */
-void neph_cli_page_take(struct neph_cli_page *page, enum neph_page_side side,
-                        struct neph_comparison *comparison);
+void neph_cli_page_add_comparison(struct neph_cli_page *page, enum neph_page_side side,
+                                  struct neph_comparison *comparison);
 
 /* Write the page of the results, and print its place on stderr. `beside`: results of the other
  * test, or NULL. */

@@ -33,11 +33,11 @@ static enum neph_status find_split(const struct neph_side_words *words, int give
                                    struct neph_arena *arena, struct neph_diag *diag)
 {
     const size_t room = (size_t)(given + operand_count) + 1;
-    bool *is_first = neph_arena_zeroed(arena, room, sizeof(*is_first));
+    bool *is_first = neph_arena_allocate(arena, room, sizeof(*is_first));
     const char **lists[2];
     int counts[2] = {given, 0};
     for (int i = 0; i < 2; i++)
-        lists[i] = neph_arena_zeroed(arena, room, sizeof(*lists[i]));
+        lists[i] = neph_arena_allocate(arena, room, sizeof(*lists[i]));
     enum neph_status status = neph_arena_check(arena, diag);
     if (!status)
         status = neph_sequence_split(given, first, operand_count, operands, is_first, diag);
@@ -89,7 +89,7 @@ static enum neph_status find_with_reference(const struct neph_side_words *words,
 static bool are_one_test(const struct neph_side_words *words, struct neph_arena *arena)
 {
     const int others = words->operand_count - 1;
-    bool *is_first = neph_arena_zeroed(arena, (size_t)words->operand_count, sizeof(*is_first));
+    bool *is_first = neph_arena_allocate(arena, (size_t)words->operand_count, sizeof(*is_first));
     bool all = others > 0 && is_first &&
                neph_sequence_split(1, words->operands, others, words->operands + 1, is_first, NULL);
     for (int i = 0; i < others && all; i++)
@@ -140,7 +140,7 @@ static enum neph_status find_words(const struct neph_side_words *words, struct n
 static const char *cleaned(struct neph_arena *arena, const char *text, size_t length)
 {
     char *copy = strndup(text, length), *clean = copy ? neph_text_clean_copy(copy) : NULL;
-    const char *kept = neph_arena_text(arena, clean ? clean : "");
+    const char *kept = neph_arena_copy_text(arena, clean ? clean : "");
     arena->is_short |= !clean;
     free(clean);
     free(copy);

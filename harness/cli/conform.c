@@ -76,7 +76,7 @@ static const struct neph_cli_syntax syntax = {
 static enum neph_status list_scenes(const struct neph_cli_list *asked, struct neph_arena *arena,
                                     struct neph_conform_params *params, struct neph_diag *diag)
 {
-    const char **names = neph_arena_zeroed(arena, NEPH_CLI_WORDS_MAX, sizeof(*names));
+    const char **names = neph_arena_allocate(arena, NEPH_CLI_WORDS_MAX, sizeof(*names));
     enum neph_status status = names ? NEPH_OK : neph_fail_memory(diag);
     params->skip_absent = asked->count == 0;
     params->scenes = asked->count > 0 ? asked->words : names;
@@ -86,7 +86,7 @@ static enum neph_status list_scenes(const struct neph_cli_list *asked, struct ne
         int found = 0;
         status = neph_data_list_scenes(which, &list, &found, diag);
         for (int i = 0; i < found && params->scene_count < NEPH_CLI_WORDS_MAX; i++)
-            names[params->scene_count++] = neph_arena_text(arena, list[i]);
+            names[params->scene_count++] = neph_arena_copy_text(arena, list[i]);
         neph_data_free_names(list);
     }
     return status ? status : neph_arena_check(arena, diag);
@@ -135,7 +135,7 @@ static enum neph_status render(const struct request *request, const struct neph_
     if (status)
         return status;
     if (!params.quiet)
-        neph_cli_say_where("conform", run->output);
+        neph_cli_print_folder("conform", run->output);
     neph_conform_count(publication->json, &expected, &sound);
     if (publication->text) {
         print_wrong(publication->json, publication->text);

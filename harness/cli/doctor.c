@@ -166,11 +166,11 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
     struct neph_shared_device device = {.open = NULL};
     json_t *list = json_array();
     int count, missing = 0, broken = 0;
-    const struct neph_engine *const *engines = neph_engines_and_guests(&count);
+    const struct neph_engine *const *engines = neph_engines_with_user_engines(&count);
     for (int i = 0; i < count; i++) {
         struct neph_engine_info info;
         neph_engine_probe(engines[i], &device, &info);
-        if (engines[i]->is_guest && !info.available && !info.broken)
+        if (engines[i]->is_user_engine && !info.available && !info.broken)
             continue;
         missing += !info.available;
         broken += info.broken;
@@ -195,10 +195,10 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
     if (!request.json)
         printf("data     %s\n", data ? data : "");
     free(data);
-    const enum neph_status status = neph_cli_give_json(json_pack("{s:o, s:o, s:o}", "host",
-                                                                 neph_host_json(), "parts", list,
-                                                                 "vulkan", requirements),
-                                                       request.json, diag);
+    const enum neph_status status = neph_cli_print_json(json_pack("{s:o, s:o, s:o}", "host",
+                                                                  neph_host_json(), "parts", list,
+                                                                  "vulkan", requirements),
+                                                        request.json, diag);
     if (status)
         return status;
     return broken ? NEPH_ERR_ENGINE : missing ? NEPH_ERR_UNAVAILABLE : NEPH_OK;

@@ -49,8 +49,8 @@ static json_t *engine_json(const struct neph_engine *engine, const struct neph_e
 {
     return json_pack(
         "{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o}", "name",
-        engine->name, "summary", engine->summary, "rung", neph_rung_name(engine->rung), "bias",
-        engine->bias, "available", info->available, "broken", info->broken, "version",
+        engine->name, "summary", engine->summary, "rung", neph_reference_level_name(engine->rung),
+        "bias", engine->bias, "available", info->available, "broken", info->broken, "version",
         info->version, "device", info->device, "missing", info->missing, "install_line",
         info->install_line, "can", info->can, "warning", info->warning, "options",
         neph_cli_options_json(engine->options), "presets", neph_cli_presets_json(engine->presets),
@@ -60,7 +60,8 @@ static json_t *engine_json(const struct neph_engine *engine, const struct neph_e
 
 static void print_engine(const struct neph_engine *engine, const struct neph_engine_info *info)
 {
-    printf("%s (%s): %s\n    %s%s\n", engine->name, neph_rung_name(engine->rung), engine->summary,
+    printf("%s (%s): %s\n    %s%s\n", engine->name, neph_reference_level_name(engine->rung),
+           engine->summary,
            info->available ? info->version
            : info->broken  ? "broken: "
                            : "missing: ",
@@ -103,7 +104,7 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
     struct neph_shared_device device = {.open = NULL};
     json_t *list = json_array();
     int count;
-    const struct neph_engine *const *engines = neph_engines_and_guests(&count);
+    const struct neph_engine *const *engines = neph_engines_with_user_engines(&count);
     for (int i = 0; i < count; i++) {
         struct neph_engine_info info;
         if (only && strcmp(only, engines[i]->name) != 0)
@@ -115,5 +116,5 @@ enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)
             print_engine(engines[i], &info);
     }
     neph_shared_device_close(&device);
-    return neph_cli_give_json(list, request.json, diag);
+    return neph_cli_print_json(list, request.json, diag);
 }

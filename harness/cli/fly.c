@@ -94,7 +94,8 @@ static enum neph_status fly(const struct request *request, const struct neph_sce
                    .settings = shared->settings.list,
                    .setting_count = shared->settings.count,
                    .device = &device,
-                   .seed = request->seed >= 0 ? (uint64_t)request->seed : neph_seed_of(scene, 1)},
+                   .seed = request->seed >= 0 ? (uint64_t)request->seed
+                                              : neph_seed_for_scene(scene, 1)},
         .preset = request->preset,
         .folder = shared->output,
         .keys = request->keys,
@@ -107,7 +108,8 @@ static enum neph_status fly(const struct request *request, const struct neph_sce
         return status;
     if (!shared->json)
         print_result(result);
-    const enum neph_status printed = neph_cli_give_json(result, shared->json, status ? NULL : diag);
+    const enum neph_status printed = neph_cli_print_json(result, shared->json,
+                                                         status ? NULL : diag);
     return status ? status : printed;
 }
 

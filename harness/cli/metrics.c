@@ -117,7 +117,7 @@ static enum neph_status list_masks(bool as_json, struct neph_diag *diag)
             "%-14s a channel mask.NAME of the reference, above 0.5 inside (mask.cloud, mask.fog, "
             "mask.sun)\n",
             "NAME");
-    return neph_cli_give_json(list, as_json, diag);
+    return neph_cli_print_json(list, as_json, diag);
 }
 
 static enum neph_status check_name(const char *name, const struct neph_extractor **extractor,
@@ -154,5 +154,5 @@ enum neph_status neph_cli_metrics(int argc, char **argv, struct neph_diag *diag)
         else
             print_extractor(extractor, only != NULL);
     }
-    return neph_cli_give_json(list, shared->json, diag);
+    return neph_cli_print_json(list, shared->json, diag);
 }

@@ -114,8 +114,8 @@ static bool is_by_slurm(const struct request *request)
 }
 
 /* Check, before any work, that the plan exists; print it with `prints`. */
-static enum neph_status look_at_plan(const struct neph_night_plan_params *params, bool prints,
-                                     struct neph_diag *diag)
+static enum neph_status validate_plan(const struct neph_night_plan_params *params, bool prints,
+                                      struct neph_diag *diag)
 {
     struct neph_arena arena = {NULL};
     struct neph_night_plan plan;
@@ -145,7 +145,7 @@ static enum neph_status tell(const struct request *request, const struct neph_ni
         free(summary);
     }
     if (!status && !request->shared.quiet)
-        neph_cli_say_where("nightly", neph_path_in(output, "nightly").text);
+        neph_cli_print_folder("nightly", neph_path_in(output, "nightly").text);
     if (status || night->comparison.passes)
         return status;
     return neph_fail(diag, NEPH_ERR_GATE, "the nightly run %s; details are in %s/nightly",
@@ -246,9 +246,9 @@ enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
     struct request request = {0};
     struct neph_arena arena = {NULL};
     /* A copy of the words for the jobs: parsing reorders argv, and splits lists in it. */
-    const char **words = neph_arena_zeroed(&arena, (size_t)argc + 1, sizeof(*words));
+    const char **words = neph_arena_allocate(&arena, (size_t)argc + 1, sizeof(*words));
     for (int i = 1; i < argc && words; i++)
-        words[i - 1] = neph_arena_text(&arena, argv[i]);
+        words[i - 1] = neph_arena_copy_text(&arena, argv[i]);
     enum neph_status status = neph_arena_check(&arena, diag);
     if (status) {
         neph_arena_finish(&arena);
@@ -275,7 +275,7 @@ enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
                                        .once = request.once,
                                        .reports = request.reports,
                                        .quiet = shared->quiet || shared->json};
-    status = look_at_plan(&params.plan, request.lists, diag);
+    status = validate_plan(&params.plan, request.lists, diag);
     if (!status && request.step)
         status = neph_night_run_step(&params, request.step, diag);
     else if (!status && !request.lists)

@@ -110,7 +110,7 @@ static const struct neph_cli_syntax syntax = {
 
 /* ---- --list ---------------------------------------------------------------------------------- */
 
-static const char *size_of(const struct neph_post_stage *stage)
+static const char *stage_size_text(const struct neph_post_stage *stage)
 {
     static const char *const sizes[] = {
         [NEPH_POST_MAKES_PICTURE] = "the size that it gets",
@@ -128,10 +128,10 @@ json_t *neph_cli_post_stages_json(void)
 {
     json_t *stages = json_array();
     for (const struct neph_post_stage *s = neph_post_stages; s->name; s++)
-        neph_json_add(&stages,
-                      json_pack("{s:s, s:s, s:s, s:s, s:s}", "name", s->name, "pass",
-                                neph_post_pass_names[s->pass], "note", s->note, "setting",
-                                neph_post_options[s->settings[1]].name, "makes", size_of(s)));
+        neph_json_add(&stages, json_pack("{s:s, s:s, s:s, s:s, s:s}", "name", s->name, "pass",
+                                         neph_post_pass_names[s->pass], "note", s->note, "setting",
+                                         neph_post_options[s->settings[1]].name, "makes",
+                                         stage_size_text(s)));
     return stages;
 }
 
@@ -199,7 +199,7 @@ static enum neph_status list_all(bool as_json, struct neph_diag *diag)
 /* A chain, and the frames that it processes. */
 struct work {
     const struct request *request;
-    struct neph_showing showing;
+    struct neph_display_chain showing;
     struct neph_scene *scene; /* owned; NULL: none */
     struct neph_vulkan *vulkan;
     struct neph_sequence frames;
@@ -212,11 +212,11 @@ static enum neph_status find_chain(struct work *work, struct neph_diag *diag)
     const struct request *request = work->request;
     if (!request->chain)
         return NEPH_OK;
-    enum neph_status status = neph_showing_load(&work->showing, request->chain, diag);
+    enum neph_status status = neph_display_chain_load(&work->showing, request->chain, diag);
     if (!status && request->scene)
         status = neph_data_load_scene(request->scene, &work->scene, diag);
     work->showing.scene = work->scene;
-    if (status || work->scene || request->list || !neph_post_plan_wants_camera(&work->showing.plan))
+    if (status || work->scene || request->list || !neph_post_plan_needs_camera(&work->showing.plan))
         return status;
     neph_fail(diag, NEPH_ERR_USAGE, "'%s' has volumes in boxes: where is the camera?",
               request->chain);
@@ -242,7 +242,7 @@ static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
             neph_hint(diag, "`neph post --list` explains them");
         return status;
     }
-    status = neph_showing_check(&work->showing, diag);
+    status = neph_display_chain_check(&work->showing, diag);
     if (!status && request->png && request->bits == 8 && neph_post_is_hdr(settings))
         status = neph_fail(diag, NEPH_ERR_USAGE, "--bits=8: ST 2084 wants 10 to 16");
     if (status)
@@ -275,7 +275,7 @@ static enum neph_status check_names(const struct work *work, struct neph_diag *d
 {
     const int count = work->frames.count;
     struct neph_arena arena = {0};
-    const char **paths = neph_arena_zeroed(&arena, (size_t)count, sizeof(*paths));
+    const char **paths = neph_arena_allocate(&arena, (size_t)count, sizeof(*paths));
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < count && paths && !status; i++) {
         paths[i] = path_for(work, work->frames.paths[i], "exr", &arena);
@@ -303,7 +303,7 @@ static enum neph_status write(const struct work *work, const char *frame,
     const char *png = work->request->png ? path_for(work, frame, "png", &arena) : NULL;
     enum neph_status status = neph_arena_check(&arena, diag);
     if (!status)
-        status = neph_showing_write(&work->showing, picture, exr, png, diag);
+        status = neph_display_chain_write(&work->showing, picture, exr, png, diag);
     neph_arena_finish(&arena);
     return status;
 }
@@ -350,14 +350,14 @@ static enum neph_status run(struct work *work, const struct neph_image *frame, b
                             struct neph_chain_times *times, struct neph_diag *diag)
 {
     const struct request *request = work->request;
-    struct neph_showing *showing = &work->showing;
+    struct neph_display_chain *showing = &work->showing;
     enum neph_status status = NEPH_OK;
     if (is_first && request->stats && request->repeat > 1)
         status = neph_chain_warm_up(work->vulkan, &showing->params, frame, diag);
     showing->params.eye = &showing->eye;
     if (!status)
-        status = neph_chain_take(work->vulkan, &showing->params, frame, request->repeat, INFINITY,
-                                 picture, stats, times, diag);
+        status = neph_chain_measure(work->vulkan, &showing->params, frame, request->repeat,
+                                    INFINITY, picture, stats, times, diag);
     showing->params.eye = NULL;
     return status;
 }
@@ -389,8 +389,8 @@ static enum neph_status check_radiance(const char *path, const struct neph_image
 
 /* Copy channels that neph does not know (alpha, identifiers, layers of other programs) to the
  * output, unchanged and with their names, if the output has the frame's size. */
-static enum neph_status keep_strangers(const struct neph_image *frame, struct neph_image *picture,
-                                       struct neph_diag *diag)
+static enum neph_status copy_unknown_channels(const struct neph_image *frame,
+                                              struct neph_image *picture, struct neph_diag *diag)
 {
     static const char vector[] = "vector.";
     const bool fits = frame->width_px == picture->width_px &&
@@ -399,7 +399,7 @@ static enum neph_status keep_strangers(const struct neph_image *frame, struct ne
     for (int i = 0; i < frame->channel_count && fits && !status; i++) {
         const char *name = frame->channels[i].name;
         float *samples;
-        if (neph_validity_knows(name))
+        if (neph_validity_has_rule(name))
             continue;
         name += strncmp(name, vector, strlen(vector)) == 0 ? strlen(vector) : 0;
         if (neph_image_channel(picture, name))
@@ -423,14 +423,14 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
     if (status)
         return status;
     work->showing.params.step_s = 1.0 / frame_rate_hz(work, frame);
-    status = neph_showing_settle(
+    status = neph_display_chain_set_frame(
         &work->showing, work->frames.numbers ? (int)work->frames.numbers[index] : index, diag);
     if (!status)
         status = check_radiance(path, frame, diag);
     if (!status)
         status = run(work, frame, index == 0, &picture, &stats, &times, diag);
     if (!status)
-        status = keep_strangers(frame, picture, diag);
+        status = copy_unknown_channels(frame, picture, diag);
     if (!status)
         status = write(work, path, picture, diag);
     if (!status)
@@ -484,7 +484,7 @@ static enum neph_status work_on(const struct request *request, const char *folde
     neph_vulkan_destroy(work.vulkan);
     neph_sequence_finish(&work.frames);
     neph_scene_destroy(work.scene);
-    neph_showing_finish(&work.showing);
+    neph_display_chain_finish(&work.showing);
     return status;
 }
 
@@ -500,8 +500,8 @@ enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
         status = work_on(&request, neph_path_in(shared->output, "reference").text,
                          request.reference.list, request.reference.count, &results, diag);
     if (!status && !request.list && !shared->quiet)
-        neph_cli_say_where("post", shared->output);
-    const enum neph_status printed = neph_cli_give_json(
+        neph_cli_print_folder("post", shared->output);
+    const enum neph_status printed = neph_cli_print_json(
         results, !status && !request.list && shared->json, diag);
     return status ? status : printed;
 }

@@ -146,7 +146,7 @@ static enum neph_status check_frames(const struct request *request,
                                      const struct neph_scene *scene, struct neph_diag *diag)
 {
     const int first = request->first_frame;
-    const int most = engine->remembers ? FRAMES_MAX : scene->frame_count - first;
+    const int most = engine->has_frame_history ? FRAMES_MAX : scene->frame_count - first;
     enum neph_status status = neph_cli_check_range("--frame", first, 0, scene->frame_count - 1,
                                                    diag);
     if (!status)
@@ -160,11 +160,11 @@ static enum neph_status check_frames(const struct request *request,
 static enum neph_status check_engine(const struct request *request,
                                      const struct neph_engine *engine, struct neph_diag *diag)
 {
-    if (request->checkpoint && (!engine->rests || request->frame_count > 1))
+    if (request->checkpoint && (!engine->can_checkpoint || request->frame_count > 1))
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "--checkpoint is for one frame of an engine that adds up paths (oracle, "
                          "tracer)");
-    if (request->depth && !engine->takes_given)
+    if (request->depth && !engine->accepts_given_frame)
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "--depth is for engine realtime; engine %s renders the scene's solids",
                          engine->name);
@@ -188,21 +188,21 @@ static enum neph_status make_job(const struct request *request, const struct nep
         neph_hint(diag, "`neph engines` lists them");
         return NEPH_ERR_USAGE;
     }
-    *job = (struct neph_job){
-        .engine = engine,
-        .info = info,
-        .shot = {.scene = scene,
-                 .engine = engine,
-                 .settings = request->config ? request->configuration.settings
-                                             : neph_settings_default(engine),
-                 .layers = NEPH_LAYERS_ALL,
-                 .width_px = shared->size.width_px,
-                 .height_px = shared->size.height_px,
-                 .frame = request->first_frame,
-                 .seed = request->seed >= 0 ? (uint64_t)request->seed : neph_seed_of(scene, 1),
-                 .time_limit_s = shared->time_limit_s,
-                 .device = device,
-                 .checkpoint = request->checkpoint}};
+    *job = (struct neph_job){.engine = engine,
+                             .info = info,
+                             .shot = {.scene = scene,
+                                      .engine = engine,
+                                      .settings = request->config ? request->configuration.settings
+                                                                  : neph_settings_default(engine),
+                                      .layers = NEPH_LAYERS_ALL,
+                                      .width_px = shared->size.width_px,
+                                      .height_px = shared->size.height_px,
+                                      .frame = request->first_frame,
+                                      .seed = request->seed >= 0 ? (uint64_t)request->seed
+                                                                 : neph_seed_for_scene(scene, 1),
+                                      .time_limit_s = shared->time_limit_s,
+                                      .device = device,
+                                      .checkpoint = request->checkpoint}};
     enum neph_status status = check_frames(request, engine, scene, diag);
     if (!status)
         status = check_engine(request, engine, diag);
@@ -245,7 +245,7 @@ static enum neph_status find_noise(const struct request *request, const struct n
                                    const struct neph_image *frame, double *noise,
                                    struct neph_diag *diag)
 {
-    *noise = neph_noise_of_frame(frame);
+    *noise = neph_noise_from_variance(frame);
     if (isfinite(*noise) || !job->engine->stochastic)
         return NEPH_OK;
     if (!request->noise) {
@@ -261,13 +261,13 @@ static enum neph_status find_noise(const struct request *request, const struct n
     second.shot.seed = job->shot.seed == 0x7fffffff ? 0 : job->shot.seed + 1;
     const enum neph_status status = neph_job_render(&second, &other, &cost, diag);
     if (!status)
-        *noise = neph_noise_of_two(frame, other);
+        *noise = neph_noise_from_two_seeds(frame, other);
     neph_image_destroy(other);
     return status;
 }
 
 /* Errors that are not visible in a frame; NaN where unknown. */
-struct unseen {
+struct frame_errors {
     double noise, step_depth, step_bias;
 };
 
@@ -282,17 +282,17 @@ static void warn(const struct neph_job *job, char *warning)
  * with history, whose frames are fast. */
 static bool estimates_step_bias(const struct request *request, const struct neph_job *job)
 {
-    return !job->engine->remembers || job->shot.frame == request->first_frame;
+    return !job->engine->has_frame_history || job->shot.frame == request->first_frame;
 }
 
 static void say(const struct request *request, const struct neph_job *job,
-                const struct unseen *unseen)
+                const struct frame_errors *frame_errors)
 {
-    warn(job, neph_step_depth_warning(unseen->step_depth, job->engine));
-    warn(job, neph_step_bias_warning(unseen->step_bias, job->engine));
-    if (isfinite(unseen->noise) && !request->shared.quiet)
+    warn(job, neph_step_depth_warning(frame_errors->step_depth, job->engine));
+    warn(job, neph_step_bias_warning(frame_errors->step_bias, job->engine));
+    if (isfinite(frame_errors->noise) && !request->shared.quiet)
         fprintf(stderr, "frame %d: noise %.2g %% of the rms radiance, seed %llu\n", job->shot.frame,
-                100.0 * unseen->noise, (unsigned long long)job->shot.seed);
+                100.0 * frame_errors->noise, (unsigned long long)job->shot.seed);
     char *omission = request->shared.quiet || !estimates_step_bias(request, job)
                          ? NULL
                          : neph_step_bias_omission(&job->shot, job->engine);
@@ -304,10 +304,11 @@ static void say(const struct request *request, const struct neph_job *job,
 /* Write the display image beside the frame, and add the entry of both to the results. */
 static enum neph_status show_and_note(struct run *run, const struct neph_image *frame,
                                       const char *path, const struct neph_cost *cost,
-                                      const struct unseen *unseen, struct neph_diag *diag)
+                                      const struct frame_errors *frame_errors,
+                                      struct neph_diag *diag)
 {
     const struct neph_shot *shot = &run->job->shot;
-    char *name = neph_scene_name_of(path);
+    char *name = neph_scene_name_from_path(path);
     struct neph_path shown = {""};
     json_t *stats = NULL;
     enum neph_status status = name ? neph_shown_make(&run->shown, frame, name, shot->frame,
@@ -322,9 +323,9 @@ static enum neph_status show_and_note(struct run *run, const struct neph_image *
                       "size_px", frame->width_px, frame->height_px, "render_s", cost->render_s,
                       "wall_s", cost->wall_s, "cpu_s", cost->cpu_s, "peak_memory_bytes",
                       (json_int_t)cost->peak_memory_bytes, "stats", stats, "seed",
-                      (json_int_t)shot->seed, "noise", neph_json_number(unseen->noise),
-                      "step_optical_depth", neph_json_number(unseen->step_depth), "step_bias",
-                      neph_json_number(unseen->step_bias)),
+                      (json_int_t)shot->seed, "noise", neph_json_number(frame_errors->noise),
+                      "step_optical_depth", neph_json_number(frame_errors->step_depth), "step_bias",
+                      neph_json_number(frame_errors->step_bias)),
             diag);
     if (!status && !run->request->shared.json)
         printf("%s\n%s%s", path, shown.text, shown.text[0] ? "\n" : "");
@@ -350,19 +351,19 @@ static enum neph_status render_one(struct run *run, const char *depth, struct ne
         job->shot.scratch_directory = neph_scratch_path(scratch);
         status = neph_job_render(job, &frame, &cost, diag);
     }
-    struct unseen unseen = {NAN, NAN, NAN};
+    struct frame_errors frame_errors = {NAN, NAN, NAN};
     if (!status)
-        status = find_noise(request, job, frame, &unseen.noise, diag);
+        status = find_noise(request, job, frame, &frame_errors.noise, diag);
     if (!status && request->scene_layers)
         status = neph_scene_layers_add(job->shot.scene, job->shot.frame, frame, diag);
     if (!status)
         status = neph_exr_write(path.text, frame, diag);
     if (!status) {
-        unseen.step_depth = neph_step_depth(&job->shot, job->engine);
+        frame_errors.step_depth = neph_step_depth(&job->shot, job->engine);
         if (estimates_step_bias(request, job))
-            unseen.step_bias = neph_step_bias(&job->shot, job->engine, frame);
-        say(request, job, &unseen);
-        status = show_and_note(run, frame, path.text, &cost, &unseen, diag);
+            frame_errors.step_bias = neph_step_bias(&job->shot, job->engine, frame);
+        say(request, job, &frame_errors);
+        status = show_and_note(run, frame, path.text, &cost, &frame_errors, diag);
     }
     neph_cli_end_scratch(scratch, status, diag);
     job->shot.scratch_directory = NULL;
@@ -461,8 +462,8 @@ static enum neph_status render_frames(const struct request *request, struct neph
     neph_sequence_finish(&run.depths);
     if (request->stats && !request->shared.json && json_array_size(run.results) > 0)
         print_stats(run.results);
-    const enum neph_status printed = neph_cli_give_json(run.results, request->shared.json,
-                                                        status ? NULL : diag);
+    const enum neph_status printed = neph_cli_print_json(run.results, request->shared.json,
+                                                         status ? NULL : diag);
     return status ? status : printed;
 }
 

@@ -15,11 +15,11 @@
 
 static enum neph_status check(struct neph_shown *shown, const char *path, struct neph_diag *diag)
 {
-    const struct neph_showing *showing = &shown->showing;
+    const struct neph_display_chain *showing = &shown->showing;
     const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
-    enum neph_status status = neph_showing_check(&shown->showing, diag);
+    enum neph_status status = neph_display_chain_check(&shown->showing, diag);
     if (!status)
-        status = neph_showing_check_size(showing, diag);
+        status = neph_display_chain_check_size(showing, diag);
     if (status || showing->plan.volume_count > 0 ||
         neph_post_sequence(showing->params.order, &showing->settings, stages) > 0)
         return status;
@@ -39,7 +39,7 @@ enum neph_status neph_shown_open(struct neph_shown *shown, const char *chain,
     shown->is_on = true;
     shown->showing.scene = scene;
     shown->folder = neph_path_in(output, "shown");
-    enum neph_status status = neph_showing_load(&shown->showing, path, diag);
+    enum neph_status status = neph_display_chain_load(&shown->showing, path, diag);
     if (!status)
         status = check(shown, path, diag);
     if (!status)
@@ -50,7 +50,7 @@ enum neph_status neph_shown_open(struct neph_shown *shown, const char *chain,
 void neph_shown_close(struct neph_shown *shown)
 {
     neph_device_release(shown->device);
-    neph_showing_finish(&shown->showing);
+    neph_display_chain_finish(&shown->showing);
 }
 
 void neph_shown_frame_size(const struct neph_shown *shown, int *width_px, int *height_px)
@@ -100,13 +100,13 @@ enum neph_status neph_shown_make(struct neph_shown *shown, const struct neph_ima
     params->width_px = width_px;
     params->height_px = height_px;
     params->eye = &shown->showing.eye;
-    enum neph_status status = neph_showing_settle(&shown->showing, number, diag);
+    enum neph_status status = neph_display_chain_set_frame(&shown->showing, number, diag);
     if (!status)
         status = neph_post_run(shown->device->vulkan, params, frame, &picture, &cost, diag);
     if (!status)
         status = label(picture, params, &cost, diag);
     if (!status)
-        status = neph_showing_write(&shown->showing, picture, path->text, png.text, diag);
+        status = neph_display_chain_write(&shown->showing, picture, path->text, png.text, diag);
     if (!status)
         *stats = neph_frame_stats(picture);
     neph_image_destroy(picture);

@@ -16,7 +16,7 @@ struct neph_shot;
 struct neph_shown {
     bool is_on;
     struct neph_path folder;
-    struct neph_showing showing;
+    struct neph_display_chain showing;
     struct neph_open_device *device;
 };
 

@@ -110,8 +110,8 @@ static bool has_ends(const struct neph_medium *fog)
 
 /* The `index`-th property of the physical fog that every non-physical fog model lacks; NULL beyond
  * the last one. */
-static const char *lost_in_looks(const struct neph_scene *scene, const struct neph_medium *fog,
-                                 int index)
+static const char *find_missing_property(const struct neph_scene *scene,
+                                         const struct neph_medium *fog, int index)
 {
     const bool scatters = scene->sun.present && scene->scattering != NEPH_SCATTERING_NONE &&
                           fog->albedo.r + fog->albedo.g + fog->albedo.b > 0.0;
@@ -216,10 +216,10 @@ static void print_departures(const struct neph_fog_look *look)
 
 static void print_fog(const struct neph_scene *scene)
 {
-    const struct neph_medium *fog = neph_fog_look_medium(scene);
+    const struct neph_medium *fog = neph_fog_look_find_medium(scene);
     if (!fog)
         return;
-    const struct neph_fog_look physics = neph_fog_look_of_physics(scene, fog);
+    const struct neph_fog_look physics = neph_fog_look_from_physics(scene, fog);
     printf("height fog\n");
     print_row("", "physical", "Unreal", "Filament");
     for (int l = 0; l < fog->layer_count; l++)
@@ -228,10 +228,10 @@ static void print_fog(const struct neph_scene *scene)
         print_look(scene, &physics);
         print_departures(&scene->fog_look);
     }
-    if (lost_in_looks(scene, fog, 0))
+    if (find_missing_property(scene, fog, 0))
         printf("  properties of the medium without a counterpart in the fog model:\n");
-    for (int i = 0; lost_in_looks(scene, fog, i); i++)
-        printf("    %s\n", lost_in_looks(scene, fog, i));
+    for (int i = 0; find_missing_property(scene, fog, i); i++)
+        printf("    %s\n", find_missing_property(scene, fog, i));
 }
 
 /* ---- height fog, as JSON --------------------------------------------------------------------- */
@@ -266,13 +266,13 @@ static json_t *look_json(const struct neph_fog_look *look)
 
 static json_t *fog_json(const struct neph_scene *scene)
 {
-    const struct neph_medium *fog = neph_fog_look_medium(scene);
+    const struct neph_medium *fog = neph_fog_look_find_medium(scene);
     if (!fog)
         return json_null();
-    const struct neph_fog_look physics = neph_fog_look_of_physics(scene, fog);
+    const struct neph_fog_look physics = neph_fog_look_from_physics(scene, fog);
     json_t *lost = json_array();
-    for (int i = 0; lost_in_looks(scene, fog, i); i++)
-        neph_json_add(&lost, json_string(lost_in_looks(scene, fog, i)));
+    for (int i = 0; find_missing_property(scene, fog, i); i++)
+        neph_json_add(&lost, json_string(find_missing_property(scene, fog, i)));
     return json_pack("{s:o, s:{s:o, s:o, s:f}, s:o}", "look", look_json(&scene->fog_look),
                      "of_physics", "inscattering_w_per_m2_sr",
                      values_json(&physics.inscattering_w_per_m2_sr.r, 3), "directional_w_per_m2_sr",
@@ -325,8 +325,8 @@ static json_t *failing_json(const struct neph_failing *failing)
                      failing->fails, "known", failing->known, "symptom", failing->symptom,
                      "presets", failing->presets, "size_px", failing->width_px, failing->height_px,
                      "frames", failing->frame_count, "steps", failing->steps, "truth",
-                     neph_failing_truth_name(failing->truth), "quick", failing->quick, "engines",
-                     failing->engines, "measures", limits_json(failing), "points",
+                     neph_failing_reference_name(failing->truth), "quick", failing->quick,
+                     "engines", failing->engines, "measures", limits_json(failing), "points",
                      points_json(failing));
 }
 
@@ -360,7 +360,7 @@ static void print_failing(const struct neph_failing *failing)
     printf("fails       %s\nknown       %s\nsymptom     %s\n"
            "judged      %dx%d px, %d frames, %d steps, against %s, presets %s%s, tier %s\n",
            failing->fails, failing->known, failing->symptom, failing->width_px, failing->height_px,
-           failing->frame_count, failing->steps, neph_failing_truth_name(failing->truth),
+           failing->frame_count, failing->steps, neph_failing_reference_name(failing->truth),
            failing->presets[0] ? failing->presets : "all", failing->engines ? " and engines" : "",
            failing->quick ? "quick" : "full");
     for (int i = 0; i < failing->limit_count; i++)
@@ -518,6 +518,6 @@ enum neph_status neph_cli_scenes(int argc, char **argv, struct neph_diag *diag)
     json_t *list = json_array();
     for (int folder = 0; folder < NEPH_DATA_SCENES_COUNT && !status; folder++)
         status = list_folder((enum neph_data_scenes)folder, as_json, list, diag);
-    const enum neph_status printed = neph_cli_give_json(list, !status && as_json, diag);
+    const enum neph_status printed = neph_cli_print_json(list, !status && as_json, diag);
     return status ? status : printed;
 }

@@ -78,7 +78,7 @@ static const struct neph_cli_syntax syntax = {
 
 /* ---- check ----------------------------------------------------------------------------------- */
 
-static void tell_fault(const struct neph_store_fault *fault, void *context)
+static void print_store_fault(const struct neph_store_fault *fault, void *context)
 {
     json_t **list = context;
     if (list)
@@ -114,7 +114,7 @@ static enum neph_status run_check(const struct request *request, struct neph_sto
     struct neph_store_sums sums;
     const bool json = request->shared.json;
     json_t *faults = json_array();
-    enum neph_status status = neph_store_check(store, request->repairs, tell_fault,
+    enum neph_status status = neph_store_check(store, request->repairs, print_store_fault,
                                                json ? &faults : NULL, &sums, diag);
     if (!status && json)
         status = print_record(&sums_form, &sums, "faults", json_incref(faults), diag);
@@ -135,7 +135,7 @@ static enum neph_status run_check(const struct request *request, struct neph_sto
 /* ---- gc -------------------------------------------------------------------------------------- */
 
 /* Parse a size such as "500M" to bytes; NaN: not a size. */
-static double bytes_of(const char *text)
+static double parse_byte_size(const char *text)
 {
     static const char units[] = "KMGT";
     char *end;
@@ -156,7 +156,7 @@ static enum neph_status run_gc(const struct request *request, struct neph_store 
                                struct neph_diag *diag)
 {
     struct neph_store_gc gc;
-    const double limit = bytes_of(request->limit);
+    const double limit = parse_byte_size(request->limit);
     if (!isfinite(limit) || limit > 1e18)
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "--limit '%s' is no size: a number of bytes, or of K, M, G or T",

@@ -109,7 +109,7 @@ static const struct neph_cli_syntax syntax = {
 /* ---- the inputs ------------------------------------------------------------------------------ */
 
 /* A label for one of the words: without the leading folders that all words have in common. */
-static const char *label_of(const char *const *words, int count, int which)
+static const char *make_set_label(const char *const *words, int count, int which)
 {
     size_t common = 0;
     for (size_t i = 0; words[0][i]; i++) {
@@ -142,7 +142,7 @@ static enum neph_status find_sets(struct request *request, struct neph_diag *dia
         words[i] = request->shared.operands[i - first];
     for (int i = 0; i < count && !status; i++) {
         const bool is_reference = first && i == 0;
-        view->sets[i].label = label_of(words, count, i);
+        view->sets[i].label = make_set_label(words, count, i);
         status = neph_sequence_find(is_reference ? reference->count : 1,
                                     is_reference ? reference->list : &words[i], view->by_position,
                                     &view->sets[i].frames, diag);

@@ -86,7 +86,7 @@ static enum neph_status check_counts(const struct neph_comparison *asked, struct
 }
 
 /* The file of a frame; NULL: none. A single file is used for all frames. */
-static const char *path_of(const struct neph_sequence *sequence, int index)
+static const char *find_frame_path(const struct neph_sequence *sequence, int index)
 {
     return sequence->count == 0 ? NULL : sequence->paths[sequence->count == 1 ? 0 : index];
 }
@@ -107,11 +107,11 @@ static struct at_hand *find_at_hand(struct pass *pass, const char *path)
     return NULL;
 }
 
-static bool needs(const struct neph_comparison *asked, const char *path, int index)
+static bool needs_file(const struct neph_comparison *asked, const char *path, int index)
 {
-    const char *const paths[] = {path_of(&asked->reference, index), path_of(&asked->second, index),
-                                 test_in_memory(asked, index) ? NULL
-                                                              : path_of(&asked->test, index)};
+    const char *const paths[] = {
+        find_frame_path(&asked->reference, index), find_frame_path(&asked->second, index),
+        test_in_memory(asked, index) ? NULL : find_frame_path(&asked->test, index)};
     for (int i = 0; i < 3; i++)
         if (paths[i] && strcmp(paths[i], path) == 0)
             return true;
@@ -119,13 +119,13 @@ static bool needs(const struct neph_comparison *asked, const char *path, int ind
 }
 
 /* Free the images that the current frame does not need, before more are read. */
-static void let_go(struct pass *pass, int index)
+static void release_unneeded_frames(struct pass *pass, int index)
 {
     for (int i = 0; i < AT_HAND_MAX; i++) {
         struct at_hand *held = &pass->at_hand[i];
         bool is_needed = false;
         for (int w = 0; w < pass->work_count && held->path; w++)
-            is_needed |= needs(pass->works[w].asked, held->path, index);
+            is_needed |= needs_file(pass->works[w].asked, held->path, index);
         if (is_needed)
             continue;
         neph_image_destroy(held->image);
@@ -157,13 +157,14 @@ static enum neph_status read_frames(struct pass *pass, struct work *work, int in
                                     struct neph_diag *diag)
 {
     const struct neph_comparison *asked = work->asked;
-    enum neph_status status = take_frame(pass, asked, path_of(&asked->reference, index),
+    enum neph_status status = take_frame(pass, asked, find_frame_path(&asked->reference, index),
                                          &work->reference, diag);
     if (!status)
-        status = take_frame(pass, asked, path_of(&asked->second, index), &work->second, diag);
+        status = take_frame(pass, asked, find_frame_path(&asked->second, index), &work->second,
+                            diag);
     work->test = test_in_memory(asked, index);
     if (!status && !work->test)
-        status = take_frame(pass, asked, path_of(&asked->test, index), &work->test, diag);
+        status = take_frame(pass, asked, find_frame_path(&asked->test, index), &work->test, diag);
     return status;
 }
 
@@ -206,7 +207,7 @@ static void list_channels(const struct neph_image *image, char *text, size_t siz
         append(text, size, "...");
 }
 
-static bool has(const struct neph_image *image, const struct neph_quantity *quantity)
+static bool has_quantity(const struct neph_image *image, const struct neph_quantity *quantity)
 {
     const float *planes[3];
     return neph_quantity_planes(quantity, image, planes);
@@ -218,9 +219,10 @@ static enum neph_status check_channels(const struct neph_image *reference,
                                        const struct neph_image *test, struct neph_diag *diag)
 {
     char in_reference[160] = "", in_test[160] = "";
-    const bool both_or_none = has(reference, neph_quantity_at(0)) == has(test, neph_quantity_at(0));
+    const bool both_or_none = has_quantity(reference, neph_quantity_at(0)) ==
+                              has_quantity(test, neph_quantity_at(0));
     for (int q = 0; q < neph_quantity_count() && both_or_none; q++)
-        if (has(reference, neph_quantity_at(q)) && has(test, neph_quantity_at(q)))
+        if (has_quantity(reference, neph_quantity_at(q)) && has_quantity(test, neph_quantity_at(q)))
             return NEPH_OK;
     list_channels(reference, in_reference, sizeof(in_reference));
     list_channels(test, in_test, sizeof(in_test));
@@ -240,7 +242,7 @@ static void drop_unwanted_masks(struct work *work)
 {
     int kept = 0;
     for (int i = 0; i < work->mask_count; i++)
-        if (i == 0 || neph_meter_wants(work->asked->wanted, NULL, work->masks[i]->name))
+        if (i == 0 || neph_meter_is_wanted(work->asked->wanted, NULL, work->masks[i]->name))
             work->masks[kept++] = work->masks[i];
         else
             neph_mask_destroy(work->masks[i]);
@@ -265,7 +267,7 @@ static enum neph_status check_form(struct neph_frame_form *form,
                : NEPH_OK;
 }
 
-static enum neph_status unite_masks_of(struct work *work, int index, struct neph_diag *diag)
+static enum neph_status add_frame_masks(struct work *work, int index, struct neph_diag *diag)
 {
     struct neph_image *frame = NULL;
     const struct neph_sequence *reference = &work->asked->reference;
@@ -289,14 +291,14 @@ static enum neph_status unite_masks(struct work *work, struct neph_diag *diag)
     enum neph_status status = NEPH_OK;
     for (int i = 1; i < work->frame_count && !status; i++) {
         if (strcmp(paths[i], paths[i - 1]) != 0) /* equal consecutive files have equal masks */
-            status = unite_masks_of(work, asked->warm_up_frames + i, diag);
+            status = add_frame_masks(work, asked->warm_up_frames + i, diag);
         if (!status && neph_interrupted())
             status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
     }
     return status;
 }
 
-static enum neph_status add_mask_of_file(struct work *work, struct neph_diag *diag)
+static enum neph_status add_file_mask(struct work *work, struct neph_diag *diag)
 {
     struct neph_image *picture = NULL;
     enum neph_status status = neph_frame_read(work->asked->mask_file, NULL, SIZE_MAX, &picture,
@@ -325,13 +327,13 @@ static enum neph_status make_masks(struct work *work, struct neph_diag *diag)
         status = unite_masks(work, diag);
     work->mask_count = neph_masks_trim(work->masks, work->mask_count);
     if (!status && asked->mask_file)
-        status = add_mask_of_file(work, diag);
+        status = add_file_mask(work, diag);
     return status;
 }
 
 /* Use the masks of another comparison of the pass if they are the same; otherwise make them. */
-static enum neph_status have_masks(const struct pass *pass, struct work *work,
-                                   struct neph_diag *diag)
+static enum neph_status ensure_masks(const struct pass *pass, struct work *work,
+                                     struct neph_diag *diag)
 {
     const struct neph_comparison *asked = work->asked;
     for (const struct work *other = pass->works; other < work; other++) {
@@ -392,7 +394,7 @@ static enum neph_status write_map_files(struct work *work, const struct neph_map
     return status;
 }
 
-static enum neph_status give_map(struct work *work, const struct neph_quantity *quantity,
+static enum neph_status send_map(struct work *work, const struct neph_quantity *quantity,
                                  const struct neph_extractor *extractor, int index, int frame,
                                  struct neph_diag *diag)
 {
@@ -409,7 +411,7 @@ static enum neph_status give_map(struct work *work, const struct neph_quantity *
 }
 
 /* Output the maps of the current frame, or of the sequence (frame < 0). */
-static enum neph_status give_maps(struct work *work, int frame, struct neph_diag *diag)
+static enum neph_status send_maps(struct work *work, int frame, struct neph_diag *diag)
 {
     const bool is_wanted = work->asked->maps_directory || work->asked->take_map;
     enum neph_status status = NEPH_OK;
@@ -424,7 +426,7 @@ static enum neph_status give_maps(struct work *work, int frame, struct neph_diag
             for (int m = 0; m < extractor->map_count && !status; m++) {
                 const unsigned shown = extractor->maps[m].quantities;
                 if (extractor->maps[m].name && (shown == 0 || shown & (unsigned)quantity->bit))
-                    status = give_map(work, quantity, extractor, m, frame, diag);
+                    status = send_map(work, quantity, extractor, m, frame, diag);
             }
         }
     }
@@ -453,7 +455,7 @@ static const struct overlooked {
     {NULL, "pixel_aspect", "the pixel aspect ratio", "pixels are taken for square"},
 };
 
-static void note_overlooked(struct work *work, const struct neph_image *image)
+static void record_ignored_data(struct work *work, const struct neph_image *image)
 {
     for (int i = 0; i < OVERLOOKED_COUNT; i++)
         work->has_overlooked[i] |= overlooked[i].channel
@@ -462,20 +464,20 @@ static void note_overlooked(struct work *work, const struct neph_image *image)
                                              NULL;
 }
 
-static bool is_stranger(const char *channel)
+static bool is_unknown_channel(const char *channel)
 {
-    return !neph_validity_knows(channel) && strcmp(channel, "A") != 0 &&
+    return !neph_validity_has_rule(channel) && strcmp(channel, "A") != 0 &&
            strncmp(channel, "vector.", strlen("vector.")) != 0;
 }
 
 /* Record the unknown channels of the first test frame, at most six. */
-static void note_strangers(struct work *work, const struct neph_image *image)
+static void record_unknown_channels(struct work *work, const struct neph_image *image)
 {
     enum { SHOWN_MAX = 6 };
     char more[32];
     int count = 0;
     for (int c = 0; c < image->channel_count; c++)
-        if (is_stranger(image->channels[c].name) && ++count <= SHOWN_MAX)
+        if (is_unknown_channel(image->channels[c].name) && ++count <= SHOWN_MAX)
             append(work->strangers, sizeof(work->strangers), image->channels[c].name);
     snprintf(more, sizeof(more), "and %d more", count - SHOWN_MAX);
     if (count > SHOWN_MAX)
@@ -500,13 +502,13 @@ static enum neph_status begin_work(const struct pass *pass, struct work *work,
 {
     const char *declared = neph_image_attribute(work->test, NEPH_CYCLE_ATTRIBUTE);
     snprintf(work->declared_cycles, sizeof(work->declared_cycles), "%s", declared ? declared : "");
-    note_strangers(work, work->test);
+    record_unknown_channels(work, work->test);
     work->is_picture = is_picture(work->reference);
     take_frame_rate(work);
     work->made->movement.gain = exp2(work->viewing.exposure_ev);
     enum neph_status status = check_channels(work->reference, work->test, diag);
     if (!status)
-        status = have_masks(pass, work, diag);
+        status = ensure_masks(pass, work, diag);
     if (!status)
         status = check_mask(work, diag);
     if (status)
@@ -538,8 +540,8 @@ static enum neph_status measure_frame(struct pass *pass, struct work *work, int 
     if (!status && frame == 0)
         status = begin_work(pass, work, diag);
     if (!status) {
-        note_overlooked(work, work->reference);
-        note_overlooked(work, work->test);
+        record_ignored_data(work, work->reference);
+        record_ignored_data(work, work->test);
     }
     if (!status && work == pass->works) /* all comparisons have the same test frames */
         status = neph_frozen_add(&work->frozen, work->test, NULL, diag);
@@ -551,7 +553,7 @@ static enum neph_status measure_frame(struct pass *pass, struct work *work, int 
     if (!status && work->asked->with_movement)
         status = neph_movement_add(&work->made->movement, work->reference, work->test, diag);
     if (!status)
-        status = give_maps(work, frame, diag);
+        status = send_maps(work, frame, diag);
     work->done_count += !status;
     return status;
 }
@@ -569,7 +571,7 @@ static enum neph_status measure_all(struct pass *pass, struct neph_diag *diag)
         if (neph_interrupted())
             status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
         else
-            let_go(pass, asked->warm_up_frames + frame);
+            release_unneeded_frames(pass, asked->warm_up_frames + frame);
         for (int w = 0; w < pass->work_count && !status; w++)
             status = measure_frame(pass, &pass->works[w], frame, diag);
         if (!status)
@@ -581,8 +583,8 @@ static enum neph_status measure_all(struct pass *pass, struct neph_diag *diag)
 
 /* ---- results --------------------------------------------------------------------------------- */
 
-static void pass_over(struct neph_compared *made, const char *extractor, const char *quantity,
-                      const char *because)
+static void add_not_measured(struct neph_compared *made, const char *extractor,
+                             const char *quantity, const char *because)
 {
     made->not_taken[made->not_taken_count++] = (struct neph_not_taken){extractor, quantity,
                                                                        because};
@@ -593,23 +595,24 @@ static void add_one_sided(const struct work *work)
 {
     for (int q = 0; q < neph_quantity_count() && work->reference && work->test; q++) {
         const struct neph_quantity *quantity = neph_quantity_at(q);
-        if (has(work->reference, quantity) != has(work->test, quantity))
-            pass_over(work->made, "everything", quantity->name,
-                      work->asked->without_reference ? "only one of the two sequences has it"
-                      : has(work->test, quantity)    ? "the reference does not have it"
-                                                     : "the test does not have it");
+        if (has_quantity(work->reference, quantity) != has_quantity(work->test, quantity))
+            add_not_measured(work->made, "everything", quantity->name,
+                             work->asked->without_reference ? "only one of the two sequences has it"
+                             : has_quantity(work->test, quantity) ? "the reference does not have it"
+                                                                  : "the test does not have it");
     }
 }
 
-static void add_overlooked(const struct work *work)
+static void report_ignored_data(const struct work *work)
 {
     for (int i = 0; i < OVERLOOKED_COUNT; i++)
         if (work->has_overlooked[i])
-            pass_over(work->made, "everything", overlooked[i].what, overlooked[i].because);
+            add_not_measured(work->made, "everything", overlooked[i].what, overlooked[i].because);
     if (work->strangers[0])
-        pass_over(work->made, "everything",
-                  neph_arena_format(&work->made->arena, "channels%s", work->strangers),
-                  "they have no meaning here; --layer NAME reads NAME.R, NAME.Z, ... as R, Z, ...");
+        add_not_measured(
+            work->made, "everything",
+            neph_arena_format(&work->made->arena, "channels%s", work->strangers),
+            "they have no meaning here; --layer NAME reads NAME.R, NAME.Z, ... as R, Z, ...");
 }
 
 static enum neph_status list_not_taken(const struct work *work, struct neph_diag *diag)
@@ -617,18 +620,18 @@ static enum neph_status list_not_taken(const struct work *work, struct neph_diag
     struct neph_compared *made = work->made;
     const size_t most = (size_t)(neph_quantity_count() * (1 + work->asked->choice_count) +
                                  OVERLOOKED_COUNT + 1);
-    made->not_taken = neph_arena_zeroed(&made->arena, most, sizeof(*made->not_taken));
+    made->not_taken = neph_arena_allocate(&made->arena, most, sizeof(*made->not_taken));
     if (!made->not_taken)
         return neph_fail_memory(diag);
     add_one_sided(work);
-    add_overlooked(work);
+    report_ignored_data(work);
     for (int c = 0; c < work->asked->choice_count; c++) {
         const struct neph_extractor *extractor = work->asked->choices[c].extractor;
         for (int q = 0; q < neph_quantity_count(); q++) {
             const struct neph_quantity *quantity = neph_quantity_at(q);
             const char *because = neph_meter_obstacle(work->meter, quantity, extractor);
-            if (because && neph_meter_takes(work->meter, quantity, extractor))
-                pass_over(made, extractor->name, quantity->name, because);
+            if (because && neph_meter_has_extractor(work->meter, quantity, extractor))
+                add_not_measured(made, extractor->name, quantity->name, because);
         }
     }
     return neph_arena_check(&made->arena, diag);
@@ -648,7 +651,7 @@ static void take_numbers(const struct work *work)
 
 static enum neph_status judge_frozen(const struct work *work, struct neph_diag *diag)
 {
-    if (work->frozen.frozen_count == 0 || work->asked->frozen_is_fine)
+    if (work->frozen.frozen_count == 0 || work->asked->allow_frozen_frames)
         return NEPH_OK;
     neph_fail(
         diag, NEPH_ERR_GATE,
@@ -671,13 +674,13 @@ static enum neph_status conclude(struct work *work, bool interrupted, struct nep
     const int frozen_count = work->frozen.frozen_count;
     enum neph_status status = neph_meter_finish(work->meter, words);
     if (!status)
-        status = give_maps(work, -1, words);
+        status = send_maps(work, -1, words);
     if (!status)
         status = list_not_taken(work, words);
     take_numbers(work);
     if (!status)
         status = neph_findings_make(&made->numbers, work->viewing.frame_rate_hz,
-                                    frozen_count > 0 && !work->asked->frozen_is_fine,
+                                    frozen_count > 0 && !work->asked->allow_frozen_frames,
                                     work->declared_cycles, &made->findings, words);
     if (status)
         return status;

@@ -41,13 +41,13 @@ struct neph_comparison {
     const char *maps_directory; /* output folder for the extractors' maps; or NULL */
     neph_map_taker *take_map;   /* callback for the maps; or NULL */
     void *map_context;
-    int warm_up_frames;      /* skipped at the start of the sequences */
-    size_t negative_allowed; /* number of negative values allowed in a frame */
-    bool by_position;        /* frame numbers may differ between sequences */
-    bool frozen_is_fine;     /* frozen frames are not an error */
-    bool plain;              /* no confidence intervals, which double the cost */
-    bool with_movement;      /* also measure the movement of each frame */
-    bool quiet;              /* print no progress */
+    int warm_up_frames;       /* skipped at the start of the sequences */
+    size_t negative_allowed;  /* number of negative values allowed in a frame */
+    bool by_position;         /* frame numbers may differ between sequences */
+    bool allow_frozen_frames; /* frozen frames are not an error */
+    bool plain;               /* no confidence intervals, which double the cost */
+    bool with_movement;       /* also measure the movement of each frame */
+    bool quiet;               /* print no progress */
 };
 
 /* A quantity that an extractor did not measure, and the reason. */

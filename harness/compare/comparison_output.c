@@ -155,7 +155,7 @@ static const char *const headlines[] = {
 };
 
 /* True for a number that is printed by default. All numbers of lag and of single frames are. */
-static bool stands_for_others(const struct neph_measurement *number)
+static bool is_summary_number(const struct neph_measurement *number)
 {
     const struct neph_extractor *owner = NULL;
     const char *metric = number->metric->name;
@@ -185,7 +185,7 @@ static void print_numbers(const struct neph_compared *compared, bool details, bo
         const struct neph_measurement *number = &numbers->list[i];
         if ((has_overall && number->frame >= 0) || is_hidden(number->mask, details))
             continue;
-        if (all || stands_for_others(number))
+        if (all || is_summary_number(number))
             print_line(number, with_frame);
         else
             left_out++;
@@ -294,7 +294,7 @@ enum neph_status neph_comparison_write_csv(const char *path, const struct neph_c
                                            struct neph_diag *diag)
 {
     char *text = NULL;
-    enum neph_status status = neph_written(write_csv, compared, &text, diag);
+    enum neph_status status = neph_write_to_text(write_csv, compared, &text, diag);
     if (!status && strcmp(path, "-") == 0)
         fputs(text, stdout); /* the exit code covers write errors of stdout */
     else if (!status)

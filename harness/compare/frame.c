@@ -54,7 +54,7 @@ static enum neph_status check(const char *path, const struct neph_image *image,
     for (int i = 0; i < validity.channel_count; i++) { /* values of unknown channels are not
                                                           checked */
         struct neph_validity_channel *channel = &validity.channels[i];
-        if (neph_validity_knows(channel->name))
+        if (neph_validity_has_rule(channel->name))
             continue;
         validity.non_finite_count -= channel->non_finite_count;
         channel->non_finite_count = 0;
@@ -72,12 +72,12 @@ static enum neph_status check(const char *path, const struct neph_image *image,
 }
 
 /* Remove unknown channels that contain NaN or infinite values. */
-static void drop_strangers(struct neph_image *image)
+static void remove_nonfinite_channels(struct neph_image *image)
 {
     const size_t count = neph_image_pixel_count(image);
     for (int i = image->channel_count - 1; i >= 0; i--) {
         const struct neph_channel *channel = &image->channels[i];
-        size_t k = neph_validity_knows(channel->name) ? count : 0;
+        size_t k = neph_validity_has_rule(channel->name) ? count : 0;
         while (k < count && isfinite(channel->samples[k]))
             k++;
         if (k < count)
@@ -220,7 +220,7 @@ enum neph_status neph_frame_read(const char *path, const char *layer, size_t neg
     const enum neph_status status = neph_frame_read_as_written(path, layer, negative_allowed, image,
                                                                diag);
     if (!status) {
-        drop_strangers(*image);
+        remove_nonfinite_channels(*image);
         mark_sky(*image);
     }
     return status;

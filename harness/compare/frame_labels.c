@@ -27,7 +27,7 @@ static const struct label {
     {"encoding", "the encoding", "linear", "give display images, or linear data", NULL, false},
 };
 
-static const char *value_of(const struct label *label, const struct neph_image *image)
+static const char *read_label_value(const struct label *label, const struct neph_image *image)
 {
     const char *value = neph_image_attribute(image, label->attribute);
     float *rgb[3];
@@ -40,7 +40,8 @@ enum neph_status neph_frame_check_pair(const struct neph_image *reference,
 {
     for (int i = 0; other && i < NEPH_FRAME_LABELS; i++) {
         const struct label *label = &labels[i];
-        const char *first = value_of(label, reference), *second = value_of(label, other);
+        const char *first = read_label_value(label, reference),
+                   *second = read_label_value(label, other);
         if (!label->same || strcmp(first, second) == 0)
             continue;
         neph_fail(diag, NEPH_ERR_INPUT,
@@ -65,14 +66,14 @@ static int by_text(const void *a, const void *b)
 static const char *list_channels(const struct neph_image *image, struct neph_arena *arena)
 {
     const size_t count = (size_t)image->channel_count;
-    const char **names = neph_arena_zeroed(arena, count + 1, sizeof(*names));
-    char *list = neph_arena_zeroed(arena, count * NEPH_IMAGE_NAME_MAX + 1, 1), *end = list;
+    const char **names = neph_arena_allocate(arena, count + 1, sizeof(*names));
+    char *list = neph_arena_allocate(arena, count * NEPH_IMAGE_NAME_MAX + 1, 1), *end = list;
     size_t known = 0;
     if (!names || !list)
         return "";
     for (size_t i = 0; i < count; i++) {
         const char *name = image->channels[i].name;
-        if (neph_validity_knows(name) && strncmp(name, "mask.", strlen("mask.")) != 0)
+        if (neph_validity_has_rule(name) && strncmp(name, "mask.", strlen("mask.")) != 0)
             names[known++] = name;
     }
     qsort(names, known, sizeof(*names), by_text);
@@ -141,11 +142,11 @@ void neph_frame_form_finish(struct neph_frame_form *form)
 static enum neph_status keep(struct neph_frame_form *form, const char *path,
                              const struct neph_image *image, struct neph_diag *diag)
 {
-    form->path = neph_arena_text(&form->arena, path);
+    form->path = neph_arena_copy_text(&form->arena, path);
     form->width_px = image->width_px;
     form->height_px = image->height_px;
     for (int i = 0; i < NEPH_FRAME_LABELS; i++)
-        form->labels[i] = neph_arena_text(&form->arena, value_of(&labels[i], image));
+        form->labels[i] = neph_arena_copy_text(&form->arena, read_label_value(&labels[i], image));
     return neph_arena_check(&form->arena, diag);
 }
 
@@ -153,7 +154,7 @@ static enum neph_status compare_labels(const struct neph_frame_form *form, const
                                        const struct neph_image *image, struct neph_diag *diag)
 {
     for (int i = 0; i < NEPH_FRAME_LABELS; i++) {
-        const char *value = value_of(&labels[i], image);
+        const char *value = read_label_value(&labels[i], image);
         if (strcmp(form->labels[i], value) == 0)
             continue;
         neph_fail(diag, NEPH_ERR_INPUT, "%s changes: it is %s in '%s' and %s in '%s'",

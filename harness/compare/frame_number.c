@@ -44,7 +44,7 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-static bool is_of_word(char c)
+static bool is_word_character(char c)
 {
     return is_letter(c) || is_digit(c);
 }
@@ -73,10 +73,10 @@ static bool find_word(const char *path, int index, struct word *word)
     const size_t end = neph_frame_extension_start(path);
     size_t at = 0;
     for (int i = 0; i <= index; i++) {
-        while (at < end && !is_of_word(path[at]))
+        while (at < end && !is_word_character(path[at]))
             at++;
         word->head = at;
-        while (at < end && is_of_word(path[at]))
+        while (at < end && is_word_character(path[at]))
             at++;
         word->tail = at;
         if (word->head == word->tail)
@@ -89,7 +89,7 @@ static bool find_word(const char *path, int index, struct word *word)
 static size_t id_end(const char *path, size_t at, const struct neph_frame_reading *reading)
 {
     struct word word;
-    if (!reading || !reading->ids || (at > 0 && is_of_word(path[at - 1])))
+    if (!reading || !reading->ids || (at > 0 && is_word_character(path[at - 1])))
         return at;
     for (int i = 0; i < WORDS_MAX && find_word(path, i, &word) && word.head <= at; i++)
         if (word.head == at && (reading->ids >> i & 1))
@@ -275,7 +275,7 @@ enum place {
     PLACE_IDS, /* of one length or hexadecimal, with different first letters */
 };
 
-static enum place look_at_place(char *const *paths, int count, int index)
+static enum place classify_place(char *const *paths, int count, int index)
 {
     enum { ID_LENGTH_MIN = 4 };
     struct word first, word;
@@ -312,7 +312,7 @@ static bool read_with_ids(char *const *paths, int count, struct neph_frame_readi
 {
     *reading = (struct neph_frame_reading){.ids = 0};
     for (int i = 0; i < WORDS_MAX; i++) {
-        const enum place place = look_at_place(paths, count, i);
+        const enum place place = classify_place(paths, count, i);
         if (place == PLACE_MISSING)
             break;
         if (place == PLACE_NAMES)

@@ -84,17 +84,17 @@ static bool is_lower_bound(const struct neph_measurements *list, const struct ne
 }
 
 /* The result of checking all numbers of a metric. */
-struct held {
+struct limit_result {
     const struct neph_measurement *worst; /* NULL: none measured, or none with an error */
     int beyond_count;
     bool without_error;
 };
 
-static enum neph_status hold_all(const struct neph_measurements *list,
-                                 const struct neph_limit *limit, struct held *held,
-                                 struct neph_diag *diag)
+static enum neph_status check_all_numbers(const struct neph_measurements *list,
+                                          const struct neph_limit *limit,
+                                          struct limit_result *limit_result, struct neph_diag *diag)
 {
-    *held = (struct held){.worst = NULL};
+    *limit_result = (struct limit_result){.worst = NULL};
     for (int i = 0; i < list->count; i++) {
         const struct neph_measurement *number = &list->list[i];
         char where[32];
@@ -105,14 +105,14 @@ static enum neph_status hold_all(const struct neph_measurements *list,
         name_frame(number, where, sizeof(where));
         /* The PSNR of equal images is undefined and meets every limit. */
         if (!number->defined && strcmp(number->undefined_because, neph_pool_no_error) == 0)
-            held->without_error = true;
+            limit_result->without_error = true;
         else if (!number->defined)
             return neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s'%s is not defined: %s",
                              limit->metric, limit->quantity, limit->mask, where,
                              number->undefined_because);
-        else if (!held->worst || excess(number, limit) > excess(held->worst, limit))
-            held->worst = number;
-        held->beyond_count += number->defined && excess(number, limit) > 0.0;
+        else if (!limit_result->worst || excess(number, limit) > excess(limit_result->worst, limit))
+            limit_result->worst = number;
+        limit_result->beyond_count += number->defined && excess(number, limit) > 0.0;
     }
     return NEPH_OK;
 }
@@ -120,39 +120,40 @@ static enum neph_status hold_all(const struct neph_measurements *list,
 const struct neph_measurement *neph_limit_worst(const struct neph_measurements *list,
                                                 const struct neph_limit *limit)
 {
-    struct held held;
-    return hold_all(list, limit, &held, NULL) ? NULL : held.worst;
+    struct limit_result limit_result;
+    return check_all_numbers(list, limit, &limit_result, NULL) ? NULL : limit_result.worst;
 }
 
 enum neph_status neph_limit_check(const struct neph_measurements *list,
                                   const struct neph_limit *limit, struct neph_diag *diag)
 {
-    struct held held;
+    struct limit_result limit_result;
     char where[32];
-    const enum neph_status status = hold_all(list, limit, &held, diag);
+    const enum neph_status status = check_all_numbers(list, limit, &limit_result, diag);
     if (status)
         return status;
-    if (!held.worst && !held.without_error) {
+    if (!limit_result.worst && !limit_result.without_error) {
         neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s of %s over '%s' was not measured of these images",
                   limit->metric, limit->quantity, limit->mask);
         neph_hint(diag, "the images lack this quantity, the reference this mask, or see 'not "
                         "taken' above");
         return NEPH_ERR_UNSUPPORTED;
     }
-    if (held.beyond_count == 0 && held.worst && !limit->below && is_lower_bound(list, limit))
+    if (limit_result.beyond_count == 0 && limit_result.worst && !limit->below &&
+        is_lower_bound(list, limit))
         return neph_fail(diag, NEPH_ERR_GATE,
                          "%s of %s over '%s' is at least %.6g: the sequence ends too early to "
                          "check the limit %g",
-                         limit->metric, limit->quantity, limit->mask, held.worst->value,
+                         limit->metric, limit->quantity, limit->mask, limit_result.worst->value,
                          limit->value);
-    if (held.beyond_count == 0)
+    if (limit_result.beyond_count == 0)
         return NEPH_OK;
-    name_frame(held.worst, where, sizeof(where));
+    name_frame(limit_result.worst, where, sizeof(where));
     neph_fail(diag, NEPH_ERR_GATE, "%s of %s over '%s' is %.6g%s, %s the limit %g", limit->metric,
-              limit->quantity, limit->mask, held.worst->value, where,
+              limit->quantity, limit->mask, limit_result.worst->value, where,
               limit->below ? "below" : "above", limit->value);
-    if (held.beyond_count > 1)
-        neph_hint(diag, "the worst of %d such numbers", held.beyond_count);
+    if (limit_result.beyond_count > 1)
+        neph_hint(diag, "the worst of %d such numbers", limit_result.beyond_count);
     return NEPH_ERR_GATE;
 }
 

@@ -22,7 +22,7 @@ struct neph_path neph_map_stem(const char *folder, const struct neph_map *map,
 }
 
 /* True for "MAP_QUANTITY" followed by an extension, or by a number and an extension. */
-static bool is_name_of(const struct neph_map *map, const char *name)
+static bool is_map_file_name(const struct neph_map *map, const char *name)
 {
     for (int q = 0; map->name && q < neph_quantity_count(); q++) {
         char stem[2 * NEPH_IMAGE_NAME_MAX];
@@ -43,7 +43,7 @@ static bool is_map_name(const struct neph_meter_choice *choices, int choice_coun
     for (int c = 0; c < choice_count; c++) {
         const struct neph_extractor *extractor = choices[c].extractor;
         for (int m = 0; m < extractor->map_count; m++)
-            if (is_name_of(&extractor->maps[m], name))
+            if (is_map_file_name(&extractor->maps[m], name))
                 return true;
     }
     return false;

@@ -251,8 +251,8 @@ static const struct neph_metric non_finite = {.name = "non_finite",
 static const struct neph_metric negative = {
     .name = "negative", .unit = "samples, all layers", .high = INFINITY, .help = "values below 0"};
 
-static struct neph_measurement count_of(const struct neph_metric *metric, size_t count,
-                                        const struct neph_image *frame)
+static struct neph_measurement make_count_measurement(const struct neph_metric *metric,
+                                                      size_t count, const struct neph_image *frame)
 {
     return (struct neph_measurement){.metric = metric,
                                      .quantity = neph_quantity_find("radiance"),
@@ -272,8 +272,8 @@ enum neph_status neph_measure_validity(const struct neph_image *frame,
     struct neph_validity validity = {0};
     enum neph_status status = neph_validity_count(frame, &validity, diag);
     const struct neph_measurement counts[] = {
-        count_of(&non_finite, validity.non_finite_count, frame),
-        count_of(&negative, validity.negative_count, frame)};
+        make_count_measurement(&non_finite, validity.non_finite_count, frame),
+        make_count_measurement(&negative, validity.negative_count, frame)};
     if (!status)
         status = append(counts, 2, list, diag);
     neph_validity_finish(&validity);

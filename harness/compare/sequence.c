@@ -399,8 +399,8 @@ static enum neph_status take_order(struct neph_sequence *list, char *const *sort
     return list->numbers ? NEPH_OK : neph_fail_memory(diag);
 }
 
-static enum neph_status number_all(struct neph_sequence *list, int word_count, bool by_position,
-                                   struct neph_diag *diag)
+static enum neph_status number_all_files(struct neph_sequence *list, int word_count,
+                                         bool by_position, struct neph_diag *diag)
 {
     struct neph_frame_series series = {.run = NEPH_FRAME_NO_RUN};
     bool is_series;
@@ -430,7 +430,7 @@ enum neph_status neph_sequence_find(int word_count, const char *const *words, bo
     if (!status)
         status = check_formats(&list, diag);
     if (!status)
-        status = number_all(&list, word_count, by_position, diag);
+        status = number_all_files(&list, word_count, by_position, diag);
     if (status)
         neph_sequence_finish(&list);
     else

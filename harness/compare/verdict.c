@@ -133,44 +133,46 @@ static const struct neph_finding *find_finding(const struct neph_findings *list,
     return NULL;
 }
 
-struct told {
+struct printed_findings {
     const char *finding, *words;
     bool needs_reference;
 };
 
 /* Findings about the flicker of a sequence. */
-static const struct told answers[] = {{"seen", "flicker", false},
-                                      {"flicker", "four-frame cycle", false},
-                                      {"edge_ratio", "at depth edges", false},
-                                      {"half_life", "lag", true}};
+static const struct printed_findings answers[] = {{"seen", "flicker", false},
+                                                  {"flicker", "four-frame cycle", false},
+                                                  {"edge_ratio", "at depth edges", false},
+                                                  {"half_life", "lag", true}};
 
 /* Findings that reduce the reliability of the numbers. */
-static const struct told cautions[] = {{"reference_limited", "the reference", true},
-                                       {"noise_floor", "the reference", true},
-                                       {"clipped", "the display", false}};
+static const struct printed_findings cautions[] = {{"reference_limited", "the reference", true},
+                                                   {"noise_floor", "the reference", true},
+                                                   {"clipped", "the display", false}};
 enum {
     ANSWERS = sizeof(answers) / sizeof(answers[0]),
     CAUTIONS = sizeof(cautions) / sizeof(cautions[0]),
 };
 
 /* Position within a table that is being printed. */
-struct telling {
-    const struct told *told;
+struct findings_print {
+    const struct printed_findings *printed_findings;
     int count, next;
 };
 
 /* Print findings of a table. `label` precedes each line, or NULL. Returns the number of lines. */
 static int print_findings(const struct neph_compared *compared, const char *mask, const char *label,
-                          struct telling *telling, int lines_max, FILE *out)
+                          struct findings_print *findings_print, int lines_max, FILE *out)
 {
     int lines = 0;
-    while (telling->next < telling->count && lines < lines_max) {
-        const struct told *told = &telling->told[telling->next++];
-        const struct neph_finding *finding = find_finding(&compared->findings, told->finding, mask);
-        if (!finding || (compared->asked->without_reference && told->needs_reference))
+    while (findings_print->next < findings_print->count && lines < lines_max) {
+        const struct printed_findings *printed_findings =
+            &findings_print->printed_findings[findings_print->next++];
+        const struct neph_finding *finding = find_finding(&compared->findings,
+                                                          printed_findings->finding, mask);
+        if (!finding || (compared->asked->without_reference && printed_findings->needs_reference))
             continue;
-        fprintf(out, "%s%s%s: %s: %s\n", label ? label : "", label ? ": " : "", told->words,
-                finding->verdict, finding->text);
+        fprintf(out, "%s%s%s: %s: %s\n", label ? label : "", label ? ": " : "",
+                printed_findings->words, finding->verdict, finding->text);
         lines++;
     }
     return lines;
@@ -253,12 +255,12 @@ static int print_left_out(const struct neph_compared *compared, FILE *out)
 
 /* Print the first line; false: there is none. */
 static bool print_answer(const struct neph_compared *compared, const struct neph_verdict_form *form,
-                         const char *mask, struct telling *telling, FILE *out)
+                         const char *mask, struct findings_print *findings_print, FILE *out)
 {
     const char *label = compared->has_versus ? form->test : NULL;
     if (label && neph_verdict_pair(compared, mask, form->test, form->other, out))
         return true;
-    if (print_findings(compared, mask, label, telling, 1, out) > 0)
+    if (print_findings(compared, mask, label, findings_print, 1, out) > 0)
         return true;
     return !label && !form->shows_metrics && print_error(compared, mask, out) > 0;
 }
@@ -285,7 +287,7 @@ void neph_verdict(const struct neph_compared *compared, const struct neph_verdic
 {
     const char *mask = form->mask ? form->mask : "all";
     const char *label = compared->has_versus ? form->test : NULL;
-    struct telling answer = {answers, ANSWERS, 0}, caution = {cautions, CAUTIONS, 0};
+    struct findings_print answer = {answers, ANSWERS, 0}, caution = {cautions, CAUTIONS, 0};
     const int lines_max = form->is_brief ? 1 : LINES_MAX - LAST_LINES;
     int lines = form->lines_used;
     if (lines < lines_max)

@@ -48,7 +48,7 @@ static int numbers_per_frame(const struct neph_measurements *numbers)
     return count;
 }
 
-static int frame_count_of(const struct neph_measurements *numbers, int per_frame)
+static int count_measured_frames(const struct neph_measurements *numbers, int per_frame)
 {
     int count = 0;
     while (per_frame > 0 && count * per_frame < numbers->count &&
@@ -70,8 +70,8 @@ static bool gather(const struct neph_measurements *numbers, const struct sides *
     return true;
 }
 
-static struct neph_difference of_paired(const struct neph_measurement *number,
-                                        const struct neph_paired *paired)
+static struct neph_difference make_paired_difference(const struct neph_measurement *number,
+                                                     const struct neph_paired *paired)
 {
     const struct neph_mean *mean = &paired->difference;
     struct neph_difference made = {.number = number,
@@ -93,10 +93,10 @@ static struct neph_difference of_paired(const struct neph_measurement *number,
     return made;
 }
 
-static struct neph_difference of_series(const struct neph_measurement *number,
-                                        const struct neph_paired *paired)
+static struct neph_difference make_series_difference(const struct neph_measurement *number,
+                                                     const struct neph_paired *paired)
 {
-    struct neph_difference made = of_paired(number, paired);
+    struct neph_difference made = make_paired_difference(number, paired);
     if (made.interval == NEPH_INTERVAL_NONE)
         snprintf(made.because, sizeof(made.because),
                  "%d frames are too few: intervals and p-values of a mean need %d, %d batches of "
@@ -106,12 +106,12 @@ static struct neph_difference of_series(const struct neph_measurement *number,
 }
 
 /* The difference of a pair of single numbers; its uncertainty follows from the tiles. */
-static struct neph_difference of_single(const struct neph_measurement *first,
-                                        const struct neph_measurement *second)
+static struct neph_difference make_single_difference(const struct neph_measurement *first,
+                                                     const struct neph_measurement *second)
 {
     const struct neph_paired single = {
         .difference = {.value = first->value - second->value, .n = 1}};
-    struct neph_difference made = of_paired(first, &single);
+    struct neph_difference made = make_paired_difference(first, &single);
     made.second = second->value;
     if (!first->draws || !second->draws) {
         snprintf(made.because, sizeof(made.because),
@@ -123,7 +123,7 @@ static struct neph_difference of_single(const struct neph_measurement *first,
     const struct neph_paired paired = neph_series_paired_draws(first->value, first->draws,
                                                                second->value, second->draws);
     if (paired.difference.defined) {
-        made = of_paired(first, &paired);
+        made = make_paired_difference(first, &paired);
         made.second = second->value;
         return made;
     }
@@ -131,7 +131,7 @@ static struct neph_difference of_single(const struct neph_measurement *first,
     return made;
 }
 
-static bool is_of_frames(const struct sides *sides, const struct neph_measurement *number)
+static bool is_frame_number(const struct sides *sides, const struct neph_measurement *number)
 {
     for (int i = 0; i < sides->per_frame; i++)
         if (same_number(&sides->first->list[i], number))
@@ -140,14 +140,14 @@ static bool is_of_frames(const struct sides *sides, const struct neph_measuremen
 }
 
 /* Add the differences of the numbers that exist only for all frames together. */
-static void subtract_rest(const struct sides *sides, struct neph_differences *out)
+static void subtract_single_numbers(const struct sides *sides, struct neph_differences *out)
 {
     for (int i = sides->per_frame * sides->frame_count;
          i < sides->first->count && i < sides->second->count; i++) {
         const struct neph_measurement *a = &sides->first->list[i], *b = &sides->second->list[i];
-        if (same_number(a, b) && a->defined && b->defined && !is_of_frames(sides, a) &&
+        if (same_number(a, b) && a->defined && b->defined && !is_frame_number(sides, a) &&
             !neph_metric_is_place(a->metric))
-            out->list[out->count++] = of_single(a, b);
+            out->list[out->count++] = make_single_difference(a, b);
     }
 }
 
@@ -175,7 +175,7 @@ static enum neph_status subtract_series(const struct sides *sides, double *value
         if (status)
             break;
         struct neph_difference *made = &out->list[out->count++];
-        *made = of_series(number, &paired);
+        *made = make_series_difference(number, &paired);
         made->first = neph_series_mean(a, sides->frame_count, NEPH_REPLICATE_FRAMES).value;
         made->second = neph_series_mean(b, sides->frame_count, NEPH_REPLICATE_FRAMES).value;
         made->frame_count = sides->frame_count;
@@ -204,11 +204,11 @@ enum neph_status neph_versus(const struct neph_measurements *first,
                              struct neph_differences *differences, struct neph_diag *diag)
 {
     struct sides sides = {first, second, numbers_per_frame(first), 0};
-    sides.frame_count = frame_count_of(first, sides.per_frame);
+    sides.frame_count = count_measured_frames(first, sides.per_frame);
     if (sides.frame_count == 1)
         sides.per_frame = sides.frame_count = 0;
     const bool is_series = sides.frame_count > 0 && numbers_per_frame(second) == sides.per_frame &&
-                           frame_count_of(second, sides.per_frame) == sides.frame_count;
+                           count_measured_frames(second, sides.per_frame) == sides.frame_count;
     double *room = calloc(2 * (size_t)(first->count + sides.frame_count) + 1, sizeof(*room));
     *differences = (struct neph_differences){
         .list = calloc((size_t)first->count + 1, sizeof(*differences->list))};
@@ -216,7 +216,7 @@ enum neph_status neph_versus(const struct neph_measurements *first,
     if (!status && is_series)
         status = subtract_series(&sides, room, differences, diag);
     if (!status) {
-        subtract_rest(&sides, differences);
+        subtract_single_numbers(&sides, differences);
         add_holm(differences, room);
     }
     free(room);

@@ -20,7 +20,7 @@ void neph_answer_add(struct neph_answer *answer, const char *format, ...)
     vsnprintf(line, sizeof(line), format, arguments);
     va_end(arguments);
     neph_text_clean(line, sizeof(line));
-    answer->lines[answer->count++] = neph_arena_text(&answer->arena, line);
+    answer->lines[answer->count++] = neph_arena_copy_text(&answer->arena, line);
 }
 
 static void print_files(const struct neph_answer_rest *rest, FILE *out)

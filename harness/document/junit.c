@@ -28,7 +28,7 @@ static const char *const elements[] = {
 static const char *clean_copy(struct neph_arena *arena, const char *text)
 {
     char *clean = neph_text_clean_copy(text);
-    const char *copy = neph_arena_text(arena, clean ? clean : "");
+    const char *copy = neph_arena_copy_text(arena, clean ? clean : "");
     arena->is_short |= !clean;
     free(clean);
     return copy;
@@ -38,8 +38,8 @@ void neph_junit_add(struct neph_junit *junit, const char *group, const char *nam
                     enum neph_junit_result result, const char *message)
 {
     struct neph_arena *arena = &junit->arena;
-    struct neph_junit_case *cases = neph_arena_grown(arena, junit->cases, junit->count,
-                                                     &junit->room, sizeof(*cases));
+    struct neph_junit_case *cases = neph_arena_grow_list(arena, junit->cases, junit->count,
+                                                         &junit->room, sizeof(*cases));
     if (!cases)
         return;
     junit->cases = cases;
@@ -49,7 +49,7 @@ void neph_junit_add(struct neph_junit *junit, const char *group, const char *nam
                                                      .result = result};
 }
 
-void neph_junit_locate(struct neph_junit *junit, const char *file, int line)
+void neph_junit_set_location(struct neph_junit *junit, const char *file, int line)
 {
     if (junit->count == 0 || !file || file[0] == '/')
         return;
@@ -118,7 +118,7 @@ enum neph_status neph_junit_write(const struct neph_junit *junit, const char *pa
                                   struct neph_diag *diag)
 {
     const enum neph_status status = neph_arena_check(&junit->arena, diag);
-    return status ? status : neph_written_file(path, print_suite, junit, diag);
+    return status ? status : neph_write_to_file(path, print_suite, junit, diag);
 }
 
 void neph_junit_finish(struct neph_junit *junit)

@@ -34,7 +34,7 @@ void neph_junit_add(struct neph_junit *junit, const char *group, const char *nam
 
 /* Attach a line of a file to the last case. CI systems show the case there if the path is relative
  * to the repository; an absolute path is left out. */
-void neph_junit_locate(struct neph_junit *junit, const char *file, int line);
+void neph_junit_set_location(struct neph_junit *junit, const char *file, int line);
 
 /* Write the file. NEPH_ERR_MEMORY: memory was short here or in neph_junit_add(); errors of
  * neph_file_write(). */

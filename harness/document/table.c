@@ -24,13 +24,13 @@ struct neph_table_cell {
 void neph_table_column(struct neph_table *table, struct neph_column column)
 {
     const size_t count = (size_t)table->column_count;
-    struct neph_column *all = neph_arena_zeroed(&table->arena, count + 1, sizeof(*all));
+    struct neph_column *all = neph_arena_allocate(&table->arena, count + 1, sizeof(*all));
     if (!all)
         return;
     if (count > 0)
         memcpy(all, table->columns, count * sizeof(*all));
-    column.key = neph_arena_text(&table->arena, column.key);
-    column.title = neph_arena_text(&table->arena, column.title);
+    column.key = neph_arena_copy_text(&table->arena, column.key);
+    column.title = neph_arena_copy_text(&table->arena, column.title);
     all[count] = column;
     table->columns = all;
     table->column_count++;
@@ -62,7 +62,7 @@ static void add(struct neph_table *table, struct neph_table_cell cell)
 static const char *clean_copy(struct neph_arena *arena, const char *text)
 {
     char *clean = text ? neph_text_clean_copy(text) : NULL;
-    const char *copy = neph_arena_text(arena, clean);
+    const char *copy = neph_arena_copy_text(arena, clean);
     arena->is_short |= text && !clean;
     free(clean);
     return copy;

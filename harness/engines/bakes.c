@@ -75,7 +75,7 @@ enum neph_status neph_bakes_label(const struct neph_bake *bakes, int count,
     return status;
 }
 
-bool neph_bakes_of_frame(const struct neph_image *frame, struct neph_bakes_summary *summary)
+bool neph_bakes_from_frame(const struct neph_image *frame, struct neph_bakes_summary *summary)
 {
     const char *text = neph_image_attribute(frame, NEPH_BAKES_ATTRIBUTE);
     json_t *json = text ? json_loads(text, 0, NULL) : NULL;

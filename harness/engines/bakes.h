@@ -28,6 +28,6 @@ enum neph_status neph_bakes_label(const struct neph_bake *bakes, int count,
                                   struct neph_image *frame, struct neph_diag *diag);
 
 /* Read the summary from a frame; false: it has none. */
-bool neph_bakes_of_frame(const struct neph_image *frame, struct neph_bakes_summary *summary);
+bool neph_bakes_from_frame(const struct neph_image *frame, struct neph_bakes_summary *summary);
 
 #endif

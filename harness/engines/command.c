@@ -50,7 +50,7 @@ static const struct neph_option options[] = {
 /* ---- the program ----------------------------------------------------------------------------- */
 
 /* The program; NULL: none is named. */
-static const char *program_of_the_user(void)
+static const char *find_user_program(void)
 {
     const char *program = getenv("NEPH_COMMAND");
     return program && program[0] ? program : NULL;
@@ -61,7 +61,7 @@ static void probe(const struct neph_engine *engine, struct neph_shared_device *d
 {
     (void)engine, (void)device;
     *info = (struct neph_engine_info){.available = false};
-    const char *program = program_of_the_user();
+    const char *program = find_user_program();
     snprintf(info->install_line, sizeof(info->install_line), "%s", install_line);
     if (!program) {
         snprintf(info->missing, sizeof(info->missing), "NEPH_COMMAND names no program");
@@ -69,8 +69,8 @@ static void probe(const struct neph_engine *engine, struct neph_shared_device *d
     }
     struct neph_diag diag = {0};
     char *text = NULL;
-    info->broken = neph_program_ask(program, "", probe_limit_s, &text, info->build, &diag) !=
-                   NEPH_OK;
+    info->broken = neph_program_query_version(program, "", probe_limit_s, &text, info->build,
+                                              &diag) != NEPH_OK;
     if (info->broken) {
         snprintf(info->missing, sizeof(info->missing), "'%.120s --version' failed: %.350s", program,
                  diag.message);
@@ -139,7 +139,7 @@ static enum neph_status run(const struct sequence *sequence, const struct neph_s
                             const char *log, struct neph_cost *cost, struct neph_diag *diag)
 {
     const char *folder = sequence->folder;
-    const char *program = program_of_the_user();
+    const char *program = find_user_program();
     if (!program)
         return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "NEPH_COMMAND names no program");
     const char *argv[] = {program, "job.json", NULL};
@@ -177,7 +177,7 @@ static enum neph_status refuse(const char *path, struct neph_diag *diag)
 
 /* Copy the attributes "stats.NAME", which are costs of the frame. Other attributes of the program
  * are ignored. */
-static enum neph_status take_stats(const struct neph_image *from, struct neph_image *frame,
+static enum neph_status copy_stats(const struct neph_image *from, struct neph_image *frame,
                                    struct neph_cost *cost, struct neph_diag *diag)
 {
     static const char start[] = "stats.";
@@ -199,7 +199,7 @@ static enum neph_status take_stats(const struct neph_image *from, struct neph_im
     return status;
 }
 
-static enum neph_status take_channels(const struct neph_image *from, struct neph_image *frame,
+static enum neph_status copy_channels(const struct neph_image *from, struct neph_image *frame,
                                       struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
@@ -239,11 +239,11 @@ static enum neph_status read_frame(const struct files *files, const struct neph_
 {
     struct neph_image *image = NULL, *taken = NULL;
     bool refuses = false, is_left = false;
-    enum neph_status status = neph_program_left(files->cannot, &refuses, diag);
+    enum neph_status status = neph_program_has_file(files->cannot, &refuses, diag);
     if (!status && refuses)
         return refuse(files->cannot, diag);
     if (!status)
-        status = neph_program_left(files->frame, &is_left, diag);
+        status = neph_program_has_file(files->frame, &is_left, diag);
     if (!status && !is_left)
         status = neph_fail(diag, NEPH_ERR_ENGINE, "the program ended well and left no frame.exr");
     if (!status)
@@ -253,9 +253,9 @@ static enum neph_status read_frame(const struct files *files, const struct neph_
     if (!status)
         status = neph_image_create(image->width_px, image->height_px, &taken, diag);
     if (!status)
-        status = take_channels(image, taken, diag);
+        status = copy_channels(image, taken, diag);
     if (!status)
-        status = take_stats(image, taken, cost, diag);
+        status = copy_stats(image, taken, cost, diag);
     neph_image_destroy(image);
     if (status) {
         neph_image_destroy(taken);
@@ -265,9 +265,9 @@ static enum neph_status read_frame(const struct files *files, const struct neph_
     return NEPH_OK;
 }
 
-static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
-                                     struct neph_image **frame, struct neph_cost *cost,
-                                     struct neph_diag *diag)
+static enum neph_status render_next_picture(void *opened, const struct neph_shot *shot,
+                                            struct neph_image **frame, struct neph_cost *cost,
+                                            struct neph_diag *diag)
 {
     struct sequence *sequence = opened;
     struct files files;
@@ -298,7 +298,7 @@ static enum neph_status warm_up(struct sequence *sequence, const struct neph_sho
         struct neph_image *image = NULL;
         struct neph_cost cost;
         before.frame -= left;
-        status = next_picture(sequence, &before, &image, &cost, diag);
+        status = render_next_picture(sequence, &before, &image, &cost, diag);
         neph_image_destroy(image);
     }
     return status;
@@ -324,7 +324,7 @@ static enum neph_status open_sequence(const struct neph_engine *engine,
     struct sequence *sequence = calloc(1, sizeof(*sequence));
     if (!sequence)
         return neph_fail_memory(diag);
-    enum neph_status status = neph_program_home(scratch_prefix, &sequence->scratch, diag);
+    enum neph_status status = neph_program_make_folder(scratch_prefix, &sequence->scratch, diag);
     if (!status) {
         sequence->folder = neph_scratch_path(sequence->scratch);
         sequence->before = neph_usage_measure(sequence->folder);
@@ -343,7 +343,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     struct sequence sequence = {.folder = shot->scratch_directory,
                                 .before = neph_usage_measure(shot->scratch_directory)};
     const enum neph_status status = warm_up(&sequence, shot, diag);
-    return status ? status : next_picture(&sequence, shot, frame, cost, diag);
+    return status ? status : render_next_picture(&sequence, shot, frame, cost, diag);
 }
 
 /* Refuse a scene that was changed after it was read: the program reads the scene's file. The
@@ -361,21 +361,21 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
 
 static const struct neph_engine_sequence sequence_of = {
     .open = open_sequence,
-    .next = next_picture,
+    .next = render_next_picture,
     .close = close_sequence,
 };
 
 const struct neph_engine neph_engine_command = {
     .name = "command",
     .summary = "a renderer of your own: the program that NEPH_COMMAND names",
-    .rung = NEPH_RUNG_MODEL,
+    .rung = NEPH_LEVEL_MODEL,
     .typical_s = 5.0,
     .bias = "unknown: the program is yours",
     .options = options,
     .sequence = &sequence_of,
-    .remembers = true,
+    .has_frame_history = true,
     .version = 1,
-    .is_guest = true,
+    .is_user_engine = true,
     .stochastic = true,
     .step = {.option = NULL},
     .probe = probe,

@@ -9,7 +9,7 @@
 struct job {
     const struct neph_shot *shot;
     struct neph_camera camera;
-    neph_see_ray *see_ray;
+    neph_compute_ray_light *see_ray;
     const void *context;
     float *radiance[3], *volume[3], *transmittance[3], *depth;
     double *row_error; /* largest quadrature error of each row */
@@ -60,7 +60,7 @@ static enum neph_status add_layers(struct neph_image *frame, struct job *job,
     return status;
 }
 
-enum neph_status neph_cpu_frame(const struct neph_shot *shot, neph_see_ray *see_ray,
+enum neph_status neph_cpu_frame(const struct neph_shot *shot, neph_compute_ray_light *see_ray,
                                 const void *context, struct neph_image **frame, double *error,
                                 struct neph_diag *diag)
 {

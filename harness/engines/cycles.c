@@ -150,14 +150,14 @@ static const char *find_lack(const struct neph_cycles_features *features,
 static bool lacks(const struct neph_engine *engine, const struct neph_scene *scene,
                   const struct neph_settings *settings, char *reason, size_t reason_size)
 {
-    const bool asks_for_more = neph_cycles_needs_rayleigh(scene) ||
-                               neph_scene_needs_voxels(scene) ||
-                               volume_biased(settings) == UNBIASED;
+    const bool needs_features = neph_cycles_needs_rayleigh(scene) ||
+                                neph_scene_needs_voxels(scene) ||
+                                volume_biased(settings) == UNBIASED;
     struct neph_cycles_features features = {
         .has_voxels = true}; /* assumed for a Blender that is missing */
-    if (asks_for_more && neph_cycles_features(engine->program, &features, NULL))
+    if (needs_features && neph_cycles_features(engine->program, &features, NULL))
         features = (struct neph_cycles_features){.has_voxels = true};
-    const char *lack = asks_for_more ? find_lack(&features, scene, settings) : NULL;
+    const char *lack = needs_features ? find_lack(&features, scene, settings) : NULL;
     if (lack && reason_size > 0)
         snprintf(reason, reason_size, "%s", lack);
     return lack != NULL;
@@ -170,7 +170,8 @@ static bool takes_steps(const struct neph_engine_info *info, const struct neph_s
 
 /* ---- one frame ------------------------------------------------------------------------------- */
 
-static struct neph_cycles_quality quality_of(const struct neph_shot *shot, bool is_unbiased)
+static struct neph_cycles_quality choose_render_quality(const struct neph_shot *shot,
+                                                        bool is_unbiased)
 {
     const struct neph_settings *settings = &shot->settings;
     const int threads = (int)neph_setting(&neph_engine_cycles, settings, "threads");
@@ -184,7 +185,7 @@ static struct neph_cycles_quality quality_of(const struct neph_shot *shot, bool 
     };
 }
 
-static int program_of(const struct neph_shot *shot)
+static int shot_program_index(const struct neph_shot *shot)
 {
     return shot->engine ? shot->engine->program : 0;
 }
@@ -195,7 +196,7 @@ static enum neph_status render_with(const struct neph_shot *shot, const char *pr
                                     struct neph_diag *diag)
 {
     const bool is_unbiased = features->has_unbiased && volume_biased(&shot->settings) != BIASED;
-    const struct neph_cycles_quality quality = quality_of(shot, is_unbiased);
+    const struct neph_cycles_quality quality = choose_render_quality(shot, is_unbiased);
     struct neph_cycles_session session;
     struct neph_child_result result = {0};
     struct neph_image *made = NULL;
@@ -227,11 +228,12 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     const double start_s = neph_wall_s();
     char missing[512] = "";
     struct neph_cycles_features features;
-    char *program = neph_external_find(&neph_blender, program_of(shot), missing, sizeof(missing));
+    char *program = neph_external_find(&neph_blender, shot_program_index(shot), missing,
+                                       sizeof(missing));
     enum neph_status status = program ? NEPH_OK
-                                      : neph_external_missing(&neph_blender, missing, diag);
+                                      : neph_external_fail_missing(&neph_blender, missing, diag);
     if (!status)
-        status = neph_cycles_features(program_of(shot), &features, diag);
+        status = neph_cycles_features(shot_program_index(shot), &features, diag);
     const char *lack = status ? NULL : find_lack(&features, shot->scene, &shot->settings);
     if (lack)
         status = neph_fail(diag, NEPH_ERR_UNSUPPORTED, "Cycles cannot: %s", lack);
@@ -257,11 +259,12 @@ static enum neph_status export_scene(const struct neph_shot *shot, const char *d
                                      char *command, size_t command_size, struct neph_diag *diag)
 {
     char missing[512];
-    char *program = neph_external_find(&neph_blender, program_of(shot), missing, sizeof(missing));
+    char *program = neph_external_find(&neph_blender, shot_program_index(shot), missing,
+                                       sizeof(missing));
     struct neph_cycles_features features = {.has_voxels = true};
     if (program)
-        (void)neph_cycles_features(program_of(shot), &features, NULL);
-    const struct neph_cycles_quality quality = quality_of(
+        (void)neph_cycles_features(shot_program_index(shot), &features, NULL);
+    const struct neph_cycles_quality quality = choose_render_quality(
         shot, features.has_unbiased && volume_biased(&shot->settings) != BIASED);
     struct neph_cycles_session session;
     enum neph_status status = neph_cycles_open(shot, &quality, program, directory, &session, diag);
@@ -281,7 +284,7 @@ static enum neph_status export_scene(const struct neph_shot *shot, const char *d
 const struct neph_engine neph_engine_cycles = {
     .name = "cycles",
     .summary = "Blender Cycles, all orders of scattering",
-    .rung = NEPH_RUNG_WITNESS,
+    .rung = NEPH_LEVEL_EXTERNAL,
     .typical_s = 25.0,
     .bias =
         "exact in homogeneous media; in uneven ones, where volumes are in steps (before Blender "

@@ -45,7 +45,7 @@ static enum neph_status adapt_scene(const struct neph_shot *shot,
         status = neph_cycles_world(&session->baked.scene, &session->world, &why);
     session->shot.scene = &session->baked.scene;
     session->world.cut_error += session->baked.cut_error;
-    return neph_external_cannot("Cycles", status, &why, diag);
+    return neph_external_fail_scene("Cycles", status, &why, diag);
 }
 
 enum neph_status neph_cycles_open(const struct neph_shot *shot,
@@ -156,13 +156,13 @@ static enum neph_status read_pass(const struct neph_cycles_session *session, con
          *path = neph_format("%s/%s.exr", session->directory, kind),
          *log = neph_format("%s/blender.log", session->directory);
     enum neph_status status = which && path && log
-                                  ? neph_external_left(&neph_blender, path, which, log, diag)
+                                  ? neph_external_check_image(&neph_blender, path, which, log, diag)
                                   : neph_fail_memory(diag);
     if (!status)
         status = neph_program_status(neph_exr_read(path, &read, diag));
     if (!status)
-        status = neph_external_size(&neph_blender, which, read->width_px, read->height_px,
-                                    &session->shot, diag);
+        status = neph_external_check_size(&neph_blender, which, read->width_px, read->height_px,
+                                          &session->shot, diag);
     free(which);
     free(path);
     free(log);
@@ -185,8 +185,8 @@ static enum neph_status read_layers(const struct neph_cycles_session *session, c
     return status;
 }
 
-static enum neph_status not_finite(const char *kind, size_t pixel, int width_px,
-                                   struct neph_diag *diag)
+static enum neph_status fail_not_finite(const char *kind, size_t pixel, int width_px,
+                                        struct neph_diag *diag)
 {
     return neph_fail(diag, NEPH_ERR_ENGINE,
                      "Blender's %s image has a value that is not finite, at pixel (%zu, %zu)", kind,
@@ -197,7 +197,7 @@ static const char *const combined_name = "Combined";
 
 /* Read channels first..last of one image: R = combined, volume = direct and indirect volume light
  * plus visible emission of media. */
-static enum neph_status take_radiance(const struct neph_cycles_session *session,
+static enum neph_status read_radiance(const struct neph_cycles_session *session,
                                       const char *picture, int first, int last, float *const all[3],
                                       float *const scattered[3], struct neph_diag *diag)
 {
@@ -216,7 +216,7 @@ static enum neph_status take_radiance(const struct neph_cycles_session *session,
             if (emits)
                 scattered[channel][i] += layers[EMITTED][channel][i];
             if (!isfinite(all[channel][i]) || !isfinite(scattered[channel][i]))
-                status = not_finite(picture, i, image->width_px, diag);
+                status = fail_not_finite(picture, i, image->width_px, diag);
         }
     }
     neph_image_destroy(image);
@@ -238,7 +238,7 @@ static enum neph_status add_emission(const struct neph_cycles_session *session, 
             all[channel][i] += emitted;
             scattered[channel][i] += emitted;
             if (!isfinite(emitted))
-                status = not_finite(picture, i, image->width_px, diag);
+                status = fail_not_finite(picture, i, image->width_px, diag);
         }
     }
     neph_image_destroy(image);
@@ -263,7 +263,7 @@ static enum neph_status radiance_layers(const struct neph_cycles_session *sessio
         status = neph_image_add_rgb(frame, "volume", scattered, diag);
     for (int i = coloured ? 1 : 0; i <= (coloured ? 3 : 0) && !status; i++) {
         const int first = pictures[i].first, last = pictures[i].last;
-        status = take_radiance(session, pictures[i].radiance, first, last, all, scattered, diag);
+        status = read_radiance(session, pictures[i].radiance, first, last, all, scattered, diag);
         if (!status && emits)
             status = add_emission(session, pictures[i].emission, first, last, all, scattered, diag);
     }
@@ -295,7 +295,7 @@ static enum neph_status transmittance_layer(const struct neph_cycles_session *se
         for (size_t i = 0; i < neph_image_pixel_count(frame) && !status; i++) {
             layer[channel][i] = layers[0][channel][i];
             if (!isfinite(layer[channel][i]))
-                status = not_finite("transmittance", i, frame->width_px, diag);
+                status = fail_not_finite("transmittance", i, frame->width_px, diag);
         }
     }
     neph_image_destroy(image);
@@ -316,7 +316,7 @@ static enum neph_status depth_layer(const struct neph_cycles_session *session,
         status = neph_image_add_channel(frame, "Z", &layer, diag);
     for (size_t i = 0; !status && i < neph_image_pixel_count(frame); i++) {
         if (isnan(units[i]))
-            status = not_finite("depth", i, frame->width_px, diag);
+            status = fail_not_finite("depth", i, frame->width_px, diag);
         layer[i] = units[i] >= sky_units ? INFINITY : (float)(units[i] * session->world.unit_m);
     }
     neph_image_destroy(image);

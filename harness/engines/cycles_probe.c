@@ -85,7 +85,7 @@ static enum neph_status try_program(const char *program, bool with_voxels,
     struct neph_cycles_features found = {.has_voxels = false};
     enum neph_status status = neph_trial_open(with_voxels, &trial, diag);
     if (!status)
-        status = neph_program_home(scratch_prefix, &folder, diag);
+        status = neph_program_make_folder(scratch_prefix, &folder, diag);
     if (!status)
         status = try_scene(&trial, program, neph_scratch_path(folder), &found, diag);
     if (status && folder)
@@ -97,9 +97,9 @@ static enum neph_status try_program(const char *program, bool with_voxels,
     return status;
 }
 
-static bool recall(const char *file, struct neph_cycles_features *features)
+static bool load_features(const char *file, struct neph_cycles_features *features)
 {
-    json_t *kept = neph_trial_recall(file);
+    json_t *kept = neph_trial_load_result(file);
     const bool is_kept = json_is_boolean(json_object_get(kept, "has_voxels"));
     if (is_kept)
         *features = (struct neph_cycles_features){
@@ -131,14 +131,14 @@ enum neph_status neph_cycles_features(int program, struct neph_cycles_features *
     char *file = neph_trial_file(path, NEPH_BLENDER_SCRIPT_PATH);
     const bool with_voxels = can_write_voxels();
     enum neph_status status = NEPH_OK;
-    if (!recall(file, features)) {
+    if (!load_features(file, features)) {
         status = try_program(path, with_voxels, features, diag);
         if (!status && with_voxels)
-            neph_trial_keep(file,
-                            json_pack("{s:s, s:b, s:b, s:b, s:b}", "program", path, "has_voxels",
-                                      features->has_voxels, "has_unbiased", features->has_unbiased,
-                                      "has_rayleigh", features->has_rayleigh, "has_spots",
-                                      features->has_spots));
+            neph_trial_save_result(file, json_pack("{s:s, s:b, s:b, s:b, s:b}", "program", path,
+                                                   "has_voxels", features->has_voxels,
+                                                   "has_unbiased", features->has_unbiased,
+                                                   "has_rayleigh", features->has_rayleigh,
+                                                   "has_spots", features->has_spots));
         if (!status && !with_voxels)
             features->has_voxels = true;
     }

@@ -106,7 +106,7 @@ static bool has_extinction(const struct neph_medium *medium)
     return false;
 }
 
-static double *axis_of(struct neph_vec3 *v, int axis)
+static double *vector_component(struct neph_vec3 *v, int axis)
 {
     return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z;
 }
@@ -189,10 +189,10 @@ static enum neph_status check_phases(const struct neph_scene *scene,
 /* Whether the faces of two boxes perpendicular to an axis overlap in projection along it. */
 static bool faces_cover(const struct neph_bounds *a, const struct neph_bounds *b, int axis)
 {
-    struct neph_bounds x = *a, y = *b; /* axis_of() needs mutable vectors */
+    struct neph_bounds x = *a, y = *b; /* vector_component() needs mutable vectors */
     for (int k = 0; k < 3; k++)
-        if (k != axis && (*axis_of(&x.min_m, k) >= *axis_of(&y.max_m, k) ||
-                          *axis_of(&y.min_m, k) >= *axis_of(&x.max_m, k)))
+        if (k != axis && (*vector_component(&x.min_m, k) >= *vector_component(&y.max_m, k) ||
+                          *vector_component(&y.min_m, k) >= *vector_component(&x.max_m, k)))
             return false;
     return true;
 }
@@ -202,8 +202,8 @@ static bool face_is_taken(struct neph_cycles_world *world, int index, int axis, 
 {
     for (int i = 0; i < index; i++)
         if (world->used[i] && faces_cover(&world->containers[i], &world->containers[index], axis) &&
-            (fabs(*axis_of(&world->containers[i].min_m, axis) - plane_m) < gap_m ||
-             fabs(*axis_of(&world->containers[i].max_m, axis) - plane_m) < gap_m))
+            (fabs(*vector_component(&world->containers[i].min_m, axis) - plane_m) < gap_m ||
+             fabs(*vector_component(&world->containers[i].max_m, axis) - plane_m) < gap_m))
             return true;
     return false;
 }
@@ -218,7 +218,7 @@ static void separate_faces(const struct neph_scene *scene, int index,
     double moved_m = 0.0;
     for (int axis = 0; axis < 3; axis++)
         for (int side = -1; side <= 1; side += 2) {
-            double *face_m = axis_of(side < 0 ? &box->min_m : &box->max_m, axis);
+            double *face_m = vector_component(side < 0 ? &box->min_m : &box->max_m, axis);
             const double from_m = *face_m;
             while (face_is_taken(world, index, axis, *face_m, 0.5 * step_m))
                 *face_m += side * step_m;

@@ -11,16 +11,16 @@
 #include <string.h>
 
 /* A new kind breaks the build here until this file handles it. */
-_Static_assert(NEPH_RUNG_COUNT == 4, "a new kind");
+_Static_assert(NEPH_LEVEL_COUNT == 4, "a new kind");
 
 static const char *const rung_names[] = {
-    [NEPH_RUNG_EXACT] = "exact",
-    [NEPH_RUNG_TRACER] = "tracer",
-    [NEPH_RUNG_WITNESS] = "witness",
-    [NEPH_RUNG_MODEL] = "model",
+    [NEPH_LEVEL_EXACT] = "exact",
+    [NEPH_LEVEL_TRACER] = "tracer",
+    [NEPH_LEVEL_EXTERNAL] = "witness",
+    [NEPH_LEVEL_MODEL] = "model",
 };
 
-const char *neph_rung_name(enum neph_rung rung)
+const char *neph_reference_level_name(enum neph_reference_level rung)
 {
     return rung_names[rung];
 }
@@ -80,7 +80,7 @@ bool neph_engine_has_steps(const struct neph_engine *engine, const struct neph_e
     return engine->step.option && (!engine->step.is_taken || engine->step.is_taken(info, settings));
 }
 
-bool neph_engine_is(const struct neph_engine *engine, const char *name)
+bool neph_engine_is_kind(const struct neph_engine *engine, const char *name)
 {
     return strcmp(engine->first ? engine->first->name : engine->name, name) == 0;
 }
@@ -94,7 +94,7 @@ enum neph_status neph_settings_set(const struct neph_engine *engine, struct neph
                                    const char *assignment, struct neph_diag *diag)
 {
     char owner[64];
-    const char *named = neph_settings_for(engine, assignment);
+    const char *named = neph_settings_match_engine(engine, assignment);
     snprintf(owner, sizeof(owner), "engine %s", engine->name);
     const enum neph_status status = neph_options_set(engine->options, owner,
                                                      named ? named : assignment, settings, diag);
@@ -103,7 +103,7 @@ enum neph_status neph_settings_set(const struct neph_engine *engine, struct neph
     return status;
 }
 
-const char *neph_settings_for(const struct neph_engine *engine, const char *text)
+const char *neph_settings_match_engine(const struct neph_engine *engine, const char *text)
 {
     const size_t length = strlen(engine->name);
     const bool is_for_it = strncmp(text, engine->name, length) == 0 && text[length] == ':';
@@ -118,9 +118,9 @@ enum neph_status neph_settings_preset(const struct neph_engine *engine, const ch
     return neph_options_preset(engine->options, owner, engine->presets, name, settings, diag);
 }
 
-enum neph_status neph_settings_words(const struct neph_engine *engine, const char *words,
-                                     const char *shared, struct neph_settings *settings,
-                                     struct neph_diag *diag)
+enum neph_status neph_settings_parse_words(const struct neph_engine *engine, const char *words,
+                                           const char *shared, struct neph_settings *settings,
+                                           struct neph_diag *diag)
 {
     char *text = strdup(words), *rest = text;
     enum neph_status status = text
@@ -134,8 +134,8 @@ enum neph_status neph_settings_words(const struct neph_engine *engine, const cha
     return status;
 }
 
-void neph_settings_meet(const struct neph_engine *engine, const struct neph_scene *scene,
-                        struct neph_settings *settings)
+void neph_settings_adapt_to_scene(const struct neph_engine *engine, const struct neph_scene *scene,
+                                  struct neph_settings *settings)
 {
     struct neph_sky_split split;
     char reason[256];

@@ -13,12 +13,12 @@
 #include <stdint.h>
 
 /* The levels of the reference hierarchy, highest first. */
-enum neph_rung {
-    NEPH_RUNG_EXACT,   /* closed forms and converged quadrature in double precision */
-    NEPH_RUNG_TRACER,  /* unbiased path tracers of neph */
-    NEPH_RUNG_WITNESS, /* external renderers */
-    NEPH_RUNG_MODEL,   /* real-time models, which are under test */
-    NEPH_RUNG_COUNT,
+enum neph_reference_level {
+    NEPH_LEVEL_EXACT,    /* closed forms and converged quadrature in double precision */
+    NEPH_LEVEL_TRACER,   /* unbiased path tracers of neph */
+    NEPH_LEVEL_EXTERNAL, /* external renderers */
+    NEPH_LEVEL_MODEL,    /* real-time models, which are under test */
+    NEPH_LEVEL_COUNT,
 };
 
 struct neph_shared_device; /* vulkan_device.h */
@@ -62,7 +62,7 @@ struct neph_shot {
     struct neph_shared_device *device; /* shared by the Vulkan engines; NULL: each opens its own */
     const struct neph_engine *engine;  /* the rendering engine, set by neph_engine_render(). NULL:
                                         * the first of its kind */
-    const struct neph_image *given;    /* for engines with takes_given: Z and R G B replace the
+    const struct neph_image *given; /* for engines with accepts_given_frame: Z and R G B replace the
                                         * solids */
     const char *checkpoint; /* for engines that can checkpoint: a file for unfinished work, to
                              * continue from; NULL: none */
@@ -90,7 +90,7 @@ struct neph_engine_step {
     bool (*is_taken)(const struct neph_engine_info *info, const struct neph_settings *settings);
 };
 
-enum { NEPH_FLIGHT_PASSES_MAX = 32, NEPH_FLIGHT_PICTURES_MAX = 3 };
+enum { NEPH_FLIGHT_PASSES_MAX = 32, NEPH_FLIGHT_FRAMES_MAX = 3 };
 
 /* The device cost of a frame in flight. */
 struct neph_flight_cost {
@@ -118,12 +118,14 @@ struct neph_engine_sequence {
                              struct neph_image **frame, struct neph_cost *cost,
                              struct neph_diag *diag);
 
-    /* Submit the next frame without reading it back; at most NEPH_FLIGHT_PICTURES_MAX may be in
+    /* Submit the next frame without reading it back; at most NEPH_FLIGHT_FRAMES_MAX may be in
      * flight. NULL: not supported by this engine. NEPH_ERR_UNSUPPORTED: not with these settings. */
-    enum neph_status (*send)(void *sequence, const struct neph_shot *shot, struct neph_diag *diag);
+    enum neph_status (*submit)(void *sequence, const struct neph_shot *shot,
+                               struct neph_diag *diag);
 
     /* Wait for the oldest submitted frame and return its cost. NULL: not supported. */
-    enum neph_status (*home)(void *sequence, struct neph_flight_cost *cost, struct neph_diag *diag);
+    enum neph_status (*collect)(void *sequence, struct neph_flight_cost *cost,
+                                struct neph_diag *diag);
 
     /* Wait for the last frame, and count on the device the invalid values of all its images. NULL:
      * not supported. */
@@ -131,7 +133,7 @@ struct neph_engine_sequence {
 
     /* With `leaves`, the next frames do not use shader variants that are faster on this device and
      * give the same results; without it they use them again. NULL: there are none. */
-    void (*leave_variants)(void *sequence, bool leaves);
+    void (*disable_variants)(void *sequence, bool leaves);
 
     /* `sequence` may be NULL. */
     void (*close)(void *sequence);
@@ -148,12 +150,12 @@ struct neph_engine_pass {
 
 /* Time limit of a frame of a user engine in studies and suites [s]. Chosen, not measured: enough
  * for a path tracer at the size of a study; a program that hangs costs a nightly run one column. */
-#define NEPH_GUEST_LIMIT_S 600.0
+#define NEPH_USER_ENGINE_LIMIT_S 600.0
 
 struct neph_engine {
     const char *name;
     const char *summary; /* one line */
-    enum neph_rung rung;
+    enum neph_reference_level rung;
     const char *bias; /* known bias as text, printed beside its numbers; NULL: none known */
     const struct neph_option *options;           /* ends with a NULL name */
     const struct neph_preset *presets;           /* ends with a NULL name; NULL: none */
@@ -161,19 +163,20 @@ struct neph_engine {
     const struct neph_gpu_renderer *gpu; /* used by neph_gpu_sequence; NULL: another sequence */
     int lighting;                        /* enum neph_march_lighting, for the ray-marching
                                           * engines */
-    bool remembers;   /* has history: its frames depend on earlier frames. Its shots have the scene
+    bool
+        has_frame_history; /* has history: its frames depend on earlier frames. Its shots have the scene
                        * over time; other engines get the scene of the frame (scenes/motion.h) */
-    bool takes_given; /* can replace the solids by depth and radiance from a file */
-    bool injects;     /* can apply changes to a running renderer: scenes/injection.h */
-    uint32_t version; /* version of this driver; raise it when its output changes */
+    bool accepts_given_frame; /* can replace the solids by depth and radiance from a file */
+    bool injects;             /* can apply changes to a running renderer: scenes/injection.h */
+    uint32_t version;         /* version of this driver; raise it when its output changes */
     bool look; /* a non-physical lighting model: its difference from physics is model error, not a
                 * fault */
     const char *shortcut_of; /* of a real-time method: the engine with the same model, which is its
                               * reference. The method takes part in comparisons with physics only
                               * when it is named. NULL: not a real-time method */
     bool is_narrow; /* for one kind of scene only: excluded from studies of models in all scenes */
-    bool rests;     /* can save its work in a checkpoint and continue from it */
-    bool is_guest;  /* a user engine: takes part only when named, and is never reported as
+    bool can_checkpoint; /* can save its work in a checkpoint and continue from it */
+    bool is_user_engine; /* a user engine: takes part only when named, and is never reported as
                      * missing */
     double typical_s; /* typical time of a frame of the catalogue on two cores [s], for the estimate
                        * of remaining time before anything is measured */
@@ -237,7 +240,7 @@ bool neph_engine_has_steps(const struct neph_engine *engine, const struct neph_e
                            const struct neph_settings *settings);
 
 /* Whether an engine is `name`, or another program of that kind: "cycles@5.2" is a "cycles". */
-bool neph_engine_is(const struct neph_engine *engine, const char *name);
+bool neph_engine_is_kind(const struct neph_engine *engine, const char *name);
 
 /* The first value of option "lighting" that makes a refused scene renderable: "octaves". NULL: none
  * does. */
@@ -254,7 +257,7 @@ enum neph_status neph_settings_set(const struct neph_engine *engine, struct neph
                                    const char *assignment, struct neph_diag *diag);
 
 /* The part after the colon of "ENGINE:KEY=VALUE" if ENGINE is this engine; else NULL. */
-const char *neph_settings_for(const struct neph_engine *engine, const char *text);
+const char *neph_settings_match_engine(const struct neph_engine *engine, const char *text);
 
 /* Set every option to the value of a preset. Errors list the presets. */
 enum neph_status neph_settings_preset(const struct neph_engine *engine, const char *name,
@@ -262,14 +265,14 @@ enum neph_status neph_settings_preset(const struct neph_engine *engine, const ch
 
 /* Apply "NAME" or "NAME+KEY=VALUE+...": the preset NAME, then `shared` ("steps=8"; or NULL), then
  * the changes. Errors as of both. */
-enum neph_status neph_settings_words(const struct neph_engine *engine, const char *words,
-                                     const char *shared, struct neph_settings *settings,
-                                     struct neph_diag *diag);
+enum neph_status neph_settings_parse_words(const struct neph_engine *engine, const char *words,
+                                           const char *shared, struct neph_settings *settings,
+                                           struct neph_diag *diag);
 
 /* Adapt settings to a scene, for studies and sweeps: if the engine cannot treat a planet's air as a
  * medium, use tables for it (sky=tables). */
-void neph_settings_meet(const struct neph_engine *engine, const struct neph_scene *scene,
-                        struct neph_settings *settings);
+void neph_settings_adapt_to_scene(const struct neph_engine *engine, const struct neph_scene *scene,
+                                  struct neph_settings *settings);
 
 /* The value of an option by name; the name must exist in the table. */
 double neph_setting(const struct neph_engine *engine, const struct neph_settings *settings,
@@ -290,6 +293,6 @@ const char *neph_settings_origin(const struct neph_engine *engine, const char *p
 char *neph_settings_changes(const struct neph_engine *engine, const struct neph_settings *settings,
                             const char *preset);
 
-const char *neph_rung_name(enum neph_rung rung);
+const char *neph_reference_level_name(enum neph_reference_level rung);
 
 #endif

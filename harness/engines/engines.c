@@ -9,9 +9,9 @@
 #include <string.h>
 
 #define LISTED(name) &neph_engine_##name,
-static const struct neph_engine *const own[] = {NEPH_ENGINES(LISTED)};
+static const struct neph_engine *const builtin_engines[] = {NEPH_ENGINES(LISTED)};
 #undef LISTED
-enum { OWN_COUNT = sizeof(own) / sizeof(own[0]) };
+enum { OWN_COUNT = sizeof(builtin_engines) / sizeof(builtin_engines[0]) };
 _Static_assert((int)NEPH_ENGINE_PROGRAMS_MAX + 1 == (int)NEPH_EXTERNAL_PROGRAMS_MAX, "Blenders");
 
 /* The engines of this process: the built-in ones, then one engine for each further Blender. Made
@@ -46,7 +46,7 @@ static void name_program(const struct neph_engine *first, int program, char name
         snprintf(name, 32, "%s@%.12s-%d", first->name, version, twin);
 }
 
-static void add_further(const struct neph_engine *first)
+static void add_further_programs(const struct neph_engine *first)
 {
     const int most = NEPH_EXTERNAL_PROGRAMS_MAX, named = neph_external_count(&neph_blender);
     for (int program = 1; program < (named < most ? named : most); program++) {
@@ -63,13 +63,13 @@ static void add_further(const struct neph_engine *first)
 static void make_registry(void)
 {
     for (int i = 0; i < OWN_COUNT; i++) {
-        registry.engines[registry.count++] = own[i];
-        if (own[i] == &neph_engine_cycles)
-            add_further(own[i]);
+        registry.engines[registry.count++] = builtin_engines[i];
+        if (builtin_engines[i] == &neph_engine_cycles)
+            add_further_programs(builtin_engines[i]);
     }
 }
 
-const struct neph_engine *const *neph_engines_and_guests(int *count)
+const struct neph_engine *const *neph_engines_with_user_engines(int *count)
 {
     pthread_once(&registry.once, make_registry);
     *count = registry.count;
@@ -78,28 +78,28 @@ const struct neph_engine *const *neph_engines_and_guests(int *count)
 
 const struct neph_engine *const *neph_engines(int *count)
 {
-    neph_engines_and_guests(count);
-    while (registry.engines[*count - 1]->is_guest)
+    neph_engines_with_user_engines(count);
+    while (registry.engines[*count - 1]->is_user_engine)
         (*count)--;
     return registry.engines;
 }
 
-bool neph_engine_draws(const struct neph_engine *engine)
+bool neph_engine_is_random(const struct neph_engine *engine)
 {
-    return engine->rung == NEPH_RUNG_TRACER ||
-           (engine->rung == NEPH_RUNG_WITNESS && engine->stochastic);
+    return engine->rung == NEPH_LEVEL_TRACER ||
+           (engine->rung == NEPH_LEVEL_EXTERNAL && engine->stochastic);
 }
 
 /* Find an engine. Blender is run only if no built-in engine has the name. */
 const struct neph_engine *neph_engine_find(const char *name)
 {
     for (int i = 0; i < OWN_COUNT; i++)
-        if (strcmp(own[i]->name, name) == 0)
-            return own[i];
+        if (strcmp(builtin_engines[i]->name, name) == 0)
+            return builtin_engines[i];
     if (!strchr(name, '@'))
         return NULL;
     int count;
-    const struct neph_engine *const *engines = neph_engines_and_guests(&count);
+    const struct neph_engine *const *engines = neph_engines_with_user_engines(&count);
     for (int i = 0; i < count; i++)
         if (strcmp(engines[i]->name, name) == 0)
             return engines[i];
@@ -107,18 +107,19 @@ const struct neph_engine *neph_engine_find(const char *name)
 }
 
 /* The user engine that the words name; NULL: the words name a preset. */
-static const struct neph_engine *guest_in(const char *words)
+static const struct neph_engine *find_user_engine(const char *words)
 {
     const size_t length = strcspn(words, "+");
     for (int i = 0; i < OWN_COUNT; i++)
-        if (own[i]->is_guest && strncmp(own[i]->name, words, length) == 0 &&
-            own[i]->name[length] == '\0')
-            return own[i];
+        if (builtin_engines[i]->is_user_engine &&
+            strncmp(builtin_engines[i]->name, words, length) == 0 &&
+            builtin_engines[i]->name[length] == '\0')
+            return builtin_engines[i];
     return NULL;
 }
 
-static enum neph_status set_guest(const struct neph_engine *guest, const char *words,
-                                  struct neph_settings *settings, struct neph_diag *diag)
+static enum neph_status set_user_engine(const struct neph_engine *guest, const char *words,
+                                        struct neph_settings *settings, struct neph_diag *diag)
 {
     char *text = strdup(words), *rest = text;
     enum neph_status status = text ? NEPH_OK : neph_fail_memory(diag);
@@ -130,12 +131,12 @@ static enum neph_status set_guest(const struct neph_engine *guest, const char *w
     return status;
 }
 
-enum neph_status neph_engine_words(const char *words, const char *shared,
-                                   const struct neph_engine **engine,
-                                   struct neph_settings *settings, struct neph_diag *diag)
+enum neph_status neph_engine_parse_words(const char *words, const char *shared,
+                                         const struct neph_engine **engine,
+                                         struct neph_settings *settings, struct neph_diag *diag)
 {
-    const struct neph_engine *guest = guest_in(words);
+    const struct neph_engine *guest = find_user_engine(words);
     *engine = guest ? guest : neph_engine_find("realtime");
-    return guest ? set_guest(guest, words, settings, diag)
-                 : neph_settings_words(*engine, words, shared, settings, diag);
+    return guest ? set_user_engine(guest, words, settings, diag)
+                 : neph_settings_parse_words(*engine, words, shared, settings, diag);
 }

@@ -48,20 +48,20 @@ enum { NEPH_ENGINE_COUNT = NEPH_ENGINE_PROGRAMS_MAX NEPH_ENGINES(NEPH_ENGINE_COU
 const struct neph_engine *const *neph_engines(int *count);
 
 /* All engines, user engines last. */
-const struct neph_engine *const *neph_engines_and_guests(int *count);
+const struct neph_engine *const *neph_engines_with_user_engines(int *count);
 
 /* Find an engine by name, user engines included; NULL: there is none. */
 const struct neph_engine *neph_engine_find(const char *name);
 
 /* Whether frames are random samples, so that another seed gives another frame of the same mean:
  * path tracers, own and external. A real-time method with jittered rays does not count. */
-bool neph_engine_draws(const struct neph_engine *engine);
+bool neph_engine_is_random(const struct neph_engine *engine);
 
 /* Choose an engine and settings from words: "PRESET+KEY=VALUE+..." for `realtime`, or
  * "command+KEY=VALUE+..." for a user engine. `shared` ("steps=8"; or NULL) is set before the
- * changes if the engine has that option. Errors as of neph_settings_words(). */
-enum neph_status neph_engine_words(const char *words, const char *shared,
-                                   const struct neph_engine **engine,
-                                   struct neph_settings *settings, struct neph_diag *diag);
+ * changes if the engine has that option. Errors as of neph_settings_parse_words(). */
+enum neph_status neph_engine_parse_words(const char *words, const char *shared,
+                                         const struct neph_engine **engine,
+                                         struct neph_settings *settings, struct neph_diag *diag);
 
 #endif

@@ -30,7 +30,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     if (!status)
         status = neph_image_set_attribute(image, "neph.exact.quadrature_error", diag, "%.3g",
                                           error);
-    return neph_own_frame(status, image, start, NAN, frame, cost);
+    return neph_finish_process_frame(status, image, start, NAN, frame, cost);
 }
 
 static void probe(const struct neph_engine *engine, struct neph_shared_device *device,
@@ -53,7 +53,7 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
 const struct neph_engine neph_engine_exact = {
     .name = "exact",
     .summary = "closed forms and adaptive quadrature in double precision",
-    .rung = NEPH_RUNG_EXACT,
+    .rung = NEPH_LEVEL_EXACT,
     .typical_s = 5.0,
     .options = no_options,
     .version = 2, /* 2: coloured media, clouds */

@@ -54,7 +54,7 @@ static const struct neph_option options[] = {
 
 /* The set of controls for a choice; directional_start has no effect without the directional
  * control. */
-static unsigned controls_of(int choice)
+static unsigned choose_control_set(int choice)
 {
     if (choice == CONTROLS_ALL)
         return NEPH_FOG_CONTROLS_ALL;
@@ -73,8 +73,8 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
         snprintf(reason, reason_size, "%s", neph_surfaces_obstacle(scene));
         return false;
     }
-    return neph_fog_look_is_of(scene, model, reason, reason_size) &&
-           neph_float32_reaches(scene, reason, reason_size);
+    return neph_fog_look_can_model(scene, model, reason, reason_size) &&
+           neph_is_in_float32_range(scene, reason, reason_size);
 }
 
 /* ---- sequences ------------------------------------------------------------------------------- */
@@ -89,32 +89,32 @@ static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_eng
         .width_px = shot->width_px,
         .height_px = shot->height_px,
         .frame = shot->frame,
-        .look = neph_fog_look_only(&shot->scene->fog_look,
-                                   controls_of((int)values[OPTION_CONTROLS])),
+        .look = neph_fog_look_mask_controls(&shot->scene->fog_look,
+                                            choose_control_set((int)values[OPTION_CONTROLS])),
         .model = (enum neph_fog_model)values[OPTION_MODEL],
         .sun_is_clear = values[OPTION_SUN] != 0.0,
     };
-    struct neph_fog_looks *looks = NULL;
-    const enum neph_status status = neph_fog_looks_create(vulkan, shot->scene, &params, &looks,
-                                                          diag);
+    struct neph_fog_renderer *looks = NULL;
+    const enum neph_status status = neph_fog_renderer_create(vulkan, shot->scene, &params, &looks,
+                                                             diag);
     *renderer = looks;
     return status;
 }
 
 static void destroy(void *renderer)
 {
-    neph_fog_looks_destroy(renderer);
+    neph_fog_renderer_destroy(renderer);
 }
 
 static enum neph_status frame(void *renderer, const struct neph_shot *shot,
                               struct neph_image **image, double *gpu_s, struct neph_diag *diag)
 {
     const struct neph_scene *scene = shot->scene;
-    const enum neph_status status = neph_fog_looks_frame(renderer, scene, shot->frame, image, gpu_s,
-                                                         diag);
+    const enum neph_status status = neph_fog_renderer_frame(renderer, scene, shot->frame, image,
+                                                            gpu_s, diag);
     if (status)
         return status;
-    const int layers = scene->medium_count > 0 ? neph_fog_look_medium(scene)->layer_count : 0;
+    const int layers = scene->medium_count > 0 ? neph_fog_look_find_medium(scene)->layer_count : 0;
     const double pixels = (double)neph_image_pixel_count(*image);
     const struct neph_frame_stat stats[] = {
         {"density_evaluations", 0.0},
@@ -129,14 +129,14 @@ static enum neph_status submit(void *renderer, const struct neph_shot *shot,
                                struct neph_flight_cost *cost, struct neph_diag *diag)
 {
     (void)cost;
-    return neph_fog_looks_frame(renderer, shot->scene, shot->frame, NULL, NULL, diag);
+    return neph_fog_renderer_frame(renderer, shot->scene, shot->frame, NULL, NULL, diag);
 }
 
 /* A single pass; its memory traffic is one result per pixel. */
 static enum neph_status collect(void *renderer, struct neph_flight_cost *cost,
                                 struct neph_diag *diag)
 {
-    const enum neph_status status = neph_fog_looks_home(renderer, &cost->gpu_s, diag);
+    const enum neph_status status = neph_fog_renderer_collect(renderer, &cost->gpu_s, diag);
     if (!status)
         neph_flight_cost_add(cost, "fog look", cost->gpu_s, NAN);
     return status;
@@ -148,7 +148,7 @@ static const struct neph_gpu_renderer gpu = {
 const struct neph_engine neph_engine_fog_look = {
     .name = "fog_look",
     .summary = "height fog as game engines draw it, in closed form; a non-physical model",
-    .rung = NEPH_RUNG_MODEL,
+    .rung = NEPH_LEVEL_MODEL,
     .look = true,
     .bias =
         "one fog colour for all depths and directions; docs/fog.md has the effect of its controls",

@@ -30,13 +30,13 @@ struct sight {
     struct neph_hit hit;
 };
 
-static double most(struct neph_rgb color)
+static double largest_component(struct neph_rgb color)
 {
     return fmax(color.r, fmax(color.g, color.b));
 }
 
-static struct sight sight_of(const struct neph_scene *scene, const struct neph_camera *camera,
-                             const struct neph_image *image, int index)
+static struct sight compute_sight(const struct neph_scene *scene, const struct neph_camera *camera,
+                                  const struct neph_image *image, int index)
 {
     const int column = (2 * (index % COLUMNS) + 1) * image->width_px / (2 * COLUMNS);
     const int row = (2 * (index / COLUMNS) + 1) * image->height_px / (2 * ROWS);
@@ -53,7 +53,7 @@ static struct sight sight_of(const struct neph_scene *scene, const struct neph_c
                           .hit = hit};
 }
 
-static int thickest(const struct sight *sight)
+static int find_thickest_channel(const struct sight *sight)
 {
     const double *d = sight->depths;
     return d[0] >= d[1] && d[0] >= d[2] ? 0 : d[1] >= d[2] ? 1 : 2;
@@ -68,7 +68,7 @@ static enum neph_status check_media(const struct sight sights[], const char *nam
     if (!neph_image_rgb(image, "transmittance", layers))
         return NEPH_OK;
     for (int i = 0; i < COLUMNS * ROWS; i++) {
-        const int channel = thickest(&sights[i]);
+        const int channel = find_thickest_channel(&sights[i]);
         const double depth = sights[i].depths[channel];
         if (!(depth > thick_depth))
             continue;
@@ -76,12 +76,12 @@ static enum neph_status check_media(const struct sight sights[], const char *nam
         if (!(-log((double)layers[channel][sights[i].pixel]) < missing_part * depth))
             continue;
         missing++;
-        if (!worst || depth > worst->depths[thickest(worst)])
+        if (!worst || depth > worst->depths[find_thickest_channel(worst)])
             worst = &sights[i];
     }
     if (!worst || 2 * missing <= thick)
         return NEPH_OK;
-    const int channel = thickest(worst);
+    const int channel = find_thickest_channel(worst);
     return neph_fail(diag, NEPH_ERR_ENGINE,
                      "%s has left a medium out: the transmittance of pixel (%d, %d) is %.4g, and "
                      "%.4g in the scene; so in %d of %d pixels that see media",
@@ -102,18 +102,18 @@ static bool is_black(const struct neph_image *image)
 }
 
 /* Whether all media scatter, also those outside of the pixel's view. */
-static bool scatters(const struct neph_scene *scene)
+static bool do_all_media_scatter(const struct neph_scene *scene)
 {
     bool all = scene->scattering != NEPH_SCATTERING_NONE;
     for (int i = 0; i < scene->medium_count; i++)
-        all &= most(scene->media[i].albedo) > 0.0;
+        all &= largest_component(scene->media[i].albedo) > 0.0;
     return all;
 }
 
 static double depth_along(const struct neph_scene *scene, struct neph_vec3 from_m,
                           struct neph_vec3 direction, double length_m)
 {
-    return most(neph_scene_optical_depth(scene, from_m, direction, 0.0, length_m));
+    return largest_component(neph_scene_optical_depth(scene, from_m, direction, 0.0, length_m));
 }
 
 /* Whether sunlight reaches a point, strong enough for single precision. */
@@ -143,7 +143,7 @@ static struct neph_vec3 place_in_medium_m(const struct neph_scene *scene, const 
 static bool is_lit_solid(const struct neph_scene *scene, const struct sight *sight)
 {
     const struct neph_hit *hit = &sight->hit;
-    if (!hit->solid || !(most(hit->solid->albedo) > 0.0) ||
+    if (!hit->solid || !(largest_component(hit->solid->albedo) > 0.0) ||
         !(neph_vec3_dot(hit->normal, scene->sun.direction) > 0.1) ||
         hit->solid->surface.metalness > 0.0)
         return false;
@@ -153,17 +153,18 @@ static bool is_lit_solid(const struct neph_scene *scene, const struct sight *sig
 }
 
 /* The light that a pixel must show, as text; NULL: it may be black. */
-static const char *light_in(const struct neph_scene *scene, const struct sight *sight)
+static const char *find_expected_light(const struct neph_scene *scene, const struct sight *sight)
 {
-    const bool has_medium = sight->depths[thickest(sight)] > thick_depth;
-    const bool has_sun = scene->sun.present && most(scene->sun.irradiance_w_per_m2) > 0.0;
+    const bool has_medium = sight->depths[find_thickest_channel(sight)] > thick_depth;
+    const bool has_sun = scene->sun.present &&
+                         largest_component(scene->sun.irradiance_w_per_m2) > 0.0;
     const double *d = sight->depths;
     const bool sees_through = exp(-fmin(d[0], fmin(d[1], d[2]))) > seen_transmittance;
-    if (!sight->hit.solid && sees_through && most(scene->background_w_per_m2_sr) > 0.0)
+    if (!sight->hit.solid && sees_through && largest_component(scene->background_w_per_m2_sr) > 0.0)
         return "the background";
     if (has_medium && neph_scene_emits(scene))
         return "a medium that emits";
-    if (has_medium && has_sun && scatters(scene) &&
+    if (has_medium && has_sun && do_all_media_scatter(scene) &&
         is_sunlit(scene, place_in_medium_m(scene, sight)))
         return "a medium in the sun";
     return has_sun && sees_through && is_lit_solid(scene, sight) ? "a solid in the sun" : NULL;
@@ -176,7 +177,7 @@ static enum neph_status check_light(const struct neph_scene *scene, const struct
     if (!is_black(image))
         return NEPH_OK;
     for (int i = 0; i < COLUMNS * ROWS; i++) {
-        const char *light = light_in(scene, &sights[i]);
+        const char *light = find_expected_light(scene, &sights[i]);
         if (light)
             return neph_fail(diag, NEPH_ERR_ENGINE,
                              "%s gave a black frame: all radiance is 0, and pixel (%d, %d) sees %s",
@@ -191,7 +192,7 @@ enum neph_status neph_frame_check(const struct neph_scene *scene, int frame, con
     const struct neph_camera camera = neph_scene_camera(scene, frame);
     struct sight sights[COLUMNS * ROWS];
     for (int i = 0; i < COLUMNS * ROWS; i++)
-        sights[i] = sight_of(scene, &camera, image, i);
+        sights[i] = compute_sight(scene, &camera, image, i);
     enum neph_status status = check_media(sights, name, image, diag);
     if (!status)
         status = check_light(scene, sights, name, image, diag);

@@ -39,7 +39,7 @@ enum neph_status neph_frame_stats_set_pass(struct neph_image *frame, const char 
 }
 
 /* Integers stay integers. */
-static json_t *number_of(const char *text)
+static json_t *parse_stat_number(const char *text)
 {
     char *end;
     const long long whole = strtoll(text, &end, 10);
@@ -52,7 +52,8 @@ json_t *neph_frame_stats(const struct neph_image *frame)
     for (int i = 0; i < frame->attribute_count; i++) {
         const struct neph_attribute *attribute = &frame->attributes[i];
         if (strncmp(attribute->name, prefix, strlen(prefix)) == 0)
-            neph_json_set(&stats, attribute->name + strlen(prefix), number_of(attribute->value));
+            neph_json_set(&stats, attribute->name + strlen(prefix),
+                          parse_stat_number(attribute->value));
     }
     return stats;
 }

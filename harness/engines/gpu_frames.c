@@ -14,7 +14,7 @@ struct sequence {
     void *renderer;                  /* for frames of this size */
     int width_px, height_px;
     int submitted, collected;
-    struct neph_flight_cost costs[NEPH_FLIGHT_PICTURES_MAX]; /* costs of submitted frames, by their
+    struct neph_flight_cost costs[NEPH_FLIGHT_FRAMES_MAX]; /* costs of submitted frames, by their
                                                               * number */
 };
 
@@ -78,7 +78,7 @@ static enum neph_status next_frame(void *opened, const struct neph_shot *shot,
     enum neph_status status = set_up(sequence, shot, diag);
     if (!status)
         status = sequence->engine->gpu->frame(sequence->renderer, shot, &image, &render_s, diag);
-    return neph_own_frame(status, image, start, render_s, frame, cost);
+    return neph_finish_process_frame(status, image, start, render_s, frame, cost);
 }
 
 static enum neph_status submit(void *opened, const struct neph_shot *shot, struct neph_diag *diag)
@@ -92,7 +92,7 @@ static enum neph_status submit(void *opened, const struct neph_shot *shot, struc
     if (status)
         return status;
     cost.cpu_s = neph_wall_s() - start_s;
-    sequence->costs[sequence->submitted++ % NEPH_FLIGHT_PICTURES_MAX] = cost;
+    sequence->costs[sequence->submitted++ % NEPH_FLIGHT_FRAMES_MAX] = cost;
     return NEPH_OK;
 }
 
@@ -100,7 +100,7 @@ static enum neph_status collect(void *opened, struct neph_flight_cost *cost, str
 {
     struct sequence *sequence = opened;
     const struct neph_gpu_renderer *gpu = sequence->engine->gpu;
-    struct neph_flight_cost done = sequence->costs[sequence->collected % NEPH_FLIGHT_PICTURES_MAX];
+    struct neph_flight_cost done = sequence->costs[sequence->collected % NEPH_FLIGHT_FRAMES_MAX];
     const enum neph_status status = gpu->collect ? gpu->collect(sequence->renderer, &done, diag)
                                                  : NEPH_OK;
     if (status)
@@ -116,24 +116,24 @@ static enum neph_status watch(void *opened, uint64_t *bad, struct neph_diag *dia
     return sequence->engine->gpu->watch(sequence->renderer, bad, diag);
 }
 
-static void leave_variants(void *opened, bool leaves)
+static void disable_variants(void *opened, bool leaves)
 {
     struct sequence *sequence = opened;
-    sequence->engine->gpu->leave_variants(sequence->renderer, leaves);
+    sequence->engine->gpu->disable_variants(sequence->renderer, leaves);
 }
 
 const struct neph_engine_sequence neph_gpu_sequence = {.open = open_sequence,
                                                        .next = next_frame,
-                                                       .send = submit,
-                                                       .home = collect,
+                                                       .submit = submit,
+                                                       .collect = collect,
                                                        .close = close_sequence};
 
 const struct neph_engine_sequence neph_gpu_sequence_watched = {.open = open_sequence,
                                                                .next = next_frame,
-                                                               .send = submit,
-                                                               .home = collect,
+                                                               .submit = submit,
+                                                               .collect = collect,
                                                                .watch = watch,
-                                                               .leave_variants = leave_variants,
+                                                               .disable_variants = disable_variants,
                                                                .close = close_sequence};
 
 enum neph_status neph_engine_render(const struct neph_engine *engine, const struct neph_shot *shot,
@@ -151,7 +151,7 @@ enum neph_status neph_engine_render(const struct neph_engine *engine, const stru
         status = engine->sequence->next(sequence, shot, frame, cost, diag);
     engine->sequence->close(sequence);
     if (!status && !(engine->gpu && engine->gpu->set_up_is_free))
-        *cost = neph_own_cost(start, cost->render_s);
+        *cost = neph_measure_process_cost(start, cost->render_s);
     return status;
 }
 

@@ -44,8 +44,8 @@ struct neph_gpu_renderer {
     /* As neph_engine_sequence.watch; only for neph_gpu_sequence_watched. */
     enum neph_status (*watch)(void *renderer, uint64_t *bad, struct neph_diag *diag);
 
-    /* As neph_engine_sequence.leave_variants; only for neph_gpu_sequence_watched. */
-    void (*leave_variants)(void *renderer, bool leaves);
+    /* As neph_engine_sequence.disable_variants; only for neph_gpu_sequence_watched. */
+    void (*disable_variants)(void *renderer, bool leaves);
 
     /* Whether a shot needs a Vulkan device; NULL: always. */
     bool (*needs_device)(const struct neph_shot *shot);
@@ -54,7 +54,7 @@ struct neph_gpu_renderer {
 };
 
 /* Values of neph_engine.sequence for engines with a neph_engine.gpu; the second one has `watch` and
- * `leave_variants`. */
+ * `disable_variants`. */
 extern const struct neph_engine_sequence neph_gpu_sequence, neph_gpu_sequence_watched;
 
 /* Render a single frame, with the cost of its set-up (except with

@@ -8,14 +8,14 @@
 #include "harness/engines/engine.h"
 
 /* The engine march_LIGHTING for a lighting; NULL: there is none. */
-const struct neph_engine *neph_engine_lit_like(const char *lighting);
+const struct neph_engine *neph_engine_find_by_lighting(const char *lighting);
 
 /* Whether the engine is a non-physical model, uses the lighting of one (lighting=CHOICE, as
  * march_CHOICE), or draws a fog by one (fog=unreal, fog=filament). */
-bool neph_is_look(const struct neph_engine *engine, const struct neph_settings *settings);
+bool neph_is_non_physical(const struct neph_engine *engine, const struct neph_settings *settings);
 
 /* A static text if the fog is drawn by a non-physical model: "fog=unreal: ..."; else NULL. */
-const char *neph_look_of_fog(const struct neph_engine *engine,
-                             const struct neph_settings *settings);
+const char *neph_fog_model_note(const struct neph_engine *engine,
+                                const struct neph_settings *settings);
 
 #endif

@@ -92,10 +92,10 @@ static enum neph_status submit(void *renderer, const struct neph_shot *shot,
 static enum neph_status collect(void *renderer, struct neph_flight_cost *cost,
                                 struct neph_diag *diag)
 {
-    const enum neph_status status = neph_march_home(renderer, &cost->gpu_s, diag);
+    const enum neph_status status = neph_march_collect(renderer, &cost->gpu_s, diag);
     if (status)
         return status;
-    const struct neph_sky_times sky = neph_march_home_sky(renderer);
+    const struct neph_sky_times sky = neph_march_collected_sky(renderer);
     neph_flight_cost_add(cost, "march", cost->gpu_s - neph_sky_gpu_s(&sky), NAN);
     neph_flight_cost_add_sky(cost, &sky);
     return NEPH_OK;
@@ -106,10 +106,10 @@ static const struct neph_gpu_renderer gpu = {
 
 /* ---- the engines ----------------------------------------------------------------------------- */
 
-static struct neph_march_veils veils_of(const struct neph_settings *settings)
+static struct neph_march_veils make_veils(const struct neph_settings *settings)
 {
     return (struct neph_march_veils){settings->values[OPTION_SKY] != 0.0,
-                                     neph_fog_for_march((int)settings->values[OPTION_FOG])};
+                                     neph_march_fog_choose((int)settings->values[OPTION_FOG])};
 }
 
 /* Whether this lighting can render the scene. If single scattering is not enough, the reason names
@@ -120,12 +120,12 @@ static bool can_render(enum neph_march_lighting lighting, const struct neph_scen
     struct neph_march_veils veils = {.sky = false};
     char ignored[256];
     if (settings)
-        veils = veils_of(settings);
-    if (neph_march_can_render_under(scene, veils, lighting, reason, reason_size))
+        veils = make_veils(settings);
+    if (neph_march_can_render_with(scene, veils, lighting, reason, reason_size))
         return true;
     const size_t used = strlen(reason);
     if (lighting == NEPH_MARCH_SINGLE &&
-        neph_march_can_render_under(scene, veils, NEPH_MARCH_OCTAVES, ignored, sizeof(ignored)))
+        neph_march_can_render_with(scene, veils, NEPH_MARCH_OCTAVES, ignored, sizeof(ignored)))
         snprintf(reason + used, reason_size - used, "; march_octaves could");
     return false;
 }
@@ -141,7 +141,7 @@ static bool can_render(enum neph_march_lighting lighting, const struct neph_scen
 
 /* Members that all march engines share. */
 #define ROWS_OF(name_, lighting_)                                                                  \
-    .rung = NEPH_RUNG_MODEL, .lighting = lighting_,                                                \
+    .rung = NEPH_LEVEL_MODEL, .lighting = lighting_,                                               \
     .step = {.option = "steps", .coarsest = 16, .refine = 2, .level_count = 5, .order = 2},        \
     .probe = neph_vulkan_probe, .can_render = can_render_##name_, .sequence = &neph_gpu_sequence,  \
     .side_max_px = NEPH_MARCH_SIDE_MAX_PX, .gpu = &gpu

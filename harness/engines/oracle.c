@@ -76,7 +76,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     enum neph_status status = neph_oracle_render(shot->scene, &params, &image, &stats, diag);
     if (!status)
         status = label(image, &stats, diag);
-    return neph_own_frame(status, image, start, stats.wall_s, frame, cost);
+    return neph_finish_process_frame(status, image, start, stats.wall_s, frame, cost);
 }
 
 static void probe(const struct neph_engine *engine, struct neph_shared_device *device,
@@ -92,9 +92,9 @@ static void probe(const struct neph_engine *engine, struct neph_shared_device *d
 const struct neph_engine neph_engine_oracle = {
     .name = "oracle",
     .summary = "unbiased path tracer in double precision on the CPU, with its noise per pixel",
-    .rung = NEPH_RUNG_TRACER,
+    .rung = NEPH_LEVEL_TRACER,
     .typical_s = 60.0,
-    .rests = true,
+    .can_checkpoint = true,
     .stochastic = true,
     .options = options,
     .version = 2, /* 2: lights on or near rays */

@@ -11,7 +11,7 @@ struct neph_stopwatch neph_stopwatch_start(void)
     return (struct neph_stopwatch){neph_wall_s(), neph_cpu_s()};
 }
 
-struct neph_cost neph_own_cost(struct neph_stopwatch start, double render_s)
+struct neph_cost neph_measure_process_cost(struct neph_stopwatch start, double render_s)
 {
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
@@ -24,15 +24,15 @@ struct neph_cost neph_own_cost(struct neph_stopwatch start, double render_s)
     };
 }
 
-enum neph_status neph_own_frame(enum neph_status status, struct neph_image *image,
-                                struct neph_stopwatch start, double render_s,
-                                struct neph_image **frame, struct neph_cost *cost)
+enum neph_status neph_finish_process_frame(enum neph_status status, struct neph_image *image,
+                                           struct neph_stopwatch start, double render_s,
+                                           struct neph_image **frame, struct neph_cost *cost)
 {
     if (status) {
         neph_image_destroy(image);
         return status;
     }
-    *cost = neph_own_cost(start, render_s);
+    *cost = neph_measure_process_cost(start, render_s);
     *frame = image;
     return NEPH_OK;
 }

@@ -213,8 +213,8 @@ static bool has_media(const struct neph_povray_session *session)
     return false;
 }
 
-static void take_transmittance(const struct neph_povray_reading *readings, size_t count,
-                               float *layer)
+static void store_transmittance(const struct neph_povray_reading *readings, size_t count,
+                                float *layer)
 {
     for (size_t i = 0; i < count; i++)
         layer[i] = readings ? (float)fmin(readings[i].value, 1.0) : 1.0f;
@@ -240,7 +240,7 @@ static enum neph_status transmittance_layer(struct neph_povray_session *session,
             status = neph_povray_expose(session, names[channel], pass, 1.0, &transmittance_target,
                                         &readings, &wall_s, diag);
         if (!status)
-            take_transmittance(readings, session->pixel_count, layer[channel]);
+            store_transmittance(readings, session->pixel_count, layer[channel]);
         free(readings);
     }
     return status;
@@ -362,7 +362,7 @@ static enum neph_status adapt_scene(const struct neph_shot *shot,
             (int)neph_setting(&neph_engine_povray, &shot->settings, "radiosity_rays"),
             neph_setting(&neph_engine_povray, &shot->settings, "radiosity_error"),
             (int)neph_setting(&neph_engine_povray, &shot->settings, "photons")};
-    return neph_external_cannot("POV-Ray", status, &why, diag);
+    return neph_external_fail_scene("POV-Ray", status, &why, diag);
 }
 
 /* Prepare a session; grids and the ini file are written to `directory`. The caller always finishes
@@ -451,7 +451,7 @@ static enum neph_status try_program(const char *program, bool *has_voxels, struc
     struct neph_trial trial;
     enum neph_status status = neph_trial_open(true, &trial, diag);
     if (!status)
-        status = neph_program_home(trial_prefix, &folder, diag);
+        status = neph_program_make_folder(trial_prefix, &folder, diag);
     if (!status)
         status = try_scene(&trial, program, neph_scratch_path(folder), has_voxels, diag);
     if (status && folder)
@@ -470,7 +470,7 @@ static enum neph_status find_voxels(bool *has_voxels, struct neph_diag *diag)
     if (!program)
         return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s", missing);
     char *file = neph_trial_file(program, NULL);
-    json_t *kept = neph_trial_recall(file);
+    json_t *kept = neph_trial_load_result(file);
     const bool is_kept = json_is_boolean(json_object_get(kept, "has_voxels"));
     enum neph_status status = NEPH_OK;
     if (is_kept)
@@ -478,8 +478,8 @@ static enum neph_status find_voxels(bool *has_voxels, struct neph_diag *diag)
     else
         status = try_program(program, has_voxels, diag);
     if (!status && !is_kept)
-        neph_trial_keep(file,
-                        json_pack("{s:s, s:b}", "program", program, "has_voxels", *has_voxels));
+        neph_trial_save_result(
+            file, json_pack("{s:s, s:b}", "program", program, "has_voxels", *has_voxels));
     json_decref(kept);
     free(file);
     free(program);
@@ -525,7 +525,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     char missing[512] = "";
     char *program = neph_external_find(&neph_povray, 0, missing, sizeof(missing));
     enum neph_status status = program ? NEPH_OK
-                                      : neph_external_missing(&neph_povray, missing, diag);
+                                      : neph_external_fail_missing(&neph_povray, missing, diag);
     if (!status)
         status = render_with(shot, program, false, frame, cost, diag);
     free(program);
@@ -556,7 +556,7 @@ static enum neph_status export_scene(const struct neph_shot *shot, const char *d
 const struct neph_engine neph_engine_povray = {
     .name = "povray",
     .summary = "POV-Ray 3.7 media, single scattering; between solids all of it, by radiosity",
-    .rung = NEPH_RUNG_WITNESS,
+    .rung = NEPH_LEVEL_EXTERNAL,
     .typical_s = 12.0,
     .bias = "single scattering only; midpoint rule of its intervals, error ~ 1/intervals^2 (~ "
             "1/intervals at the edges of shadows); 16-bit output in brackets: 1e-4 of the value or "

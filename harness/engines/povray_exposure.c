@@ -21,13 +21,13 @@ struct neph_povray_reading neph_povray_read_brackets(const uint16_t codes[NEPH_P
     return (struct neph_povray_reading){codes[0] / (code_max * gain), INFINITY};
 }
 
-struct neph_povray_reading neph_povray_better(struct neph_povray_reading a,
-                                              struct neph_povray_reading b)
+struct neph_povray_reading neph_povray_finer_reading(struct neph_povray_reading a,
+                                                     struct neph_povray_reading b)
 {
     return b.error < a.error ? b : a;
 }
 
-static double peak_of(const struct neph_povray_reading *readings, size_t count)
+static double find_largest_reading(const struct neph_povray_reading *readings, size_t count)
 {
     double peak = 0.0;
     for (size_t i = 0; i < count; i++) {
@@ -38,7 +38,7 @@ static double peak_of(const struct neph_povray_reading *readings, size_t count)
 }
 
 /* The median of the readings' upper bounds; INFINITY if memory is short: then the peak decides. */
-static double median_of(const struct neph_povray_reading *readings, size_t count)
+static double compute_upper_median(const struct neph_povray_reading *readings, size_t count)
 {
     double *values = malloc(count * sizeof(*values));
     if (!values)
@@ -54,9 +54,10 @@ static double median_of(const struct neph_povray_reading *readings, size_t count
 double neph_povray_next_gain(const struct neph_povray_reading *readings, size_t count, double gain,
                              const struct neph_povray_target *target)
 {
-    double absolute = target->absolute_of_peak * peak_of(readings, count);
+    double absolute = target->absolute_of_peak * find_largest_reading(readings, count);
     if (target->absolute_of_median > 0.0)
-        absolute = fmin(absolute, target->absolute_of_median * median_of(readings, count));
+        absolute = fmin(absolute,
+                        target->absolute_of_median * compute_upper_median(readings, count));
     absolute = fmax(target->absolute, absolute);
     double brightest = 0.0; /* brightest reading that misses the target */
     for (size_t i = 0; i < count; i++) {

@@ -33,8 +33,8 @@ struct neph_povray_reading neph_povray_read_brackets(const uint16_t codes[NEPH_P
                                                      double gain);
 
 /* The better of two readings of one pixel: the one with the smaller error. */
-struct neph_povray_reading neph_povray_better(struct neph_povray_reading a,
-                                              struct neph_povray_reading b);
+struct neph_povray_reading neph_povray_finer_reading(struct neph_povray_reading a,
+                                                     struct neph_povray_reading b);
 
 /* The required accuracy: error <= max(relative * value, absolute). */
 struct neph_povray_target {

@@ -71,9 +71,9 @@ static enum neph_status refuse(const struct neph_povray_world *world, int light,
 }
 
 /* Add the step that one ray needs around one light. */
-static enum neph_status take_ray(const struct neph_povray_world *world, int index, int pixel,
-                                 struct neph_pixel_ray ray, double hit_m, struct need *need,
-                                 struct neph_diag *diag)
+static enum neph_status add_ray_need(const struct neph_povray_world *world, int index, int pixel,
+                                     struct neph_pixel_ray ray, double hit_m, struct need *need,
+                                     struct neph_diag *diag)
 {
     const struct neph_light *light = &world->scene->lights[index];
     const struct neph_vec3 way_m = neph_vec3_sub(light->position_m, ray.origin_m);
@@ -99,7 +99,8 @@ static enum neph_status take_ray(const struct neph_povray_world *world, int inde
 }
 
 /* Whether faces of a cube and a box coincide: POV-Ray would treat them as one. */
-static bool touches(const struct neph_bounds *cube, const struct neph_bounds *box, double gap_m)
+static bool shares_face_plane(const struct neph_bounds *cube, const struct neph_bounds *box,
+                              double gap_m)
 {
     for (int axis = 0; axis < 3; axis++) {
         const double faces_m[2] = {neph_povray_axis(box->min_m, axis),
@@ -112,15 +113,17 @@ static bool touches(const struct neph_bounds *cube, const struct neph_bounds *bo
     return false;
 }
 
-static bool touches_any(const struct neph_povray_world *world, const struct neph_bounds *cube)
+static bool shares_any_face_plane(const struct neph_povray_world *world,
+                                  const struct neph_bounds *cube)
 {
     const double gap_m = face_gap_units / world->units_per_m;
     for (int i = 0; i < world->scene->medium_count; i++)
-        if (world->containers[i].used && touches(cube, &world->containers[i].bounds, gap_m))
+        if (world->containers[i].used &&
+            shares_face_plane(cube, &world->containers[i].bounds, gap_m))
             return true;
     for (int i = 0; i < world->scene->solid_count; i++) {
         const struct neph_bounds box = neph_solid_bounds(&world->scene->solids[i]);
-        if (touches(cube, &box, gap_m))
+        if (shares_face_plane(cube, &box, gap_m))
             return true;
     }
     return false;
@@ -130,13 +133,13 @@ static bool touches_any(const struct neph_povray_world *world, const struct neph
  * nearest ray; outside of the largest one, steps of an uncut ray are fine enough. */
 static void choose_cubes(struct neph_povray_world *world, int index, const struct need *need)
 {
-    struct neph_povray_lamp *lamp = &world->lamps[index];
+    struct neph_povray_point_light *lamp = &world->lamps[index];
     const struct neph_vec3 at_m = world->scene->lights[index].position_m;
     const double last_m = need->longest_step_m / step_part;
     double half_m = need->resolved_m * world->intervals / (2.0 * sqrt(3.0));
     while (lamp->cube_count < NEPH_POVRAY_CUBES_MAX) {
         struct neph_bounds cube = neph_bounds_around(at_m, half_m);
-        for (int tries = 0; tries < 100 && touches_any(world, &cube); tries++) {
+        for (int tries = 0; tries < 100 && shares_any_face_plane(world, &cube); tries++) {
             half_m *= widening;
             cube = neph_bounds_around(at_m, half_m);
         }
@@ -163,7 +166,8 @@ enum neph_status neph_povray_cut_rays(struct neph_povray_world *world, struct ne
         for (int l = 0; l < scene->light_count; l++) {
             const struct neph_light *light = &scene->lights[l];
             const struct neph_vec3 way_m = neph_vec3_sub(light->position_m, ray.origin_m);
-            const enum neph_status status = take_ray(world, l, pixel, ray, hit_m, &needs[l], diag);
+            const enum neph_status status = add_ray_need(world, l, pixel, ray, hit_m, &needs[l],
+                                                         diag);
             if (status)
                 return status;
             world->lamps[l].is_masked |= light->is_spot && line_distance_m(way_m, ray.direction) *

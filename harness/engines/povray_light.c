@@ -241,8 +241,8 @@ static double closest_per_m(const struct neph_povray_session *session, struct ne
 
 /* Upper bound of the radiance in a pixel, per unit of radiant intensity, from media of one phase
  * function and albedo 1 and from all lights, without loss of light on its way. */
-static double brightest_lamplight_per_m2(const struct neph_povray_session *session,
-                                         const struct neph_phase *phase)
+static double brightest_light_per_m2(const struct neph_povray_session *session,
+                                     const struct neph_phase *phase)
 {
     const double phase_per_sr = fmax(neph_phase_per_sr(phase, 1.0), neph_phase_per_sr(phase, -1.0));
     double sum_per_m = 0.0;
@@ -297,7 +297,7 @@ enum neph_status neph_povray_add_volume(struct neph_povray_session *session,
         snprintf(name, sizeof(name), "volume%d", i + 1);
         const double bound = (scene->sun.present ? brightest_scattering_per_sr(session, &pass.phase)
                                                  : 0.0) +
-                             brightest_lamplight_per_m2(session, &pass.phase);
+                             brightest_light_per_m2(session, &pass.phase);
         status = add_picture(session, name, pass, &sources, bound, volume, diag);
     }
     return status;
@@ -329,8 +329,8 @@ static double distance_m(const struct neph_bounds *box, struct neph_vec3 point_m
 /* Add the lights as sources, each with its irradiance at the nearest point of the solid's bounding
  * box, which is an upper bound for spheres.
  */
-static void add_lamplit(struct sources *sources, const struct neph_scene *scene,
-                        const struct neph_solid *solid, struct neph_rgb color)
+static void add_point_lit(struct sources *sources, const struct neph_scene *scene,
+                          const struct neph_solid *solid, struct neph_rgb color)
 {
     const struct neph_bounds box = neph_solid_bounds(solid);
     for (int l = 0; l < scene->light_count; l++) {
@@ -358,13 +358,13 @@ enum neph_status neph_povray_add_surface(struct neph_povray_session *session,
     for (int i = 0; i < scene->solid_count; i++)
         add_sunlit(&sources, scene, scene->solids[i].albedo);
     for (int i = 0; i < scene->solid_count; i++)
-        add_lamplit(&sources, scene, &scene->solids[i], scene->solids[i].albedo);
+        add_point_lit(&sources, scene, &scene->solids[i], scene->solids[i].albedo);
     for (int i = 0; i < scene->solid_count; i++) {
         const struct neph_surface *look = &scene->solids[i].surface;
         if (!neph_is_textured(look))
             continue;
         add_sunlit(&sources, scene, look->texture.other);
-        add_lamplit(&sources, scene, &scene->solids[i], look->texture.other);
+        add_point_lit(&sources, scene, &scene->solids[i], look->texture.other);
     }
     return add_picture(session, "surface", pass, &sources, 1.0, surface, diag);
 }

@@ -155,13 +155,14 @@ static enum neph_status read_image(const struct neph_povray_session *session,
 {
     int width_px = 0, height_px = 0;
     uint16_t *read = NULL;
-    enum neph_status status = neph_external_left(&neph_povray, files->image_path, "",
-                                                 files->log_path, diag);
+    enum neph_status status = neph_external_check_image(&neph_povray, files->image_path, "",
+                                                        files->log_path, diag);
     if (!status)
         status = neph_program_status(
             neph_png_read_rgb16(files->image_path, &width_px, &height_px, &read, diag));
     if (!status)
-        status = neph_external_size(&neph_povray, "", width_px, height_px, &session->shot, diag);
+        status = neph_external_check_size(&neph_povray, "", width_px, height_px, &session->shot,
+                                          diag);
     if (status)
         free(read);
     else
@@ -194,14 +195,15 @@ enum neph_status neph_povray_image(struct neph_povray_session *session, const ch
 
 /* Update the readings from an image. With photons all channels have the same value, so only the
  * first bracket is used and the others count as clamped. */
-static void take_readings(const struct neph_povray_session *session, const uint16_t *codes,
-                          double gain, struct neph_povray_reading *readings)
+static void update_readings(const struct neph_povray_session *session, const uint16_t *codes,
+                            double gain, struct neph_povray_reading *readings)
 {
     const bool is_single = neph_povray_has_photons(session->shot.scene);
     for (size_t i = 0; i < session->pixel_count; i++) {
         const uint16_t first[] = {codes[3 * i], UINT16_MAX, UINT16_MAX};
         const uint16_t *brackets = is_single ? first : codes + 3 * i;
-        readings[i] = neph_povray_better(readings[i], neph_povray_read_brackets(brackets, gain));
+        readings[i] = neph_povray_finer_reading(readings[i],
+                                                neph_povray_read_brackets(brackets, gain));
     }
 }
 
@@ -233,7 +235,7 @@ enum neph_status neph_povray_expose(struct neph_povray_session *session, const c
         status = neph_povray_image(session, file, &pass, &codes, wall_s, diag);
         if (status)
             break;
-        take_readings(session, codes, pass.gain, best);
+        update_readings(session, codes, pass.gain, best);
         free(codes);
         pass.gain = neph_povray_next_gain(best, count, pass.gain, target);
     }

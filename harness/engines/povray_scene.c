@@ -96,20 +96,21 @@ bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase 
 static void write_radiosity(struct neph_povray_writer *writer)
 {
     const struct neph_povray_world *world = writer->world;
-    neph_povray_put(writer,
-                    "  radiosity { count %i error_bound %n pretrace_end %n pretrace_start 0.08 "
-                    "nearest_count 8 recursion_limit 6 low_error_factor 0.7\n"
-                    "    brightness 1 gray_threshold 0 minimum_reuse 0.005 maximum_reuse 0.1 "
-                    "adc_bailout 1e-12 always_sample off }",
-                    world->radiosity.rays, world->radiosity.error_bound, 1.0 / world->width_px);
+    neph_povray_write_text(
+        writer,
+        "  radiosity { count %i error_bound %n pretrace_end %n pretrace_start 0.08 "
+        "nearest_count 8 recursion_limit 6 low_error_factor 0.7\n"
+        "    brightness 1 gray_threshold 0 minimum_reuse 0.005 maximum_reuse 0.1 "
+        "adc_bailout 1e-12 always_sample off }",
+        world->radiosity.rays, world->radiosity.error_bound, 1.0 / world->width_px);
     if (neph_povray_has_photons(world->scene))
-        neph_povray_put(writer, "\n  photons { count %i autostop 0 jitter 0 media 0 }",
-                        world->radiosity.photons);
+        neph_povray_write_text(writer, "\n  photons { count %i autostop 0 jitter 0 media 0 }",
+                               world->radiosity.photons);
 }
 
 static void write_header(struct neph_povray_writer *writer)
 {
-    neph_povray_put(
+    neph_povray_write_text(
         writer,
         "// A frame of Nephelometer for POV-Ray 3.7.\n"
         "// World: metres, right-handed, +Y up. POV-Ray's tolerances are fixed lengths, so the\n"
@@ -118,9 +119,9 @@ static void write_header(struct neph_povray_writer *writer)
         "global_settings { assumed_gamma 1.0 max_trace_level 256 adc_bailout 0");
     if (neph_povray_has_radiosity(writer))
         write_radiosity(writer);
-    neph_povray_put(writer,
-                    " }\n#declare U = %n;\n#declare O = %v;\n#macro P(A) (U*((A) - O)) #end\n\n",
-                    writer->world->units_per_m, writer->world->origin_m);
+    neph_povray_write_text(
+        writer, " }\n#declare U = %n;\n#declare O = %v;\n#macro P(A) (U*((A) - O)) #end\n\n",
+        writer->world->units_per_m, writer->world->origin_m);
 }
 
 /* The lengths of up and right are the sides of the image plane at distance 1; for an orthographic
@@ -132,13 +133,14 @@ static void write_camera(struct neph_povray_writer *writer)
     const double height = is_parallel ? camera->orthographic_height_m * writer->world->units_per_m
                                       : 2.0 * tan(0.5 * camera->vertical_fov_rad);
     const double width = height * writer->world->width_px / writer->world->height_px;
-    neph_povray_put(writer, "%s\n  location %p\n  right %v\n  up %v\n  direction %v\n}\n\n",
-                    is_parallel ? "// Camera: up and right are as long as the picture's sides.\n"
-                                  "camera { orthographic"
-                                : "// Camera: the lengths of up and right are the angles of view.\n"
-                                  "camera { perspective",
-                    camera->position_m, neph_vec3_scale(camera->right, width),
-                    neph_vec3_scale(camera->up, height), camera->forward);
+    neph_povray_write_text(writer, "%s\n  location %p\n  right %v\n  up %v\n  direction %v\n}\n\n",
+                           is_parallel
+                               ? "// Camera: up and right are as long as the picture's sides.\n"
+                                 "camera { orthographic"
+                               : "// Camera: the lengths of up and right are the angles of view.\n"
+                                 "camera { perspective",
+                           camera->position_m, neph_vec3_scale(camera->right, width),
+                           neph_vec3_scale(camera->up, height), camera->forward);
 }
 
 /* Whether sun and lights are part of this image. */
@@ -153,7 +155,7 @@ static bool is_lit(const struct neph_povray_writer *writer)
 
 static void box(struct neph_povray_writer *writer, struct neph_bounds bounds)
 {
-    neph_povray_put(writer, "\n  box { %p, %p }", bounds.min_m, bounds.max_m);
+    neph_povray_write_text(writer, "\n  box { %p, %p }", bounds.min_m, bounds.max_m);
 }
 
 static struct neph_bounds grown(const struct neph_bounds *bounds, double by_units,
@@ -212,10 +214,11 @@ static void write_container(struct neph_povray_writer *writer,
     for (int i = 0; i < scene->light_count; i++)
         is_difference |= neph_bounds_contain(&reach, scene->lights[i].position_m);
     if (!is_difference) {
-        neph_povray_put(writer, "box { %p, %p", container->bounds.min_m, container->bounds.max_m);
+        neph_povray_write_text(writer, "box { %p, %p", container->bounds.min_m,
+                               container->bounds.max_m);
         return;
     }
-    neph_povray_put(writer, "difference {");
+    neph_povray_write_text(writer, "difference {");
     cut_box(writer, &container->bounds, container->is_near_an_eye);
     for (int i = 0; i < scene->light_count; i++) {
         const struct neph_vec3 at_m = scene->lights[i].position_m;
@@ -223,7 +226,7 @@ static void write_container(struct neph_povray_writer *writer,
         if (neph_bounds_contain(&reach, at_m))
             box(writer, grown(&point, hole_units, writer));
     }
-    neph_povray_put(writer, "\n ");
+    neph_povray_write_text(writer, "\n ");
 }
 
 /* ---- lights ---------------------------------------------------------------------------------- */
@@ -243,23 +246,23 @@ static void write_mask(struct neph_povray_writer *writer, const struct neph_ligh
     static const bool all[3][2] = {{true, true}, {true, true}, {true, true}};
     const struct neph_bounds point = {light->position_m, light->position_m};
     const struct neph_bounds cube = grown(&point, mask_units, writer);
-    neph_povray_put(writer, "difference {");
+    neph_povray_write_text(writer, "difference {");
     cut_box(writer, &cube, all);
-    neph_povray_put(writer,
-                    "\n  hollow no_image no_reflection\n"
-                    "  pigment { function { Soft(min(1, max(0, ((x*(%n) + y*(%n) + z*(%n))"
-                    "/sqrt(x*x + y*y + z*z) - (%n))*%n))) }\n"
-                    "    color_map { [0 rgbt 0] [%n rgbt 1] } translate %p } "
-                    "finish { ambient 0 diffuse 0 } }\n",
-                    light->axis.x, light->axis.y, light->axis.z, light->outer_cosine,
-                    1.0 / (light->inner_cosine - light->outer_cosine), density_peak,
-                    light->position_m);
+    neph_povray_write_text(writer,
+                           "\n  hollow no_image no_reflection\n"
+                           "  pigment { function { Soft(min(1, max(0, ((x*(%n) + y*(%n) + z*(%n))"
+                           "/sqrt(x*x + y*y + z*z) - (%n))*%n))) }\n"
+                           "    color_map { [0 rgbt 0] [%n rgbt 1] } translate %p } "
+                           "finish { ambient 0 diffuse 0 } }\n",
+                           light->axis.x, light->axis.y, light->axis.z, light->outer_cosine,
+                           1.0 / (light->inner_cosine - light->outer_cosine), density_peak,
+                           light->position_m);
 }
 
 static void write_clear(struct neph_povray_writer *writer)
 {
-    neph_povray_put(writer,
-                    " hollow no_shadow pigment { rgbt 1 } finish { ambient 0 diffuse 0 } }\n");
+    neph_povray_write_text(
+        writer, " hollow no_shadow pigment { rgbt 1 } finish { ambient 0 diffuse 0 } }\n");
 }
 
 /* Write an invisible cone that cuts rays at the border of a spot, unless the cone is so wide that
@@ -271,22 +274,23 @@ static void write_cone_cut(struct neph_povray_writer *writer, const struct neph_
                            light->outer_cosine;
     if (!(tangent < 10.0))
         return;
-    neph_povray_put(writer, "cone { %p, 0, %p + %v, %n", light->position_m, light->position_m,
-                    neph_vec3_scale(light->axis, length), length * tangent);
+    neph_povray_write_text(writer, "cone { %p, 0, %p + %v, %n", light->position_m,
+                           light->position_m, neph_vec3_scale(light->axis, length),
+                           length * tangent);
     write_clear(writer);
 }
 
 /* Write clear cubes, which cut the rays of pixels but no shadow rays. They are one object, whose
  * bounding box is the largest cube. */
-static void write_cubes(struct neph_povray_writer *writer, const struct neph_povray_lamp *lamp,
-                        struct neph_vec3 at_m)
+static void write_cubes(struct neph_povray_writer *writer,
+                        const struct neph_povray_point_light *lamp, struct neph_vec3 at_m)
 {
     if (lamp->cube_count == 0)
         return;
-    neph_povray_put(writer, "union {");
+    neph_povray_write_text(writer, "union {");
     for (int i = 0; i < lamp->cube_count; i++)
         box(writer, neph_bounds_around(at_m, lamp->half_sides_m[i]));
-    neph_povray_put(writer, "\n ");
+    neph_povray_write_text(writer, "\n ");
     write_clear(writer);
 }
 
@@ -304,8 +308,8 @@ static void write_lamps(struct neph_povray_writer *writer)
     for (int i = 0; i < scene->light_count && has_scattering(writer); i++) {
         if (is_masked(writer, i)) {
             if (is_first)
-                neph_povray_put(writer, "#declare Soft = function(x) { %n*x*x*(3 - 2*x) }\n",
-                                density_peak);
+                neph_povray_write_text(writer, "#declare Soft = function(x) { %n*x*x*(3 - 2*x) }\n",
+                                       density_peak);
             is_first = false;
             write_mask(writer, &scene->lights[i]);
             write_cone_cut(writer, &scene->lights[i]);
@@ -319,7 +323,7 @@ static void write_sun(struct neph_povray_writer *writer)
     const struct neph_sun *sun = &writer->world->scene->sun;
     if (!sun->present || !is_lit(writer))
         return;
-    neph_povray_put(
+    neph_povray_write_text(
         writer,
         "// Sun: irradiance / pi, from far outside all else.\n"
         "light_source { %v %l parallel point_at 0 }\n\n",
@@ -330,10 +334,10 @@ static void write_sun(struct neph_povray_writer *writer)
 static void write_cone(struct neph_povray_writer *writer, const struct neph_light *light)
 {
     if (light->is_spot)
-        neph_povray_put(writer, " spotlight radius %n falloff %n tightness 0 point_at %p",
-                        acos(light->inner_cosine) / NEPH_RAD_PER_DEG,
-                        acos(light->outer_cosine) / NEPH_RAD_PER_DEG,
-                        neph_vec3_add(light->position_m, light->axis));
+        neph_povray_write_text(writer, " spotlight radius %n falloff %n tightness 0 point_at %p",
+                               acos(light->inner_cosine) / NEPH_RAD_PER_DEG,
+                               acos(light->outer_cosine) / NEPH_RAD_PER_DEG,
+                               neph_vec3_add(light->position_m, light->axis));
 }
 
 /* Write the lights. Their colour is scaled like the sun's, for the irradiance at one metre;
@@ -343,39 +347,39 @@ static void write_lights(struct neph_povray_writer *writer)
     const struct neph_scene *scene = writer->world->scene;
     const double fades_per_m = writer->world->units_per_m / fade_units;
     for (int i = 0; i < scene->light_count && is_lit(writer); i++) {
-        neph_povray_put(writer, "light_source { %p %l fade_distance %n fade_power 2",
-                        scene->lights[i].position_m,
-                        neph_rgb_scale(scene->lights[i].intensity_w_per_sr,
-                                       fades_per_m * fades_per_m / (2.0 * M_PI)),
-                        fade_units);
+        neph_povray_write_text(writer, "light_source { %p %l fade_distance %n fade_power 2",
+                               scene->lights[i].position_m,
+                               neph_rgb_scale(scene->lights[i].intensity_w_per_sr,
+                                              fades_per_m * fades_per_m / (2.0 * M_PI)),
+                               fade_units);
         if (!is_masked(writer, i))
             write_cone(writer, &scene->lights[i]);
-        neph_povray_put(writer, " }\n\n");
+        neph_povray_write_text(writer, " }\n\n");
     }
 }
 
 static void write_background(struct neph_povray_writer *writer)
 {
-    neph_povray_put(writer, "background { ");
+    neph_povray_write_text(writer, "background { ");
     switch (writer->pass->kind) {
     case NEPH_POVRAY_BEAUTY:
     case NEPH_POVRAY_SURFACE:
-        neph_povray_put(writer, "%l", writer->world->scene->background_w_per_m2_sr);
+        neph_povray_write_text(writer, "%l", writer->world->scene->background_w_per_m2_sr);
         break;
     case NEPH_POVRAY_TRANSMITTANCE:
-        neph_povray_put(writer, "%l", (struct neph_rgb){1.0, 1.0, 1.0});
+        neph_povray_write_text(writer, "%l", (struct neph_rgb){1.0, 1.0, 1.0});
         break;
     case NEPH_POVRAY_DEPTH:
-        neph_povray_put(writer, "rgb 1");
+        neph_povray_write_text(writer, "rgb 1");
         break;
     case NEPH_POVRAY_VOLUME:
     case NEPH_POVRAY_EMISSION:
-        neph_povray_put(writer, "rgb 0");
+        neph_povray_write_text(writer, "rgb 0");
         break;
     case NEPH_POVRAY_KIND_COUNT:
         break;
     }
-    neph_povray_put(writer, " }\n\n");
+    neph_povray_write_text(writer, " }\n\n");
 }
 
 /* ---- media ----------------------------------------------------------------------------------- */
@@ -405,7 +409,7 @@ static bool has_density(const struct neph_povray_writer *writer)
 
 /* The intervals of a medium. Images without scattering need no shadow rays, so four times as many
  * are affordable. */
-static int intervals_of(const struct neph_povray_writer *writer, bool plain)
+static int choose_intervals(const struct neph_povray_writer *writer, bool plain)
 {
     enum neph_povray_kind kind = writer->pass->kind;
     int intervals = writer->world->intervals;
@@ -435,12 +439,12 @@ static void write_scattering(struct neph_povray_writer *writer, const struct nep
     bool scatters = neph_povray_same_phase(phase, &medium->phase);
     const struct povray_phase *own = povray_phase(phase->kind);
     double scale = extinction_per_unit / (4.0 * own->excess);
-    neph_povray_put(writer, "    scattering { %i, %m", own->type,
-                    neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color),
-                                   scatters ? scale : 0.0));
+    neph_povray_write_text(writer, "    scattering { %i, %m", own->type,
+                           neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color),
+                                          scatters ? scale : 0.0));
     if (neph_phase_row(phase->kind)->has_asymmetry)
-        neph_povray_put(writer, " eccentricity %n", phase->g);
-    neph_povray_put(writer, " extinction 0 }\n");
+        neph_povray_write_text(writer, " eccentricity %n", phase->g);
+    neph_povray_write_text(writer, " extinction 0 }\n");
 }
 
 void neph_povray_grid_name(int index, char name[NEPH_POVRAY_FILE_NAME_MAX])
@@ -465,10 +469,10 @@ static void write_voxels(struct neph_povray_writer *writer, int index)
     neph_povray_grid_name(index, name);
     const struct neph_vec3 size_m = {(grid->size[0] + 2) * h.x, (grid->size[1] + 2) * h.y,
                                      (grid->size[2] + 2) * h.z};
-    neph_povray_put(writer,
-                    "    density { density_file df3 \"%s\" interpolate 1\n"
-                    "      scale U*%v translate %p }\n",
-                    name, size_m, neph_vec3_sub(grid->origin_m, h));
+    neph_povray_write_text(writer,
+                           "    density { density_file df3 \"%s\" interpolate 1\n"
+                           "      scale U*%v translate %p }\n",
+                           name, size_m, neph_vec3_sub(grid->origin_m, h));
 }
 
 /* Write the sum of the fog layers, relative to its value at the bottom of the container. */
@@ -478,15 +482,15 @@ static void write_layers(struct neph_povray_writer *writer, const struct neph_me
     const struct neph_povray_world *world = writer->world;
     double bottom_m = container->bounds.min_m.y;
     double bottom_units = world->units_per_m * (bottom_m - world->origin_m.y);
-    neph_povray_put(writer, "    density { function { 0");
+    neph_povray_write_text(writer, "    density { function { 0");
     for (int i = 0; i < medium->layer_count; i++) {
         const struct neph_fog_layer *layer = &medium->layers[i];
         double part = neph_fog_layer_per_m(layer, bottom_m) / container->extinction_per_m;
         if (part > 0.0)
-            neph_povray_put(writer, " + %n*exp(-%n*(y - (%n)))", density_peak * part,
-                            layer->falloff_per_m / world->units_per_m, bottom_units);
+            neph_povray_write_text(writer, " + %n*exp(-%n*(y - (%n)))", density_peak * part,
+                                   layer->falloff_per_m / world->units_per_m, bottom_units);
     }
-    neph_povray_put(writer, " } }\n");
+    neph_povray_write_text(writer, " } }\n");
 }
 
 static void write_comment(struct neph_povray_writer *writer, const struct neph_medium *medium,
@@ -495,7 +499,7 @@ static void write_comment(struct neph_povray_writer *writer, const struct neph_m
     const char *where = container->uniform           ? " per metre.\n"
                         : neph_medium_is_fog(medium) ? " per metre at the bottom, falling.\n"
                                                      : " per metre at the densest.\n";
-    neph_povray_put(writer, "// Extinction %n%s", container->extinction_per_m, where);
+    neph_povray_write_text(writer, "// Extinction %n%s", container->extinction_per_m, where);
 }
 
 /* The extinction per unit of length that belongs to a written density of 1. */
@@ -515,7 +519,7 @@ static void write_emission(struct neph_povray_writer *writer, const struct neph_
                            double per_unit)
 {
     if (has_emission(writer))
-        neph_povray_put(
+        neph_povray_write_text(
             writer, "    emission %l\n",
             neph_rgb_scale(neph_rgb_mul(neph_medium_glow(medium), medium->extinction_color),
                            per_unit));
@@ -528,20 +532,20 @@ static void write_medium(struct neph_povray_writer *writer, int index)
     const double per_unit = extinction_per_unit(writer, index);
     write_comment(writer, medium, container);
     write_container(writer, container);
-    neph_povray_put(writer,
-                    " hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 }\n"
-                    "  interior { media {\n"
-                    "    method 2 intervals %i samples 1,1\n",
-                    intervals_of(writer, is_plain(writer, index)));
-    neph_povray_put(writer, "    absorption %m\n",
-                    neph_rgb_scale(medium->extinction_color, per_unit));
+    neph_povray_write_text(writer,
+                           " hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 }\n"
+                           "  interior { media {\n"
+                           "    method 2 intervals %i samples 1,1\n",
+                           choose_intervals(writer, is_plain(writer, index)));
+    neph_povray_write_text(writer, "    absorption %m\n",
+                           neph_rgb_scale(medium->extinction_color, per_unit));
     write_emission(writer, medium, per_unit);
     write_scattering(writer, medium, per_unit);
     if (!neph_medium_is_fog(medium))
         write_voxels(writer, index);
     else if (!is_plain(writer, index))
         write_layers(writer, medium, container);
-    neph_povray_put(writer, "  } }\n}\n\n");
+    neph_povray_write_text(writer, "  } }\n}\n\n");
 }
 
 static void write_media(struct neph_povray_writer *writer)

@@ -22,47 +22,49 @@ static void write_digit(struct neph_povray_writer *writer, int place)
     struct neph_vec3 eye_m = neph_vec3_sub(world->camera.position_m, world->origin_m);
     struct neph_vec3 eye = neph_vec3_scale(eye_m, world->units_per_m);
     double scale = pow(NEPH_POVRAY_DEPTH_BASE, place) / (world->depth_range_m * world->units_per_m);
-    neph_povray_put(writer,
-                    "  [1 function { (%n)*((x - (%n))*(%n) + (y - (%n))*(%n) + (z - (%n))*(%n)) } "
-                    "color_map { [0 rgb 0] [1 rgb %s] }]\n",
-                    scale, eye.x, forward.x, eye.y, forward.y, eye.z, forward.z, channels[place]);
+    neph_povray_write_text(
+        writer,
+        "  [1 function { (%n)*((x - (%n))*(%n) + (y - (%n))*(%n) + (z - (%n))*(%n)) } "
+        "color_map { [0 rgb 0] [1 rgb %s] }]\n",
+        scale, eye.x, forward.x, eye.y, forward.y, eye.z, forward.z, channels[place]);
 }
 
 static void declare_depth_texture(struct neph_povray_writer *writer)
 {
-    neph_povray_put(writer, "#declare Depth = texture { pigment { average pigment_map {\n");
+    neph_povray_write_text(writer, "#declare Depth = texture { pigment { average pigment_map {\n");
     for (int place = 0; place < 3; place++)
         write_digit(writer, place);
-    neph_povray_put(writer, "} } finish { ambient 0 diffuse 0 emission 1 } }\n\n");
+    neph_povray_write_text(writer, "} } finish { ambient 0 diffuse 0 emission 1 } }\n\n");
 }
 
 /* Write the finish of a lit solid: its reflection properties, after its pigment. */
 static void write_finish(struct neph_povray_writer *writer, const struct neph_solid *solid)
 {
     const double metalness = solid->surface.metalness;
-    neph_povray_put(writer, " finish { ambient 0 diffuse %n", 1.0 - metalness);
+    neph_povray_write_text(writer, " finish { ambient 0 diffuse %n", 1.0 - metalness);
     if (metalness > 0.0)
-        neph_povray_put(writer, " reflection { %m }", neph_rgb_scale(solid->albedo, metalness));
-    neph_povray_put(writer, " }");
+        neph_povray_write_text(writer, " reflection { %m }",
+                               neph_rgb_scale(solid->albedo, metalness));
+    neph_povray_write_text(writer, " }");
 }
 
 static void write_texture(struct neph_povray_writer *writer, const struct neph_solid *solid)
 {
     switch (writer->pass->kind) {
     case NEPH_POVRAY_DEPTH:
-        neph_povray_put(writer, " texture { Depth }");
+        neph_povray_write_text(writer, " texture { Depth }");
         break;
     case NEPH_POVRAY_TRANSMITTANCE:
-        neph_povray_put(writer, " pigment { %l } finish { ambient 0 diffuse 0 emission 1 }",
-                        (struct neph_rgb){1.0, 1.0, 1.0});
+        neph_povray_write_text(writer, " pigment { %l } finish { ambient 0 diffuse 0 emission 1 }",
+                               (struct neph_rgb){1.0, 1.0, 1.0});
         break;
     case NEPH_POVRAY_VOLUME:
     case NEPH_POVRAY_EMISSION:
-        neph_povray_put(writer, " pigment { rgb 0 } finish { ambient 0 diffuse 0 }");
+        neph_povray_write_text(writer, " pigment { rgb 0 } finish { ambient 0 diffuse 0 }");
         break;
     case NEPH_POVRAY_BEAUTY:
     case NEPH_POVRAY_SURFACE:
-        neph_povray_put(writer, " pigment { %m }", solid->albedo);
+        neph_povray_write_text(writer, " pigment { %m }", solid->albedo);
         write_finish(writer, solid);
         break;
     case NEPH_POVRAY_KIND_COUNT:
@@ -86,17 +88,17 @@ static void write_by_face(struct neph_povray_writer *writer, const struct neph_s
     static const double within = 1.0 - 1e-9; /* POV-Ray's points on a face are rounded */
     const struct neph_vec3 side_m = neph_vec3_sub(box->box.max_m, box->box.min_m);
     const double half = 0.5 / box->surface.texture.cell_m * within;
-    neph_povray_put(writer, "select(abs(x) - %n, select(abs(y) - %n, %s, %s), %s)", half * side_m.x,
-                    half * side_m.y, across_z, across_y, across_x);
+    neph_povray_write_text(writer, "select(abs(x) - %n, select(abs(y) - %n, %s, %s), %s)",
+                           half * side_m.x, half * side_m.y, across_z, across_y, across_x);
 }
 
 /* Write a checker. Patterns wrap at 1, so the two values are 1/4 and 3/4. */
 static void write_checker(struct neph_povray_writer *writer, const struct neph_solid *box)
 {
-    neph_povray_put(writer, " function { 0.25 + 0.5*abs(mod(");
+    neph_povray_write_text(writer, " function { 0.25 + 0.5*abs(mod(");
     write_by_face(writer, box, "floor(x) + floor(y)", "floor(x) + floor(z)", "floor(y) + floor(z)");
-    neph_povray_put(writer, ", 2)) } color_map { [0.5 %m] [0.5 %m] }", box->albedo,
-                    box->surface.texture.other);
+    neph_povray_write_text(writer, ", 2)) } color_map { [0.5 %m] [0.5 %m] }", box->albedo,
+                           box->surface.texture.other);
 }
 
 /* Write a noise. Its nodes, with zeros around them, lie at (i + 1) / (NEPH_NOISE_CELLS + 3) of a
@@ -104,11 +106,12 @@ static void write_checker(struct neph_povray_writer *writer, const struct neph_s
 static void write_noise(struct neph_povray_writer *writer, const struct neph_solid *box)
 {
     const struct neph_paint *noise = &box->surface.texture;
-    neph_povray_put(writer, " function { 0.999*Noise%i(Cell(", noise->seed);
+    neph_povray_write_text(writer, " function { 0.999*Noise%i(Cell(", noise->seed);
     write_by_face(writer, box, "x", "x", "y");
-    neph_povray_put(writer, "), Cell(");
+    neph_povray_write_text(writer, "), Cell(");
     write_by_face(writer, box, "y", "z", "z");
-    neph_povray_put(writer, "), 1/3) } color_map { [0 %m] [0.999 %m] }", box->albedo, noise->other);
+    neph_povray_write_text(writer, "), 1/3) } color_map { [0 %m] [0.999 %m] }", box->albedo,
+                           noise->other);
 }
 
 static bool is_noise(const struct neph_solid *solid)
@@ -120,13 +123,13 @@ static bool is_noise(const struct neph_solid *solid)
 /* Write a texture. It is evaluated at the place before the rotation, so it turns with the solid. */
 static void write_paint(struct neph_povray_writer *writer, const struct neph_solid *box)
 {
-    neph_povray_put(writer, " pigment {");
+    neph_povray_write_text(writer, " pigment {");
     if (is_noise(box))
         write_noise(writer, box);
     else
         write_checker(writer, box);
-    neph_povray_put(writer, " scale U*%n translate %p }", box->surface.texture.cell_m,
-                    neph_vec3_scale(neph_vec3_add(box->box.min_m, box->box.max_m), 0.5));
+    neph_povray_write_text(writer, " scale U*%n translate %p }", box->surface.texture.cell_m,
+                           neph_vec3_scale(neph_vec3_add(box->box.min_m, box->box.max_m), 0.5));
     write_finish(writer, box);
 }
 
@@ -138,31 +141,32 @@ static void write_turn(struct neph_povray_writer *writer, const struct neph_soli
                                                       0.5);
     if (!neph_is_turned(&box->turn))
         return;
-    neph_povray_put(writer, " translate -%p matrix <", middle_m);
+    neph_povray_write_text(writer, " translate -%p matrix <", middle_m);
     for (int axis = 0; axis < 3; axis++) {
         const struct neph_vec3 unit = {axis == 0, axis == 1, axis == 2};
-        const struct neph_vec3 row = neph_turned(&box->turn, unit);
+        const struct neph_vec3 row = neph_rotate(&box->turn, unit);
         for (int i = 0; i < 3; i++)
-            neph_povray_put(writer, "%n, ", neph_povray_axis(row, i));
+            neph_povray_write_text(writer, "%n, ", neph_povray_axis(row, i));
     }
-    neph_povray_put(writer, "0, 0, 0> translate %p", middle_m);
+    neph_povray_write_text(writer, "0, 0, 0> translate %p", middle_m);
 }
 
 static void write_solid(struct neph_povray_writer *writer, const struct neph_solid *solid)
 {
     if (solid->kind == NEPH_SOLID_BOX) {
-        neph_povray_put(writer, "box { %p, %p", solid->box.min_m, solid->box.max_m);
+        neph_povray_write_text(writer, "box { %p, %p", solid->box.min_m, solid->box.max_m);
         if (shows_paint(writer, solid))
             write_paint(writer, solid);
         write_turn(writer, solid);
     } else {
-        neph_povray_put(writer, "sphere { %p, U*%n", solid->center_m, solid->radius_m);
+        neph_povray_write_text(writer, "sphere { %p, U*%n", solid->center_m, solid->radius_m);
     }
     if (!shows_paint(writer, solid))
         write_texture(writer, solid);
     if (neph_povray_has_radiosity(writer) && neph_is_mirror(&solid->surface))
-        neph_povray_put(writer, " photons { target reflection on refraction off collect off }");
-    neph_povray_put(writer, " }\n");
+        neph_povray_write_text(writer,
+                               " photons { target reflection on refraction off collect off }");
+    neph_povray_write_text(writer, " }\n");
 }
 
 void neph_povray_noise_name(int seed, char name[NEPH_POVRAY_FILE_NAME_MAX])
@@ -206,11 +210,12 @@ static void declare_noises(struct neph_povray_writer *writer)
         if (!is_noise(&scene->solids[i]) || !is_first_of_seed(scene, i))
             continue;
         if (is_first)
-            neph_povray_put(writer, "#declare Cell = function(x) { (x - %i*floor(x/%i) + 1)/%i }\n",
-                            NEPH_NOISE_CELLS, NEPH_NOISE_CELLS, NEPH_NOISE_CELLS + 3);
+            neph_povray_write_text(writer,
+                                   "#declare Cell = function(x) { (x - %i*floor(x/%i) + 1)/%i }\n",
+                                   NEPH_NOISE_CELLS, NEPH_NOISE_CELLS, NEPH_NOISE_CELLS + 3);
         is_first = false;
         neph_povray_noise_name(seed, name);
-        neph_povray_put(
+        neph_povray_write_text(
             writer,
             "#declare Noise%i = function { pattern { density_file df3 \"%s\" interpolate 1 } }\n",
             seed, name);
@@ -225,7 +230,7 @@ void neph_povray_write_solids(struct neph_povray_writer *writer)
     if (scene->solid_count > 0 && writer->pass->kind == NEPH_POVRAY_DEPTH)
         declare_depth_texture(writer);
     if (scene->solid_count > 0)
-        neph_povray_put(writer, "// Solids.\n");
+        neph_povray_write_text(writer, "// Solids.\n");
     for (int i = 0; i < scene->solid_count; i++)
         write_solid(writer, &scene->solids[i]);
 }

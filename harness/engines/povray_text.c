@@ -90,7 +90,7 @@ static void write_value(struct neph_povray_writer *writer, char kind, va_list *v
     }
 }
 
-void neph_povray_put(struct neph_povray_writer *writer, const char *text, ...)
+void neph_povray_write_text(struct neph_povray_writer *writer, const char *text, ...)
 {
     va_list values;
     va_start(values, text);

@@ -19,7 +19,7 @@ struct neph_povray_writer {
 
 /* Write a text. Formats: %n a double, %i an int, %s fixed words, %v a vector, %p a position in
  * metres (the macro P converts it to units), %l a colour of light, %m a colour of matter. */
-void neph_povray_put(struct neph_povray_writer *writer, const char *text, ...);
+void neph_povray_write_text(struct neph_povray_writer *writer, const char *text, ...);
 
 /* Whether this image includes light between solids. */
 bool neph_povray_has_radiosity(const struct neph_povray_writer *writer);

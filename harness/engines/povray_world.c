@@ -178,7 +178,7 @@ struct nearness {
                                  * that side */
 };
 
-static void take_origin(struct nearness *near, double outward_m)
+static void add_origin_distance(struct nearness *near, double outward_m)
 {
     if (outward_m > 0.0)
         near->outside_m = fmin(near->outside_m, outward_m);
@@ -209,9 +209,10 @@ static struct nearness nearest_origins(const struct neph_povray_world *world, in
         const double end_m = origin_m(world, axis, last, row);
         const double part = end_m == first_m ? 0.0 : (plane_m - first_m) / (end_m - first_m);
         const int column = (int)floor(fmin(1.0, fmax(0.0, part)) * last);
-        take_origin(&near, outward * (origin_m(world, axis, column, row) - plane_m));
+        add_origin_distance(&near, outward * (origin_m(world, axis, column, row) - plane_m));
         if (column < last)
-            take_origin(&near, outward * (origin_m(world, axis, column + 1, row) - plane_m));
+            add_origin_distance(&near,
+                                outward * (origin_m(world, axis, column + 1, row) - plane_m));
     }
     return near;
 }
@@ -245,8 +246,9 @@ static bool is_crowded(const struct neph_povray_world *world, int container, int
 
 /* Find a free plane for a face, in steps. The face moves outward, which keeps the visible length of
  * the medium; it moves inward if an eye is just outside, which would otherwise end up inside. */
-static enum neph_status find_place(const struct neph_povray_world *world, int container, int axis,
-                                   double outward, double *plane_m, struct neph_diag *diag)
+static enum neph_status find_free_plane(const struct neph_povray_world *world, int container,
+                                        int axis, double outward, double *plane_m,
+                                        struct neph_diag *diag)
 {
     const double gap_m = face_gap_units / world->units_per_m;
     const struct nearness near = nearest_origins(world, axis, *plane_m, outward);
@@ -277,8 +279,8 @@ static enum neph_status separate_faces(struct neph_povray_world *world, int inde
         for (int side = 0; side < 2; side++) {
             const double from_m = neph_povray_axis(side ? before.max_m : before.min_m, axis);
             double plane_m = from_m;
-            const enum neph_status status = find_place(world, index, axis, side ? 1.0 : -1.0,
-                                                       &plane_m, diag);
+            const enum neph_status status = find_free_plane(world, index, axis, side ? 1.0 : -1.0,
+                                                            &plane_m, diag);
             if (status)
                 return status;
             neph_povray_set_axis(side ? &container->bounds.max_m : &container->bounds.min_m, axis,

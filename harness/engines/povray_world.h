@@ -37,7 +37,7 @@ struct neph_povray_radiosity {
 enum { NEPH_POVRAY_CUBES_MAX = 16 };
 
 /* Objects around a point light or spot, set by povray_lamps.h. */
-struct neph_povray_lamp {
+struct neph_povray_point_light {
     bool is_masked; /* a spot: a point light in a cube whose transparency has the spot's falloff */
     int cube_count;
     double half_sides_m[NEPH_POVRAY_CUBES_MAX]; /* ascending */
@@ -61,7 +61,8 @@ struct neph_povray_world {
     /* Optical depth across the largest displacement of a container's face, away from other faces
      * and eyes. */
     double shift_error;
-    struct neph_povray_lamp lamps[NEPH_SCENE_LIGHTS_MAX]; /* one for each light of the scene */
+    struct neph_povray_point_light
+        lamps[NEPH_SCENE_LIGHTS_MAX]; /* one for each light of the scene */
     double depth_range_m; /* exceeds the depth of all solids; 0: no solid in front of the camera */
 };
 

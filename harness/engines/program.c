@@ -19,8 +19,8 @@ static const size_t text_limit_bytes = 1 << 16;
 static const int64_t folder_bytes = (int64_t)512 << 20, folder_bytes_per_px = 256,
                      folder_entries = 16384, log_bytes = (int64_t)16 << 20;
 
-enum neph_status neph_program_home(const char *prefix, struct neph_scratch **home,
-                                   struct neph_diag *diag)
+enum neph_status neph_program_make_folder(const char *prefix, struct neph_scratch **home,
+                                          struct neph_diag *diag)
 {
     const char *folder = getenv("TMPDIR");
     folder = folder && folder[0] ? folder : "/tmp";
@@ -43,13 +43,13 @@ struct neph_child_limits neph_program_limits(const struct neph_usage *before, in
     };
 }
 
-static const char *name_of(const char *path)
+static const char *path_base_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
     return slash ? slash + 1 : path;
 }
 
-enum neph_status neph_program_left(const char *path, bool *is_left, struct neph_diag *diag)
+enum neph_status neph_program_has_file(const char *path, bool *is_left, struct neph_diag *diag)
 {
     struct stat info;
     *is_left = lstat(path, &info) == 0;
@@ -58,11 +58,11 @@ enum neph_status neph_program_left(const char *path, bool *is_left, struct neph_
         return NEPH_OK;
     if (!*is_left || (is_link && stat(path, &info) != 0))
         return neph_fail(diag, NEPH_ERR_ENGINE, "the program's file '%s' cannot be read: %s",
-                         name_of(path), strerror(errno));
+                         path_base_name(path), strerror(errno));
     if (S_ISREG(info.st_mode))
         return NEPH_OK;
     return neph_fail(diag, NEPH_ERR_ENGINE, "the program's output '%s' is %s%s, not a file",
-                     name_of(path), is_link ? "a link to " : "",
+                     path_base_name(path), is_link ? "a link to " : "",
                      S_ISDIR(info.st_mode)    ? "a folder"
                      : S_ISFIFO(info.st_mode) ? "a pipe"
                      : S_ISSOCK(info.st_mode) ? "a socket"
@@ -120,7 +120,7 @@ static enum neph_status run_version(const char *program, const char *home, doubl
 }
 
 /* Drop the text before the program's name: it depends on the folder. */
-static void start_with(const char *name, char *text)
+static void drop_text_before(const char *name, char *text)
 {
     const char *start = strstr(text, name);
     if (start)
@@ -146,19 +146,20 @@ static enum neph_status digest(const char *program, const char *text, char build
     return status;
 }
 
-enum neph_status neph_program_ask(const char *program, const char *name, double time_limit_s,
-                                  char **text, char build[NEPH_BUILD_SIZE], struct neph_diag *diag)
+enum neph_status neph_program_query_version(const char *program, const char *name,
+                                            double time_limit_s, char **text,
+                                            char build[NEPH_BUILD_SIZE], struct neph_diag *diag)
 {
     struct neph_scratch *home = NULL;
     char *said = NULL;
-    enum neph_status status = neph_program_home(scratch_prefix, &home, diag);
+    enum neph_status status = neph_program_make_folder(scratch_prefix, &home, diag);
     if (!status)
         status = run_version(program, neph_scratch_path(home), time_limit_s, &said, diag);
     if (status && home)
         neph_move_paths(diag, neph_scratch_path(home), NULL);
     neph_scratch_destroy(home);
     if (!status) {
-        start_with(name, said);
+        drop_text_before(name, said);
         status = digest(program, said, build, diag);
     }
     if (status) {
@@ -172,7 +173,7 @@ enum neph_status neph_program_ask(const char *program, const char *name, double 
 /* ---- external renderers ---------------------------------------------------------------------- */
 
 /* The `index`-th non-empty entry of the environment variable; NULL: there is none. */
-static char *entry_of(const struct neph_external_renderer *renderer, int index)
+static char *find_variable_entry(const struct neph_external_renderer *renderer, int index)
 {
     const char *list = getenv(renderer->variable);
     const char *const separator = renderer->is_list ? ":" : "";
@@ -188,7 +189,7 @@ static char *entry_of(const struct neph_external_renderer *renderer, int index)
 int neph_external_count(const struct neph_external_renderer *renderer)
 {
     for (int count = 0;; count++) {
-        char *entry = entry_of(renderer, count);
+        char *entry = find_variable_entry(renderer, count);
         if (!entry)
             return count > 0 ? count : 1;
         free(entry);
@@ -214,7 +215,7 @@ static char *find_named(const struct neph_external_renderer *renderer, const cha
 char *neph_external_find(const struct neph_external_renderer *renderer, int index, char *missing,
                          size_t missing_size)
 {
-    char *entry = entry_of(renderer, index), *path = NULL;
+    char *entry = find_variable_entry(renderer, index), *path = NULL;
     if (neph_external_count(renderer) > NEPH_EXTERNAL_PROGRAMS_MAX)
         snprintf(missing, missing_size, "%s names %d programs; %d are taken at most",
                  renderer->variable, neph_external_count(renderer), NEPH_EXTERNAL_PROGRAMS_MAX);
@@ -232,7 +233,7 @@ static enum neph_status ask_version(const struct neph_external_renderer *rendere
 {
     char name[64];
     snprintf(name, sizeof(name), "%s ", renderer->name);
-    return neph_program_ask(program, name, probe_limit_s, text, build, diag);
+    return neph_program_query_version(program, name, probe_limit_s, text, build, diag);
 }
 
 bool neph_external_version(const struct neph_external_renderer *renderer, int index,
@@ -329,8 +330,8 @@ void neph_external_probe(const struct neph_external_renderer *renderer, int inde
     free(program);
 }
 
-enum neph_status neph_external_missing(const struct neph_external_renderer *renderer,
-                                       const char *why, struct neph_diag *diag)
+enum neph_status neph_external_fail_missing(const struct neph_external_renderer *renderer,
+                                            const char *why, struct neph_diag *diag)
 {
     char line[256];
     neph_install_line(&renderer->packages, line, sizeof(line));
@@ -355,14 +356,16 @@ enum neph_status neph_external_run(const struct neph_external_renderer *renderer
         .limits = neph_program_limits(&before, shot->width_px, shot->height_px),
         .time_limit_s = shot->time_limit_s};
     const enum neph_status status = neph_child_run(&params, result, diag);
-    return status == NEPH_ERR_UNAVAILABLE ? neph_external_missing(renderer, NULL, diag) : status;
+    return status == NEPH_ERR_UNAVAILABLE ? neph_external_fail_missing(renderer, NULL, diag)
+                                          : status;
 }
 
-enum neph_status neph_external_left(const struct neph_external_renderer *renderer, const char *path,
-                                    const char *which, const char *log, struct neph_diag *diag)
+enum neph_status neph_external_check_image(const struct neph_external_renderer *renderer,
+                                           const char *path, const char *which, const char *log,
+                                           struct neph_diag *diag)
 {
     bool is_left = false;
-    const enum neph_status status = neph_program_left(path, &is_left, diag);
+    const enum neph_status status = neph_program_has_file(path, &is_left, diag);
     if (status || is_left)
         return status;
     neph_fail(diag, NEPH_ERR_ENGINE, "%s ended well but wrote no %simage", renderer->name, which);
@@ -370,9 +373,9 @@ enum neph_status neph_external_left(const struct neph_external_renderer *rendere
     return NEPH_ERR_ENGINE;
 }
 
-enum neph_status neph_external_size(const struct neph_external_renderer *renderer,
-                                    const char *which, int width_px, int height_px,
-                                    const struct neph_shot *shot, struct neph_diag *diag)
+enum neph_status neph_external_check_size(const struct neph_external_renderer *renderer,
+                                          const char *which, int width_px, int height_px,
+                                          const struct neph_shot *shot, struct neph_diag *diag)
 {
     if (width_px == shot->width_px && height_px == shot->height_px)
         return NEPH_OK;
@@ -380,8 +383,8 @@ enum neph_status neph_external_size(const struct neph_external_renderer *rendere
                      renderer->name, which, width_px, height_px, shot->width_px, shot->height_px);
 }
 
-enum neph_status neph_external_cannot(const char *name, enum neph_status status,
-                                      const struct neph_diag *why, struct neph_diag *diag)
+enum neph_status neph_external_fail_scene(const char *name, enum neph_status status,
+                                          const struct neph_diag *why, struct neph_diag *diag)
 {
     if (!status)
         return NEPH_OK;

@@ -16,8 +16,8 @@
 /* Create a folder in TMPDIR for a program that writes files; remove folders there that killed
  * runs have left. `prefix` is the common prefix of all such folders. Free with
  * neph_scratch_destroy(). */
-enum neph_status neph_program_home(const char *prefix, struct neph_scratch **home,
-                                   struct neph_diag *diag);
+enum neph_status neph_program_make_folder(const char *prefix, struct neph_scratch **home,
+                                          struct neph_diag *diag);
 
 /* Limits of a program's output for a frame of that size, in addition to the usage `before`: 512 MiB
  * and 256 bytes per pixel (64 floats) on disk, 16384 files and folders, and 16 MiB of text. */
@@ -26,7 +26,7 @@ struct neph_child_limits neph_program_limits(const struct neph_usage *before, in
 
 /* Whether the program has written a file at `path`. NEPH_ERR_ENGINE: the path is a folder, pipe,
  * socket or device, or a symbolic link to no regular file. */
-enum neph_status neph_program_left(const char *path, bool *is_left, struct neph_diag *diag);
+enum neph_status neph_program_has_file(const char *path, bool *is_left, struct neph_diag *diag);
 
 /* The status of a program whose file could not be read with `status`: a fault of the file is the
  * program's failure, NEPH_ERR_ENGINE; an interrupt and short memory keep their status. */
@@ -36,8 +36,9 @@ enum neph_status neph_program_status(enum neph_status status);
  * `*text` is its output from the first `name` on, for the caller to free; `build` is a digest of
  * that text and of the program's file. Folders of killed runs in TMPDIR are removed. NEPH_ERR_IO:
  * TMPDIR is not writable. Other errors as of neph_child_run(). */
-enum neph_status neph_program_ask(const char *program, const char *name, double time_limit_s,
-                                  char **text, char build[NEPH_BUILD_SIZE], struct neph_diag *diag);
+enum neph_status neph_program_query_version(const char *program, const char *name,
+                                            double time_limit_s, char **text,
+                                            char build[NEPH_BUILD_SIZE], struct neph_diag *diag);
 
 /* An external renderer that neph supports. */
 struct neph_external_renderer {
@@ -84,8 +85,8 @@ void neph_external_probe(const struct neph_external_renderer *renderer, int inde
 
 /* Fail with NEPH_ERR_UNAVAILABLE. The hint is the install command; the message is `why`, or with
  * NULL the existing message. */
-enum neph_status neph_external_missing(const struct neph_external_renderer *renderer,
-                                       const char *why, struct neph_diag *diag);
+enum neph_status neph_external_fail_missing(const struct neph_external_renderer *renderer,
+                                            const char *why, struct neph_diag *diag);
 
 /* Run the program for a shot in `folder`, with write limits for the shot's size; argv[0] is its
  * path. Errors as of neph_child_run(). */
@@ -96,16 +97,17 @@ enum neph_status neph_external_run(const struct neph_external_renderer *renderer
 
 /* Check that the program has written an image. NEPH_ERR_ENGINE names the image (`which`: "depth ",
  * or "" for a single image) and the `log`. */
-enum neph_status neph_external_left(const struct neph_external_renderer *renderer, const char *path,
-                                    const char *which, const char *log, struct neph_diag *diag);
+enum neph_status neph_external_check_image(const struct neph_external_renderer *renderer,
+                                           const char *path, const char *which, const char *log,
+                                           struct neph_diag *diag);
 
 /* Check that an image has the shot's size; else NEPH_ERR_ENGINE. */
-enum neph_status neph_external_size(const struct neph_external_renderer *renderer,
-                                    const char *which, int width_px, int height_px,
-                                    const struct neph_shot *shot, struct neph_diag *diag);
+enum neph_status neph_external_check_size(const struct neph_external_renderer *renderer,
+                                          const char *which, int width_px, int height_px,
+                                          const struct neph_shot *shot, struct neph_diag *diag);
 
 /* Put the renderer's `name` before the reason why a scene could not be adapted. */
-enum neph_status neph_external_cannot(const char *name, enum neph_status status,
-                                      const struct neph_diag *why, struct neph_diag *diag);
+enum neph_status neph_external_fail_scene(const char *name, enum neph_status status,
+                                          const struct neph_diag *why, struct neph_diag *diag);
 
 #endif

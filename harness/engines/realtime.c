@@ -20,14 +20,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-_Static_assert((int)NEPH_FLIGHT_PICTURES_MAX <= (int)NEPH_IN_FLIGHT_FRAMES, "pictures in flight");
+_Static_assert((int)NEPH_FLIGHT_FRAMES_MAX <= (int)NEPH_IN_FLIGHT_FRAMES, "pictures in flight");
 
 /* Whether warm-up frames stay on the device. Without the split, the passes after the march need
  * them on the CPU. On a CPU device, frames that are not read back use another kernel, whose
  * compilation takes longer than reading some small frames. */
 static bool stays_on_device(const struct neph_vulkan *vulkan, const struct neph_shot *shot)
 {
-    const struct neph_rt_settings settings = neph_rt_settings_of(&shot->settings);
+    const struct neph_rt_settings settings = neph_rt_group_settings(&shot->settings);
     return settings.shared.split != RT_SPLIT_NONE && !neph_vulkan_describe(vulkan).is_cpu;
 }
 
@@ -38,7 +38,7 @@ static enum neph_status warm_up(const struct neph_vulkan *vulkan, struct neph_re
                                 const struct neph_shot *shot, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (int left = neph_rt_settings_of(&shot->settings).shared.warm_up; left > 0 && !status;
+    for (int left = neph_rt_group_settings(&shot->settings).shared.warm_up; left > 0 && !status;
          left--) {
         const struct neph_realtime_frame picture = {shot->scene, shot->frame - left, shot->given};
         struct neph_image *image = NULL;
@@ -103,7 +103,7 @@ static enum neph_status label_passes(struct neph_image *image,
 
 /* Bytes of the render targets. NaN: the frame needed none, and the march's own memory is not
  * counted. */
-static double of_targets(uint64_t bytes)
+static double stat_target_bytes(uint64_t bytes)
 {
     return bytes > 0 ? (double)bytes : NAN;
 }
@@ -112,7 +112,7 @@ static double of_targets(uint64_t bytes)
 static enum neph_status label_cycles(struct neph_image *frame, const struct neph_settings *values,
                                      struct neph_diag *diag)
 {
-    const struct neph_rt_settings settings = neph_rt_settings_of(values);
+    const struct neph_rt_settings settings = neph_rt_group_settings(values);
     const bool jitters = settings.anti_aliasing.kind != RT_TAA_OFF &&
                          settings.anti_aliasing.jitter != RT_JITTER_NONE;
     const bool splits = settings.shared.split == RT_SPLIT_FOUR;
@@ -151,9 +151,9 @@ static enum neph_status label(struct neph_image *image, const struct neph_realti
         {"closed_forms", (double)stats->closed_forms},
         {"rays", (double)stats->rays},
         {"view_steps", (double)stats->view_steps},
-        {"history_bytes", of_targets(stats->history_bytes)},
-        {"target_bytes", of_targets(stats->target_bytes)},
-        {"traffic_bytes", of_targets(stats->traffic_bytes)},
+        {"history_bytes", stat_target_bytes(stats->history_bytes)},
+        {"target_bytes", stat_target_bytes(stats->target_bytes)},
+        {"traffic_bytes", stat_target_bytes(stats->traffic_bytes)},
         {"gpu_ms", 1e3 * stats->gpu_s},
         {"wall_ms", 1e3 * stats->wall_s},
     };
@@ -217,13 +217,13 @@ static enum neph_status collect(void *renderer, struct neph_flight_cost *cost,
                                 struct neph_diag *diag)
 {
     struct neph_realtime_stats stats;
-    const enum neph_status status = neph_realtime_home(renderer, &stats, diag);
+    const enum neph_status status = neph_realtime_collect(renderer, &stats, diag);
     if (status)
         return status;
     *cost = (struct neph_flight_cost){.gpu_s = stats.gpu_s, .cpu_s = stats.wall_s};
     for (int i = 0; neph_rt_passes[i]; i++)
         neph_flight_cost_add(cost, neph_rt_passes[i]->name, stats.pass_gpu_s[i],
-                             of_targets(stats.pass_traffic_bytes[i]));
+                             stat_target_bytes(stats.pass_traffic_bytes[i]));
     neph_flight_cost_add_sky(cost, &stats.sky);
     add_before("higher orders", stats.light_gpu_s, cost);
     add_before("cloud shadow", stats.shadow_gpu_s, cost);
@@ -235,9 +235,9 @@ static enum neph_status watch(void *renderer, uint64_t *bad, struct neph_diag *d
     return neph_realtime_watch(renderer, bad, diag);
 }
 
-static void leave_variants(void *renderer, bool leaves)
+static void disable_variants(void *renderer, bool leaves)
 {
-    neph_realtime_leave_variants(renderer, leaves);
+    neph_realtime_use_readable_shaders(renderer, leaves);
 }
 
 static const struct neph_gpu_renderer gpu = {.create = create,
@@ -247,7 +247,7 @@ static const struct neph_gpu_renderer gpu = {.create = create,
                                              .submit = submit,
                                              .collect = collect,
                                              .watch = watch,
-                                             .leave_variants = leave_variants,
+                                             .disable_variants = disable_variants,
                                              .set_up_is_free = true};
 
 /* Whether realtime can render the scene; if another lighting could, the reason says so. */
@@ -289,7 +289,7 @@ static void name_targets(uint32_t targets, char *text, size_t size)
 static bool describe_pass(int index, struct neph_engine_pass *pass)
 {
     static const char *const resolutions[] = {
-        [RT_PICTURE] = "picture", [RT_FULL] = "full",      [RT_HALF] = "half",
+        [RT_OUTPUT] = "picture",  [RT_FULL] = "full",      [RT_HALF] = "half",
         [RT_QUARTER] = "quarter", [RT_FROXEL] = "froxels", [RT_FROXEL_COLUMN] = "columns"};
     const struct neph_rt_pass *record = neph_rt_passes[index];
     if (!record)
@@ -311,15 +311,15 @@ static bool describe_pass(int index, struct neph_engine_pass *pass)
 const struct neph_engine neph_engine_realtime = {
     .name = "realtime",
     .summary = "the four-frame pipeline: a ray per 4x4 pixels, history, depth-aware upscale, TAA",
-    .rung = NEPH_RUNG_MODEL,
+    .rung = NEPH_LEVEL_MODEL,
     .typical_s = 3.0,
     .bias = "a real-time method: compare it with `march` with the same steps",
     .options = neph_rt_options,
     .presets = neph_rt_presets,
     .sequence = &neph_gpu_sequence_watched,
     .gpu = &gpu,
-    .remembers = true,
-    .takes_given = true,
+    .has_frame_history = true,
+    .accepts_given_frame = true,
     .injects = true,
     .version = 6, /* 6: one mask of blue noise, shifted by the seed */
     .shortcut_of = "march",

@@ -19,8 +19,8 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
                        char *reason, size_t reason_size)
 {
     (void)settings;
-    return neph_screen_can(scene, reason, reason_size) &&
-           neph_float32_reaches(scene, reason, reason_size);
+    return neph_screen_can_render(scene, reason, reason_size) &&
+           neph_is_in_float32_range(scene, reason, reason_size);
 }
 
 /* ---- descriptions of passes ------------------------------------------------------------------ */
@@ -57,12 +57,13 @@ static bool describe_pass(int index, struct neph_engine_pass *words)
 
 /* Render the warm-up frames, as if the sequence had begun earlier; before frame 0 everything stands
  * still. */
-static enum neph_status warm_up(struct neph_screening *screen, const struct neph_shot *shot,
+static enum neph_status warm_up(struct neph_screen_renderer *screen, const struct neph_shot *shot,
                                 struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int left = (int)shot->settings.values[SCREEN_WARM_UP]; left > 0 && !status; left--)
-        status = neph_screening_frame(screen, shot->scene, shot->frame - left, NULL, NULL, diag);
+        status = neph_screen_renderer_frame(screen, shot->scene, shot->frame - left, NULL, NULL,
+                                            diag);
     return status;
 }
 
@@ -73,16 +74,16 @@ static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_eng
     (void)engine;
     const struct neph_screen_params params = {
         .settings = shot->settings, .width_px = shot->width_px, .height_px = shot->height_px};
-    struct neph_screening *screen = NULL;
-    const enum neph_status status = neph_screening_create(vulkan, shot->scene, &params, &screen,
-                                                          diag);
+    struct neph_screen_renderer *screen = NULL;
+    const enum neph_status status = neph_screen_renderer_create(vulkan, shot->scene, &params,
+                                                                &screen, diag);
     *renderer = screen;
     return status ? status : warm_up(screen, shot, diag);
 }
 
 static void destroy(void *renderer)
 {
-    neph_screening_destroy(renderer);
+    neph_screen_renderer_destroy(renderer);
 }
 
 /* Render a frame, labelled with the times of its passes ("ambient_occlusion_ms"). */
@@ -90,8 +91,8 @@ static enum neph_status frame(void *renderer, const struct neph_shot *shot,
                               struct neph_image **image, double *gpu_s, struct neph_diag *diag)
 {
     struct neph_screen_stats stats;
-    enum neph_status status = neph_screening_frame(renderer, shot->scene, shot->frame, image,
-                                                   &stats, diag);
+    enum neph_status status = neph_screen_renderer_frame(renderer, shot->scene, shot->frame, image,
+                                                         &stats, diag);
     *gpu_s = 0.0;
     for (int i = 0; neph_screen_passes[i].name && !status; i++) {
         status = neph_frame_stats_set_pass(*image, neph_screen_passes[i].name, "ms", stats.gpu_s[i],
@@ -107,8 +108,8 @@ static enum neph_status submit(void *renderer, const struct neph_shot *shot,
                                struct neph_flight_cost *cost, struct neph_diag *diag)
 {
     struct neph_screen_stats stats;
-    const enum neph_status status = neph_screening_frame(renderer, shot->scene, shot->frame, NULL,
-                                                         &stats, diag);
+    const enum neph_status status = neph_screen_renderer_frame(renderer, shot->scene, shot->frame,
+                                                               NULL, &stats, diag);
     for (int i = 0; neph_screen_passes[i].name && !status; i++) {
         neph_flight_cost_add(cost, neph_screen_passes[i].name, stats.gpu_s[i], NAN);
         cost->gpu_s += stats.gpu_s[i];
@@ -122,14 +123,14 @@ static const struct neph_gpu_renderer gpu = {
 const struct neph_engine neph_engine_screen = {
     .name = "screen",
     .summary = "solids with direct light; indirect light only from depth and normals of the frame",
-    .rung = NEPH_RUNG_MODEL,
+    .rung = NEPH_LEVEL_MODEL,
     .look = true,
     .bias = "light and occluders outside of the frame or behind visible surfaces are missing; "
             "docs/screen.md",
     .is_narrow = true,
     .sequence = &neph_gpu_sequence,
     .gpu = &gpu,
-    .remembers = true,
+    .has_frame_history = true,
     .typical_s = 1.0,
     .options = neph_screen_options,
     .presets = neph_screen_presets,

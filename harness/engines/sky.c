@@ -82,7 +82,7 @@ static const struct neph_option options[] = {
     {.name = NULL},
 };
 
-static struct neph_sky_params params_of(const struct neph_settings *settings)
+static struct neph_sky_params make_sky_params(const struct neph_settings *settings)
 {
     const double *v = settings->values;
     return (struct neph_sky_params){
@@ -114,7 +114,7 @@ static struct neph_rgb rgb(const double value[3])
 static struct neph_ray_light see_ray(const void *sky, struct neph_vec3 origin_m,
                                      struct neph_vec3 direction)
 {
-    const struct neph_sky_light light = neph_sky_see(sky, origin_m, direction);
+    const struct neph_sky_light light = neph_sky_trace(sky, origin_m, direction);
     return (struct neph_ray_light){.radiance = rgb(light.radiance),
                                    .volume = rgb(light.volume),
                                    .transmittance = rgb(light.transmittance),
@@ -124,13 +124,13 @@ static struct neph_ray_light see_ray(const void *sky, struct neph_vec3 origin_m,
 static enum neph_status render_on_cpu(const struct neph_shot *shot, struct neph_image **image,
                                       struct neph_diag *diag)
 {
-    const struct neph_sky_params params = params_of(&shot->settings);
+    const struct neph_sky_params params = make_sky_params(&shot->settings);
     const struct neph_camera camera = neph_scene_camera(shot->scene, shot->frame);
     struct neph_sky *sky = NULL;
     double error;
     enum neph_status status = neph_sky_create(shot->scene, &params, &sky, diag);
     if (!status)
-        status = neph_sky_stand(sky, camera.position_m, diag);
+        status = neph_sky_fill_view_table(sky, camera.position_m, diag);
     if (!status)
         status = neph_cpu_frame(shot, see_ray, sky, image, &error, diag);
     neph_sky_destroy(sky);
@@ -151,9 +151,9 @@ static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_eng
     (void)engine;
     if (!vulkan)
         return NEPH_OK;
-    const struct neph_sky_params params = params_of(&shot->settings);
-    struct neph_sky_pictures *pictures = NULL;
-    const enum neph_status status = neph_sky_pictures_create(
+    const struct neph_sky_params params = make_sky_params(&shot->settings);
+    struct neph_sky_frames *pictures = NULL;
+    const enum neph_status status = neph_sky_frames_create(
         vulkan, shot->scene, &params, shot->width_px, shot->height_px, &pictures, diag);
     *renderer = pictures;
     return status;
@@ -161,7 +161,7 @@ static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_eng
 
 static void destroy(void *renderer)
 {
-    neph_sky_pictures_destroy(renderer);
+    neph_sky_frames_destroy(renderer);
 }
 
 static enum neph_status frame(void *renderer, const struct neph_shot *shot,
@@ -170,8 +170,8 @@ static enum neph_status frame(void *renderer, const struct neph_shot *shot,
     struct neph_sky_stats sky;
     if (!renderer)
         return render_on_cpu(shot, image, diag);
-    const enum neph_status status = neph_sky_pictures_frame(renderer, shot->scene, shot->frame,
-                                                            image, &sky, diag);
+    const enum neph_status status = neph_sky_frames_render(renderer, shot->scene, shot->frame,
+                                                           image, &sky, diag);
     if (status)
         return status;
     const struct neph_frame_stat stats[] = {
@@ -187,7 +187,7 @@ static enum neph_status submit(void *renderer, const struct neph_shot *shot,
                                struct neph_flight_cost *cost, struct neph_diag *diag)
 {
     (void)cost;
-    return renderer ? neph_sky_pictures_frame(renderer, shot->scene, shot->frame, NULL, NULL, diag)
+    return renderer ? neph_sky_frames_render(renderer, shot->scene, shot->frame, NULL, NULL, diag)
                     : neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                                 "a sky on the CPU is never in flight: set on=device");
 }
@@ -196,7 +196,7 @@ static enum neph_status collect(void *renderer, struct neph_flight_cost *cost,
                                 struct neph_diag *diag)
 {
     struct neph_sky_stats stats;
-    const enum neph_status status = neph_sky_pictures_home(renderer, &stats, diag);
+    const enum neph_status status = neph_sky_frames_collect(renderer, &stats, diag);
     if (status)
         return status;
     cost->gpu_s = neph_sky_gpu_s(&stats.tables) + stats.picture_s;
@@ -219,9 +219,9 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
 {
     struct neph_sky_air air;
     if (!settings || settings->values[OPTION_ON] == 0.0)
-        return neph_sky_air_of(scene, &air, reason, reason_size);
-    const struct neph_sky_params params = params_of(settings);
-    return neph_sky_device_can(scene, &params, reason, reason_size);
+        return neph_sky_read_air(scene, &air, reason, reason_size);
+    const struct neph_sky_params params = make_sky_params(settings);
+    return neph_sky_device_can_render(scene, &params, reason, reason_size);
 }
 
 /* Report the device, if there is one: its frames are different from the CPU's. */
@@ -242,7 +242,7 @@ static void probe(const struct neph_engine *engine, struct neph_shared_device *d
 const struct neph_engine neph_engine_sky = {
     .name = "sky",
     .summary = "an atmosphere around a ball: light of the sun, and of all orders from small tables",
-    .rung = NEPH_RUNG_MODEL,
+    .rung = NEPH_LEVEL_MODEL,
     .bias = "solids throw no shadow into the air, and hide the sky from nothing",
     .is_narrow = true,
     .typical_s = 2.0,

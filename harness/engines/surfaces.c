@@ -39,7 +39,7 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
 {
     (void)settings;
     if (scene->solid_count > 0)
-        return neph_reflected_can(scene, reason, reason_size);
+        return neph_reflected_is_supported(scene, reason, reason_size);
     snprintf(reason, reason_size, "a scene without solids");
     return false;
 }
@@ -60,7 +60,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
                    .ao_distance_m = distance_m > 0.0 ? distance_m : INFINITY},
     };
     const enum neph_status status = neph_surfaces_render(shot->scene, &params, frame, diag);
-    *cost = neph_own_cost(start, NAN);
+    *cost = neph_measure_process_cost(start, NAN);
     return status;
 }
 
@@ -78,7 +78,7 @@ const struct neph_engine neph_engine_surfaces = {
     .name = "surfaces",
     .summary =
         "light between solids in clear air on the CPU, in parts and with its noise per pixel",
-    .rung = NEPH_RUNG_TRACER,
+    .rung = NEPH_LEVEL_TRACER,
     .is_narrow = true,
     .typical_s = 30.0,
     .stochastic = true,

@@ -80,7 +80,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     if (!status)
         status = label(image, &stats, diag);
     neph_device_release(device);
-    return neph_own_frame(status, image, start, stats.wall_s, frame, cost);
+    return neph_finish_process_frame(status, image, start, stats.wall_s, frame, cost);
 }
 
 static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
@@ -93,10 +93,10 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
 const struct neph_engine neph_engine_tracer = {
     .name = "tracer",
     .summary = "our Vulkan path tracer: all orders of scattering, without bias, with its variance",
-    .rung = NEPH_RUNG_TRACER,
+    .rung = NEPH_LEVEL_TRACER,
     .typical_s = 8.0,
     .side_max_px = NEPH_TRACER_SIDE_MAX_PX,
-    .rests = true,
+    .can_checkpoint = true,
     .stochastic = true,
     .bias = "none; in a procedural cloud within a medium without end, single scattering against "
             "the sun at optical depths above 10 has a larger error than the frame's variance",

@@ -34,7 +34,7 @@ static const double depth_slack = 1e-3;
 
 /* ---- the scene ------------------------------------------------------------------------------- */
 
-static struct neph_medium medium_of(enum neph_medium_kind kind)
+static struct neph_medium make_trial_medium(enum neph_medium_kind kind)
 {
     return (struct neph_medium){
         .kind = kind,
@@ -66,11 +66,11 @@ enum neph_status neph_trial_open(bool with_voxels, struct neph_trial *trial, str
         .medium_count = with_voxels ? 2 : 1,
         .solid_count = 1,
         .solids = &trial->floor};
-    trial->scene.media[FOG] = medium_of(NEPH_MEDIUM_HOMOGENEOUS);
+    trial->scene.media[FOG] = make_trial_medium(NEPH_MEDIUM_HOMOGENEOUS);
     trial->scene.media[FOG].bounds = (struct neph_bounds){{-3.0, -1.0, -1.0}, {-0.5, 1.0, 1.0}};
     trial->scene.media[FOG].layer_count = 1;
     trial->scene.media[FOG].layers[0] = (struct neph_fog_layer){0.4, 0.0, 0.0};
-    trial->scene.media[VOXELS] = medium_of(NEPH_MEDIUM_GRID);
+    trial->scene.media[VOXELS] = make_trial_medium(NEPH_MEDIUM_GRID);
     trial->scene.media[VOXELS].extinction_per_m = 0.4;
     const enum neph_status status = neph_grid_create(size, (struct neph_vec3){1.0, -0.75, -0.75},
                                                      (struct neph_vec3){0.5, 0.5, 0.5},
@@ -88,7 +88,8 @@ void neph_trial_close(struct neph_trial *trial)
 
 /* ---- checks of the images -------------------------------------------------------------------- */
 
-static struct neph_ray_light truth_of(const struct neph_scene *scene, int column, int row)
+static struct neph_ray_light compute_exact_light(const struct neph_scene *scene, int column,
+                                                 int row)
 {
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     const struct neph_pixel_ray ray = neph_camera_ray(&camera, NEPH_TRIAL_WIDTH_PX,
@@ -109,7 +110,7 @@ static enum neph_status check_transmittance(const struct neph_scene *scene,
                                             const struct neph_image *image, int column,
                                             const char *what, struct neph_diag *diag)
 {
-    const double truth = truth_of(scene, column, MIDDLE_ROW).transmittance.g;
+    const double truth = compute_exact_light(scene, column, MIDDLE_ROW).transmittance.g;
     const double measured = transmittance_at(image, column);
     if (fabs(measured - truth) <= transmittance_slack)
         return NEPH_OK;
@@ -133,7 +134,7 @@ static enum neph_status check_radiance(const struct neph_scene *scene,
     for (int row = 2; row < 6; row++)
         for (int column = 6; column < 10; column++) {
             fog += (double)scattered[row * NEPH_TRIAL_WIDTH_PX + column];
-            truth += truth_of(scene, column, row).volume.g;
+            truth += compute_exact_light(scene, column, row).volume.g;
         }
     if (fabs(fog - truth) <= radiance_slack * truth)
         return NEPH_OK;
@@ -149,7 +150,7 @@ static enum neph_status check_depth(const struct neph_scene *scene, const struct
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     const struct neph_pixel_ray ray = neph_camera_ray(&camera, NEPH_TRIAL_WIDTH_PX,
                                                       NEPH_TRIAL_HEIGHT_PX, FOG_COLUMN, FLOOR_ROW);
-    const double truth_m = truth_of(scene, FOG_COLUMN, FLOOR_ROW).hit_m *
+    const double truth_m = compute_exact_light(scene, FOG_COLUMN, FLOOR_ROW).hit_m *
                            neph_vec3_dot(ray.direction, camera.forward);
     const double depth_m = (double)neph_image_channel(
         image, "Z")[FLOOR_ROW * NEPH_TRIAL_WIDTH_PX + FOG_COLUMN];
@@ -197,13 +198,13 @@ char *neph_trial_file(const char *program, const char *data_file)
     return file;
 }
 
-json_t *neph_trial_recall(const char *file)
+json_t *neph_trial_load_result(const char *file)
 {
     json_t *kept = NULL;
     return file && !neph_json_read(file, 1 << 12, &kept, NULL) ? kept : NULL;
 }
 
-void neph_trial_keep(const char *file, json_t *found)
+void neph_trial_save_result(const char *file, json_t *found)
 {
     char *folder = file ? strdup(file) : NULL;
     if (folder && found) {

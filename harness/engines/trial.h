@@ -38,9 +38,9 @@ enum neph_status neph_trial_judge(const struct neph_trial *trial, const struct n
 char *neph_trial_file(const char *program, const char *data_file);
 
 /* The cached result, for json_decref() by the caller; NULL: none. */
-json_t *neph_trial_recall(const char *file);
+json_t *neph_trial_load_result(const char *file);
 
 /* Cache a result; takes the reference over. If that fails, the next process repeats the trial. */
-void neph_trial_keep(const char *file, json_t *found);
+void neph_trial_save_result(const char *file, json_t *found);
 
 #endif

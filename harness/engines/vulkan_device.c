@@ -116,7 +116,7 @@ static bool find_device(struct neph_open_device **device, struct neph_engine_inf
         snprintf(info->missing, sizeof(info->missing), "out of memory");
         return false;
     }
-    if (!neph_finishes_within(limit_s, search_device, search)) {
+    if (!neph_call_with_timeout(limit_s, search_device, search)) {
         snprintf(info->missing, sizeof(info->missing),
                  "the Vulkan driver has not answered within %g s", limit_s);
         return false;

@@ -55,7 +55,7 @@ bool neph_experiment_operand(void *request, int index)
 
 /* A copy of the request, changed to part `index`; for free(). NULL: there are no more parts, or
  * memory is short. */
-static void *part_of(const struct parts *parts, int index)
+static void *make_part_request(const struct parts *parts, int index)
 {
     void *request = malloc(parts->experiment->request_size);
     if (!request)
@@ -74,21 +74,21 @@ static enum neph_status run_parts(struct neph_worker *worker, void *context, str
     const struct parts *parts = context;
     if (worker->index == 0)
         return NEPH_OK; /* this process runs the whole experiment afterwards */
-    for (int index; !neph_interrupted() && (index = neph_worker_next(worker)) >= 0;) {
+    for (int index; !neph_interrupted() && (index = neph_worker_take_job(worker)) >= 0;) {
         char message[64];
         const double start_s = neph_wall_s();
-        void *request = part_of(parts, index);
+        void *request = make_part_request(parts, index);
         if (!request)
             break;
         run_once(parts->experiment, request, parts->store_folder, parts->device, NULL, true, diag);
         free(request);
         snprintf(message, sizeof(message), "%d %.3f", index, neph_wall_s() - start_s);
-        neph_worker_tell(worker, message);
+        neph_worker_send_message(worker, message);
     }
     return NEPH_OK;
 }
 
-static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
+static enum neph_status show_part_progress(const char *text, void *context, struct neph_diag *diag)
 {
     struct parts *parts = context;
     int index;
@@ -113,14 +113,14 @@ static enum neph_status run_workers(const struct neph_experiment *experiment, co
                           .device = device,
                           .progress = neph_progress_start(shared->quiet, 0)};
     int count = 0;
-    for (void *part; (part = part_of(&parts, count)); count++)
+    for (void *part; (part = make_part_request(&parts, count)); count++)
         free(part);
     if (count < 2)
         return NEPH_OK;
     parts.progress.workers = shared->jobs < count ? shared->jobs : count;
     neph_progress_expect(&parts.progress, 0, count, 0.0);
-    const enum neph_status status = neph_pool_run(parts.progress.workers, device, run_parts, hear,
-                                                  &parts, diag);
+    const enum neph_status status = neph_pool_run(parts.progress.workers, device, run_parts,
+                                                  show_part_progress, &parts, diag);
     neph_progress_end(&parts.progress);
     return status;
 }
@@ -134,7 +134,7 @@ struct paths {
 };
 
 /* The options that print all numbers, for the last line of the answer. */
-static const char *flags_of(const struct neph_cli_syntax *syntax)
+static const char *find_print_flags(const struct neph_cli_syntax *syntax)
 {
     for (const struct neph_cli_option *row = syntax ? syntax->options : NULL; row && row->name;
          row++)
@@ -173,7 +173,7 @@ static enum neph_status run_in(const struct neph_experiment *experiment, void *r
         .json = shared->json,
         .all = shared->all,
         .quiet = shared->quiet,
-        .rest = {flags_of(experiment->syntax), shared->output, files}};
+        .rest = {find_print_flags(experiment->syntax), shared->output, files}};
     struct neph_shared_device device = {.open = NULL};
     enum neph_status status = NEPH_OK;
     if (shared->jobs > 1 && experiment->part)
@@ -256,10 +256,10 @@ enum neph_status neph_experiment_job(const struct neph_experiment_run *run,
                                       .width_px = frames->size.width_px,
                                       .height_px = frames->size.height_px,
                                       .layers = NEPH_LAYERS_ALL,
-                                      .seed = neph_seed_of(scene, frames->seed),
+                                      .seed = neph_seed_for_scene(scene, frames->seed),
                                       .device = run->device}};
-    const enum neph_status status = neph_engine_words(frames->words, steps, &job->engine,
-                                                      &job->shot.settings, diag);
+    const enum neph_status status = neph_engine_parse_words(frames->words, steps, &job->engine,
+                                                            &job->shot.settings, diag);
     if (status)
         return status;
     const enum neph_status fits = check_size(job, diag);

@@ -62,7 +62,7 @@ struct neph_experiment_frames {
 
 /* Make the job of the first frame; `info` is filled here and borrowed by the job.
  * NEPH_ERR_UNAVAILABLE: the engine is missing. NEPH_ERR_UNSUPPORTED: the engine cannot render the
- * scene. Other errors as of neph_engine_words(). */
+ * scene. Other errors as of neph_engine_parse_words(). */
 enum neph_status neph_experiment_job(const struct neph_experiment_run *run,
                                      const struct neph_scene *scene,
                                      const struct neph_experiment_frames *frames,

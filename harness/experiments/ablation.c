@@ -17,7 +17,7 @@
 _Static_assert(NEPH_ABLATION_ADVICES == 7, "a new kind");
 _Static_assert(NEPH_ABLATION_PLACES == 2, "a new kind");
 _Static_assert(NEPH_ABLATION_VERDICTS == 8, "a new kind");
-_Static_assert(NEPH_STUDY_TAKES == 4, "a new kind");
+_Static_assert(NEPH_STUDY_CAPTURES == 4, "a new kind");
 
 struct request {
     struct neph_flicker_request flicker;
@@ -54,7 +54,7 @@ static const struct neph_cli_option options[] = {
     {"takes", 0, NULL,
      "Sequences of a scene: flicker (the scene as it is: error, flicker, cost), step (of the sun: "
      "half-life)",
-     NEPH_CLI_LIST, AT(flicker.takes), "flicker,step", .maximum = NEPH_STUDY_TAKES},
+     NEPH_CLI_LIST, AT(flicker.takes), "flicker,step", .maximum = NEPH_STUDY_CAPTURES},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output",
      .help = "Folder of the store and of ablation.json, ablation.csv, ablation.svg",
@@ -189,8 +189,8 @@ static const char *sentence(const struct neph_ablation *ablation,
     } words[NEPH_ABLATION_ADVICES] = {
         [NEPH_ABLATION_KEEP] = {NULL, "; most in"},
         [NEPH_ABLATION_PERHAPS] = {NULL, "; most in"},
-        [NEPH_ABLATION_UNTOLD] = {"its effect is within the noise: could be left out",
-                                  ", but for scenes like"},
+        [NEPH_ABLATION_UNCERTAIN] = {"its effect is within the noise: could be left out",
+                                     ", but for scenes like"},
         [NEPH_ABLATION_LEAVE_OUT] = {"buys nothing: leave it out", ", but for scenes like"},
         [NEPH_ABLATION_LITTLE] = {"changes nothing by 5 %: could be left out",
                                   ", but for scenes like"},
@@ -396,7 +396,7 @@ static const char *change_text(const struct neph_ablation_effect *effect, struct
     neph_ablation_change(effect->high, high);
     return isnan(effect->mean)    ? "-"
            : effect->has_interval ? neph_arena_format(arena, "%s [%s, %s]", mean, low, high)
-                                  : neph_arena_text(arena, mean);
+                                  : neph_arena_copy_text(arena, mean);
 }
 
 static const char *scene_text(const struct neph_ablation *ablation,

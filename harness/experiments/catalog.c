@@ -66,7 +66,7 @@ static void choose_engines(const char *const *wanted, const char *engines[NEPH_E
     params->engine_count = 0;
     for (int i = 0; i < known; i++)
         for (const char *const *name = wanted; *name; name++)
-            if (neph_engine_is(all[i], *name))
+            if (neph_engine_is_kind(all[i], *name))
                 engines[params->engine_count++] = all[i]->name;
 }
 
@@ -78,7 +78,7 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     const bool names_engines = request->engines.count > 0;
     const bool is_tier = !names_engines && request->shared.operand_count == 0;
     struct neph_validation validation = {.title = NULL};
-    struct neph_validate_params params = neph_validate_params_of(request, run);
+    struct neph_validate_params params = neph_validate_make_params(request, run);
     struct neph_times times = {.path = NULL};
     const struct neph_charts_params charts = {.ids = tier->charts,
                                               .times = &times,

@@ -118,14 +118,14 @@ static void add_row(const struct request *request, const char *scene, const char
 }
 
 /* The errors of a preset's frames, from the store or rendered. */
-static enum neph_status measure(const struct neph_take *take, struct neph_store *store,
+static enum neph_status measure(const struct neph_capture *take, struct neph_store *store,
                                 double *errors, struct neph_diag *diag)
 {
     char *folder = NULL;
     json_t *record = NULL, *document = NULL;
-    enum neph_status status = neph_take_run(take, store, &folder, &record, diag);
+    enum neph_status status = neph_capture_run(take, store, &folder, &record, diag);
     if (!status)
-        status = neph_take_document(folder, take->readings[0].name, &document, diag);
+        status = neph_capture_document(folder, take->readings[0].name, &document, diag);
     if (!status)
         status = read_errors(document, take->frame_count, errors, diag);
     json_decref(document);
@@ -140,10 +140,10 @@ static enum neph_status run_preset(const struct request *request,
                                    struct neph_table *table, struct neph_diag *diag)
 {
     static const char *const extractors[] = {"error", NULL};
-    static const struct neph_reading reading = {.name = "error",
-                                                .against = NEPH_REFERENCE_AVERAGED,
-                                                .extractors = extractors,
-                                                .viewing = NEPH_VIEWING_DEFAULTS};
+    static const struct neph_measurement_set reading = {.name = "error",
+                                                        .against = NEPH_REFERENCE_AVERAGED,
+                                                        .extractors = extractors,
+                                                        .viewing = NEPH_VIEWING_DEFAULTS};
     const char *preset = request->presets.words[index];
     const struct neph_experiment_frames frames = {preset, request->steps, request->shared.size,
                                                   request->seed};
@@ -151,12 +151,12 @@ static enum neph_status run_preset(const struct request *request,
     struct neph_engine_info info;
     struct neph_reference reference = {.text = NULL};
     struct neph_progress unseen = neph_progress_start(true, 0);
-    struct neph_take take = {.frame_count = request->frames,
-                             .reference = &reference,
-                             .readings = &reading,
-                             .reading_count = 1,
-                             .plain = true,
-                             .frozen_is_fine = true};
+    struct neph_capture take = {.frame_count = request->frames,
+                                .reference = &reference,
+                                .readings = &reading,
+                                .reading_count = 1,
+                                .plain = true,
+                                .allow_frozen_frames = true};
     enum neph_status status = neph_experiment_job(run, scene, &frames, &info, &take.job, diag);
     if (!status)
         status = neph_reference_make(&take.job, take.frame_count, run->store, &unseen, &reference,

@@ -45,7 +45,7 @@ static const struct neph_cli_option options[] = {
     {"takes", 0, NULL,
      "Sequences of a scene: flicker (the scene as it is), step (of the sun), sine (of the sun), "
      "cut (of the camera)",
-     NEPH_CLI_LIST, AT(flicker.takes), "flicker,step,sine,cut", .maximum = NEPH_STUDY_TAKES},
+     NEPH_CLI_LIST, AT(flicker.takes), "flicker,step,sine,cut", .maximum = NEPH_STUDY_CAPTURES},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output",
      .help = "Folder of the store and of flicker_lag.svg",
@@ -103,10 +103,10 @@ static enum neph_status check_takes(const struct neph_cli_list *takes, int take_
                                     struct neph_diag *diag)
 {
     for (int i = 0; i < takes->count; i++)
-        if (neph_study_take_find(takes->words[i]) >= take_count)
+        if (neph_study_capture_find(takes->words[i]) >= take_count)
             return neph_fail(
                 diag, NEPH_ERR_USAGE,
-                take_count == NEPH_STUDY_TAKES
+                take_count == NEPH_STUDY_CAPTURES
                     ? "there is no sequence '%s': the sequences are flicker, step, sine and cut"
                     : "'%s' has no measure here: use flicker or step",
                 takes->words[i]);
@@ -145,7 +145,7 @@ struct neph_flicker_study_params neph_flicker_params(const struct neph_flicker_r
         .quiet = run->quiet,
     };
     for (int i = 0; i < request->takes.count; i++)
-        params.takes[neph_study_take_find(request->takes.words[i])] = true;
+        params.takes[neph_study_capture_find(request->takes.words[i])] = true;
     return params;
 }
 
@@ -191,7 +191,7 @@ static void print_head(const struct neph_flicker_study *study, FILE *out)
 }
 
 /* Hide the number just added from the text when the scene was left out. */
-static void show_nothing(struct neph_table *table, const char *left_out)
+static void add_empty_cells(struct neph_table *table, const char *left_out)
 {
     if (left_out)
         neph_table_shown(table, "%s", "");
@@ -220,17 +220,17 @@ static void fill_scenes(const struct neph_flicker_study *study, struct neph_tabl
         neph_table_flag(table, scene->moves);
         neph_table_word(table, why ? "left out" : scene->moves ? "moves" : "at rest");
         neph_table_count(table, scene->frame_count);
-        show_nothing(table, why);
+        add_empty_cells(table, why);
         neph_table_word(table, why);
         neph_table_word(table, scene->reference);
         if (why)
             neph_table_shown(table, "cannot: %s", why);
         neph_table_count(table, scene->picture_count);
-        show_nothing(table, why);
+        add_empty_cells(table, why);
         neph_table_number(table, scene->reference_s);
-        show_nothing(table, why);
+        add_empty_cells(table, why);
         neph_table_number(table, scene->takes_s);
-        show_nothing(table, why);
+        add_empty_cells(table, why);
     }
 }
 
@@ -254,13 +254,13 @@ static void print_scenes(const struct neph_flicker_study *study,
 
 /* ---- text: a table for each metric ----------------------------------------------------------- */
 
-static bool was_asked_for(const struct neph_flicker_study *study, int metric)
+static bool is_metric_selected(const struct neph_flicker_study *study, int metric)
 {
     return study->params->takes[neph_study_metrics[metric].take];
 }
 
-static const struct neph_study_cell *
-first_that_does_not_count(const struct neph_flicker_study *study, int metric, int scene, int preset)
+static const struct neph_study_cell *find_excluded_cell(const struct neph_flicker_study *study,
+                                                        int metric, int scene, int preset)
 {
     for (int seed = 0; seed < study->params->seed_count; seed++) {
         const struct neph_study_cell *cell = neph_study_cell_at(study, scene, preset, seed, metric);
@@ -284,9 +284,7 @@ static void add_means(const struct neph_flicker_study *study, int metric, int sc
         centre += cell->centre;
         is_bound |= cell->is_bound;
     }
-    const char *mark = first_that_does_not_count(study, metric, scene, preset) ? "*"
-                       : is_bound                                              ? "<"
-                                                                               : "";
+    const char *mark = find_excluded_cell(study, metric, scene, preset) ? "*" : is_bound ? "<" : "";
     neph_table_number(table, value);
     if (!isnan(value) && isnan(centre))
         neph_table_shown(table, "%s%.3g", mark, scale * (value / seed_count));
@@ -300,8 +298,7 @@ static void print_reasons(const struct neph_flicker_study *study, int metric, FI
 {
     for (int scene = 0; scene < study->params->scene_count; scene++)
         for (int preset = 0; preset < study->params->preset_count; preset++) {
-            const struct neph_study_cell *cell = first_that_does_not_count(study, metric, scene,
-                                                                           preset);
+            const struct neph_study_cell *cell = find_excluded_cell(study, metric, scene, preset);
             if (!cell || study->scenes[scene].left_out)
                 continue;
             fprintf(out, "\n%s, %s: %s.", study->scenes[scene].name, study->params->presets[preset],
@@ -357,8 +354,9 @@ static void begin_pairs(struct neph_table *table)
 }
 
 /* When memory is short, the table's arena reports it. */
-static struct neph_study_pair pair_of(const struct neph_flicker_study *study, int metric,
-                                      int display, int first, int second, struct neph_table *table)
+static struct neph_study_pair compare_presets(const struct neph_flicker_study *study, int metric,
+                                              int display, int first, int second,
+                                              struct neph_table *table)
 {
     struct neph_study_pair pair = {.scene_count = 0};
     table->arena.is_short |= neph_study_pair(study, metric, display, first, second, &pair, NULL) !=
@@ -375,7 +373,8 @@ static const char *verdict_text(const struct neph_flicker_study *study, int metr
     if (!neph_study_metrics[metric].of_the_eye)
         return words[verdict + 1];
     for (int display = 0; display < NEPH_STUDY_DISPLAYS; display++) {
-        const struct neph_study_pair pair = pair_of(study, metric, display, first, second, table);
+        const struct neph_study_pair pair = compare_presets(study, metric, display, first, second,
+                                                            table);
         agreeing += neph_study_pair_verdict(&pair) == verdict;
     }
     return agreeing == NEPH_STUDY_DISPLAYS
@@ -390,7 +389,8 @@ static void add_pair(const struct neph_flicker_study *study, int metric, int dis
 {
     const struct neph_study_metric *of = &neph_study_metrics[metric];
     const struct neph_study_display *at = &neph_study_displays[display];
-    const struct neph_study_pair pair = pair_of(study, metric, display, first, second, table);
+    const struct neph_study_pair pair = compare_presets(study, metric, display, first, second,
+                                                        table);
     const int verdict = neph_study_pair_verdict(&pair);
     neph_table_word(table, of->metric);
     neph_table_word(table, of->mask);
@@ -442,7 +442,7 @@ static void print_ranking(const struct neph_flicker_study *study,
     fprintf(out,
             "\n**Ranking by: %s**\n\nBest first, by the mean over scenes in which all presets "
             "have a number that counts.\n\n",
-            neph_study_metrics[neph_study_headline()].title);
+            neph_study_metrics[neph_study_find_headline()].title);
     for (int display = 0; display < NEPH_STUDY_DISPLAYS; display++) {
         int order[NEPH_STUDY_PRESETS_MAX] = {0};
         publication->arena.is_short |= neph_study_ranking(study, display, order, NULL) != NEPH_OK;
@@ -480,13 +480,13 @@ static void print_text(const struct neph_flicker_study *study, struct neph_publi
         "the reason below its table. <: not separated from the other changes; the number is the "
         "sum of all changes, an upper bound; in a pair, numbers below the bound count as equal.\n");
     for (int metric = 0; neph_study_metrics[metric].title; metric++) {
-        if (!was_asked_for(study, metric))
+        if (!is_metric_selected(study, metric))
             continue;
         print_metric(study, metric, publication);
         if (has_pairs)
             print_pairs(study, metric, publication);
     }
-    if (has_pairs && was_asked_for(study, neph_study_headline()))
+    if (has_pairs && is_metric_selected(study, neph_study_find_headline()))
         print_ranking(study, publication);
 }
 
@@ -544,7 +544,7 @@ static void fill_results(const struct neph_flicker_study *study, struct neph_tab
         for (int preset = 0; preset < params->preset_count; preset++)
             for (int seed = 0; seed < params->seed_count; seed++)
                 for (int metric = 0; neph_study_metrics[metric].title; metric++)
-                    if (!study->scenes[scene].left_out && was_asked_for(study, metric))
+                    if (!study->scenes[scene].left_out && is_metric_selected(study, metric))
                         add_result(study, scene, preset, seed, metric, table);
 }
 
@@ -553,11 +553,11 @@ static json_t *metrics_json(const struct neph_flicker_study *study)
     json_t *list = json_array();
     for (int m = 0; neph_study_metrics[m].title; m++) {
         const struct neph_study_metric *metric = &neph_study_metrics[m];
-        if (was_asked_for(study, m))
-            neph_json_add(&list,
-                          json_pack("{s:s, s:s, s:s, s:s, s:b}", "title", metric->title, "take",
-                                    neph_study_takes[metric->take].name, "metric", metric->metric,
-                                    "mask", metric->mask, "of_the_eye", metric->of_the_eye));
+        if (is_metric_selected(study, m))
+            neph_json_add(&list, json_pack("{s:s, s:s, s:s, s:s, s:b}", "title", metric->title,
+                                           "take", neph_study_captures[metric->take].name, "metric",
+                                           metric->metric, "mask", metric->mask, "of_the_eye",
+                                           metric->of_the_eye));
     }
     return list;
 }
@@ -576,7 +576,7 @@ static json_t *pairs_json(const struct neph_flicker_study *study)
     struct neph_table table = {.cells = NULL};
     begin_pairs(&table);
     for (int metric = 0; neph_study_metrics[metric].title; metric++)
-        if (was_asked_for(study, metric))
+        if (is_metric_selected(study, metric))
             add_pairs(study, metric,
                       neph_study_metrics[metric].of_the_eye ? NEPH_STUDY_DISPLAYS : 1, &table);
     json_t *list = neph_table_json(&table);
@@ -627,7 +627,7 @@ enum neph_status neph_flicker_publish(const struct neph_flicker_study *study,
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
 {
     struct request *request = request_;
-    return neph_flicker_prepare(&request->flicker, NEPH_STUDY_TAKES, "test", diag);
+    return neph_flicker_prepare(&request->flicker, NEPH_STUDY_CAPTURES, "test", diag);
 }
 
 static bool part(void *request_, int index)

@@ -24,7 +24,7 @@ struct neph_flicker_request {
 void neph_flicker_check_scenes(const void *request, const struct argp_state *state);
 
 /* Replace missing operands by the scenes of the suite, by default `otherwise`. Takes must be among
- * the first `take_count` of neph_study_takes. NEPH_ERR_USAGE: an unknown take or suite, or two
+ * the first `take_count` of neph_study_captures. NEPH_ERR_USAGE: an unknown take or suite, or two
  * scenes of the same name. */
 enum neph_status neph_flicker_prepare(struct neph_flicker_request *request, int take_count,
                                       const char *otherwise, struct neph_diag *diag);

@@ -141,8 +141,8 @@ static enum neph_status list_entries(struct neph_light_request *request, struct 
     sweep.albedo_count = copy_numbers(&request->albedo, sweep.albedo);
     sweep.density_count = copy_numbers(&request->density, sweep.density);
     request->entry_count = shared->operand_count;
-    request->entries = neph_arena_zeroed(&request->arena, (size_t)shared->operand_count,
-                                         sizeof(*request->entries));
+    request->entries = neph_arena_allocate(&request->arena, (size_t)shared->operand_count,
+                                           sizeof(*request->entries));
     for (int i = 0; request->entries && i < shared->operand_count; i++)
         request->entries[i] = (struct neph_light_entry){
             .scene = shared->operands[i], .sweep_count = 1, .sweeps = {sweep}};
@@ -151,7 +151,7 @@ static enum neph_status list_entries(struct neph_light_request *request, struct 
 
 static enum neph_status offer_models(struct neph_cli_list *models, struct neph_diag *diag)
 {
-    models->text = neph_light_models_offered();
+    models->text = neph_light_models_list();
     return models->text ? neph_cli_split(models->text, "models", NEPH_LIGHT_MODELS_MAX,
                                          models->words, &models->count, diag)
                         : neph_fail_memory(diag);
@@ -206,7 +206,7 @@ static enum neph_status write_fit(const struct neph_light_study *study, struct n
     char *text = NULL;
     enum neph_status status = neph_light_fit(study, &fitted.fit, diag);
     if (!status)
-        status = neph_written(print_fit, &fitted, &text, diag);
+        status = neph_write_to_text(print_fit, &fitted, &text, diag);
     if (!status)
         status = neph_file_write(study->request->fit, text, strlen(text), diag);
     free(text);

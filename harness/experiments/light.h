@@ -105,8 +105,8 @@ void neph_light_study_finish(struct neph_light_study *study);
 /* The pixels of a cell that a number covers. */
 enum neph_light_part { NEPH_LIGHT_DENSE, NEPH_LIGHT_WHOLE, NEPH_LIGHT_PARTS };
 
-const struct neph_light_sums *neph_light_part_of(const struct neph_light_gap *gap,
-                                                 enum neph_light_part part);
+const struct neph_light_sums *neph_light_part_sums(const struct neph_light_gap *gap,
+                                                   enum neph_light_part part);
 
 /* True when the pixels suffice for a bias: there are at least NEPH_LIGHT_PIXELS_MIN, with light in
  * them. */
@@ -129,9 +129,9 @@ void neph_light_verdict_end(struct neph_light_verdict *verdict);
 
 /* The verdict over the cells for which `counts` returns true; NULL: all cells. */
 struct neph_light_verdict
-neph_light_verdict_of(const struct neph_light_study *study, int model, enum neph_light_part part,
-                      bool (*counts)(const struct neph_light_cell *cell, const void *context),
-                      const void *context);
+neph_light_find_verdict(const struct neph_light_study *study, int model, enum neph_light_part part,
+                        bool (*counts)(const struct neph_light_cell *cell, const void *context),
+                        const void *context);
 
 /* ---- results --------------------------------------------------------------------------------- */
 
@@ -157,7 +157,7 @@ void neph_light_plot(const struct neph_light_study *study, FILE *out);
 double neph_light_octaves(const struct neph_light_view *view, const struct neph_octaves *octaves,
                           double g, double albedo);
 
-/* Errors of a fit over the cells, as neph_light_verdict_of(). */
+/* Errors of a fit over the cells, as neph_light_find_verdict(). */
 struct neph_light_verdict neph_light_fit_verdict(const struct neph_light_study *study,
                                                  const struct neph_octaves_fit *fit,
                                                  enum neph_light_part part);

@@ -27,7 +27,7 @@ double neph_light_octaves(const struct neph_light_view *view, const struct neph_
     double sum = 0.0, a = 1.0, b = 1.0, c = 1.0;
     for (int i = 0; i < octaves->count; i++) {
         const struct neph_phase phase = {NEPH_PHASE_HENYEY_GREENSTEIN, c * g};
-        sum += a * neph_phase_per_sr(&phase, cosine) * neph_light_lit_at(view->lit, b);
+        sum += a * neph_phase_per_sr(&phase, cosine) * neph_light_interpolate_lit(view->lit, b);
         a *= octaves->contribution;
         b *= octaves->attenuation;
         c *= octaves->eccentricity;
@@ -44,17 +44,17 @@ static bool is_among(const struct neph_light_pixel *pixel, enum neph_light_part 
     return neph_light_bin(NEPH_LIGHT_EYE, pixel->view.eye_depth) >= 0;
 }
 
-static struct neph_octaves octaves_of(const struct neph_light_cell *cell,
-                                      const struct neph_octaves_fit *fit)
+static struct neph_octaves evaluate_octaves(const struct neph_light_cell *cell,
+                                            const struct neph_octaves_fit *fit)
 {
-    return neph_octaves_of(fit, cell->light.g, cell->light.albedo);
+    return neph_octaves_compute(fit, cell->light.g, cell->light.albedo);
 }
 
 static struct neph_light_sums sum_cell(const struct neph_light_cell *cell,
                                        const struct neph_octaves_fit *fit,
                                        enum neph_light_part part)
 {
-    const struct neph_octaves octaves = octaves_of(cell, fit);
+    const struct neph_octaves octaves = evaluate_octaves(cell, fit);
     struct neph_light_sums sums = {.count = 0};
     for (int p = 0; p < cell->pixel_count && !cell->left_out[0]; p++) {
         const struct neph_light_pixel *pixel = &cell->pixels[p];
@@ -71,10 +71,11 @@ static struct neph_light_sums sum_cell(const struct neph_light_cell *cell,
 
 /* Residuals of a part of a cell, if it has enough pixels: first the bias, then one for each pixel.
  * Returns their number. */
-static int residuals_of_part(const struct neph_light_cell *cell, const struct neph_octaves_fit *fit,
-                             enum neph_light_part part, double *residuals)
+static int compute_part_residuals(const struct neph_light_cell *cell,
+                                  const struct neph_octaves_fit *fit, enum neph_light_part part,
+                                  double *residuals)
 {
-    const struct neph_octaves octaves = octaves_of(cell, fit);
+    const struct neph_octaves octaves = evaluate_octaves(cell, fit);
     double truth = 0.0, off = 0.0;
     int count = 0;
     for (int p = 0; p < cell->pixel_count; p++) {
@@ -98,21 +99,21 @@ static int residuals_of_part(const struct neph_light_cell *cell, const struct ne
 }
 
 /* All residuals; returns their number. */
-static int residuals_of(const struct neph_light_study *study, const struct neph_octaves_fit *fit,
-                        double *residuals)
+static int compute_residuals(const struct neph_light_study *study,
+                             const struct neph_octaves_fit *fit, double *residuals)
 {
     const double *coefficients = fit->contribution;
     int count = 0;
     for (int i = 0; i < study->cell_count; i++)
         for (int part = 0; part < NEPH_LIGHT_PARTS && !study->cells[i].left_out[0]; part++)
-            count += residuals_of_part(&study->cells[i], fit, (enum neph_light_part)part,
-                                       residuals + count);
+            count += compute_part_residuals(&study->cells[i], fit, (enum neph_light_part)part,
+                                            residuals + count);
     for (int k = 0; k < UNKNOWNS && count > 0; k++)
         residuals[count++] = sqrt(ridge) * coefficients[k];
     return count;
 }
 
-static double squares_of(const double *residuals, int count)
+static double sum_squares(const double *residuals, int count)
 {
     double sum = 0.0;
     for (int i = 0; i < count; i++)
@@ -135,7 +136,7 @@ struct search {
     double *slopes[UNKNOWNS];  /* Jacobian: all residuals by each unknown */
 };
 
-static struct neph_octaves_fit moved_by(const struct neph_octaves_fit *fit, const double *step)
+static struct neph_octaves_fit add_fit_step(const struct neph_octaves_fit *fit, const double *step)
 {
     struct neph_octaves_fit moved = *fit;
     double *coefficients = moved.contribution;
@@ -150,8 +151,8 @@ static void find_slopes(struct search *search)
     for (int k = 0; k < UNKNOWNS; k++) {
         double step[UNKNOWNS] = {0.0};
         step[k] = 1e-5;
-        const struct neph_octaves_fit moved = moved_by(&search->fit, step);
-        residuals_of(search->study, &moved, search->slopes[k]);
+        const struct neph_octaves_fit moved = add_fit_step(&search->fit, step);
+        compute_residuals(search->study, &moved, search->slopes[k]);
         for (int i = 0; i < search->count; i++)
             search->slopes[k][i] = (search->slopes[k][i] - search->residuals[i]) / step[k];
     }
@@ -165,7 +166,7 @@ static double dot(const double *a, const double *b, int count)
     return sum;
 }
 
-static struct normal normal_of(const struct search *search)
+static struct normal make_normal_equations(const struct search *search)
 {
     struct normal normal;
     for (int k = 0; k < UNKNOWNS; k++) {
@@ -200,13 +201,13 @@ static void solve(struct normal normal, double damping, double step[UNKNOWNS])
 static bool descend(struct search *search)
 {
     find_slopes(search);
-    const struct normal normal = normal_of(search);
+    const struct normal normal = make_normal_equations(search);
     for (; search->damping < 1e9; search->damping *= 4.0) {
         double step[UNKNOWNS];
         solve(normal, search->damping, step);
-        const struct neph_octaves_fit moved = moved_by(&search->fit, step);
-        residuals_of(search->study, &moved, search->moved);
-        const double squares = squares_of(search->moved, search->count);
+        const struct neph_octaves_fit moved = add_fit_step(&search->fit, step);
+        compute_residuals(search->study, &moved, search->moved);
+        const double squares = sum_squares(search->moved, search->count);
         if (!(squares < search->squares))
             continue;
         const bool is_worth_it = search->squares - squares > 1e-7 * search->squares;
@@ -221,7 +222,7 @@ static bool descend(struct search *search)
     return false;
 }
 
-static size_t room_of(const struct neph_light_study *study)
+static size_t count_residuals_max(const struct neph_light_study *study)
 {
     size_t room = UNKNOWNS;
     for (int i = 0; i < study->cell_count; i++)
@@ -234,15 +235,15 @@ enum neph_status neph_light_fit(const struct neph_light_study *study, struct nep
 {
     struct neph_arena arena = {.last = NULL};
     struct search search = {.study = study, .damping = 1e-2};
-    const size_t room = room_of(study);
-    search.residuals = neph_arena_zeroed(&arena, room, sizeof(double));
-    search.moved = neph_arena_zeroed(&arena, room, sizeof(double));
+    const size_t room = count_residuals_max(study);
+    search.residuals = neph_arena_allocate(&arena, room, sizeof(double));
+    search.moved = neph_arena_allocate(&arena, room, sizeof(double));
     for (int k = 0; k < UNKNOWNS; k++)
-        search.slopes[k] = neph_arena_zeroed(&arena, room, sizeof(double));
+        search.slopes[k] = neph_arena_allocate(&arena, room, sizeof(double));
     enum neph_status status = neph_arena_check(&arena, diag);
     if (!status) {
-        search.count = residuals_of(study, &search.fit, search.residuals);
-        search.squares = squares_of(search.residuals, search.count);
+        search.count = compute_residuals(study, &search.fit, search.residuals);
+        search.squares = sum_squares(search.residuals, search.count);
         if (search.count == 0)
             status = neph_fail(diag, NEPH_ERR_USAGE, "there is no cell with media to fit on");
     }

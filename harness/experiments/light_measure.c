@@ -21,8 +21,8 @@ static const double cell_typical_s = 15.0;
 /* Target values of the project for lighting models. */
 static const double bias_wanted = 0.05, worst_bias_wanted = 0.15, rms_wanted = 0.15;
 
-static struct neph_shot shot_of(const struct neph_light_study *study,
-                                const struct neph_scene *scene)
+static struct neph_shot make_cell_shot(const struct neph_light_study *study,
+                                       const struct neph_scene *scene)
 {
     return (struct neph_shot){.scene = scene,
                               .width_px = study->request->shared.size.width_px,
@@ -33,7 +33,7 @@ static struct neph_shot shot_of(const struct neph_light_study *study,
 }
 
 /* Radiance of the media in a pixel, averaged over the channels. */
-static double radiance_of(float *const volume[3], int pixel)
+static double compute_mean_radiance(float *const volume[3], int pixel)
 {
     return ((double)volume[0][pixel] + (double)volume[1][pixel] + (double)volume[2][pixel]) / 3.0;
 }
@@ -69,7 +69,7 @@ static enum neph_status measure_model(struct neph_light_study *study,
     if (!neph_image_rgb(frame, "volume", volume))
         return neph_fail(diag, NEPH_ERR_ENGINE, "its frame has no radiance of media");
     for (int p = 0; p < cell->pixel_count; p++)
-        add_pixel(study, model, &cell->pixels[p], radiance_of(volume, p), gap);
+        add_pixel(study, model, &cell->pixels[p], compute_mean_radiance(volume, p), gap);
     return NEPH_OK;
 }
 
@@ -98,9 +98,9 @@ static enum neph_status run_model(struct neph_light_study *study, struct neph_li
     gap->because[0] = '\0';
     const bool is_moved = scenes->moving && !gap->once &&
                           neph_option_find(model->engine->options, "warm_up") >= 0;
-    struct neph_shot shot = shot_of(study, is_moved    ? scenes->moving
-                                           : gap->once ? scenes->single
-                                                       : scenes->multiple);
+    struct neph_shot shot = make_cell_shot(study, is_moved    ? scenes->moving
+                                                  : gap->once ? scenes->single
+                                                              : scenes->multiple);
     shot.frame = is_moved ? NEPH_RELIT_FRAMES - 1 : 0;
     enum neph_status status = neph_light_model_render(model, &shot, study->run->store, &frame,
                                                       &gap->render_s, diag);
@@ -144,9 +144,9 @@ static enum neph_status find_pixels(const struct neph_light_study *study,
         const struct neph_pixel_ray ray = neph_camera_ray(&camera, width_px, height_px,
                                                           p % width_px, p / width_px);
         cell->pixels[p] = (struct neph_light_pixel){
-            .view = neph_light_view_of(scene, &ray, study->request->fit != NULL),
-            .first = radiance_of(first, p),
-            .second = radiance_of(second, p)};
+            .view = neph_light_view_compute(scene, &ray, study->request->fit != NULL),
+            .first = compute_mean_radiance(first, p),
+            .second = compute_mean_radiance(second, p)};
     }
     return find_depth(cell, diag);
 }
@@ -159,8 +159,8 @@ static enum neph_status trace_cell(const struct neph_light_study *study,
     float *first[3], *second[3];
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < 2 && !status; i++) {
-        struct neph_shot shot = shot_of(study, scene);
-        shot.seed = neph_seed_of(scene, i + 1);
+        struct neph_shot shot = make_cell_shot(study, scene);
+        shot.seed = neph_seed_for_scene(scene, i + 1);
         status = neph_light_model_render(&study->tracer, &shot, study->run->store, &frames[i],
                                          &cell->tracer_s, diag);
     }
@@ -168,7 +168,7 @@ static enum neph_status trace_cell(const struct neph_light_study *study,
                      neph_image_rgb(frames[1], "volume", second)))
         status = neph_fail(diag, NEPH_ERR_ENGINE, "the tracer's frame has no radiance of media");
     if (!status && study->request->only_cell < 0) {
-        cell->noise = neph_noise_of_two(frames[0], frames[1]);
+        cell->noise = neph_noise_from_two_seeds(frames[0], frames[1]);
         status = find_pixels(study, scene, first, second, cell, diag);
     }
     neph_image_destroy(frames[0]);
@@ -179,7 +179,7 @@ static enum neph_status trace_cell(const struct neph_light_study *study,
 static enum neph_status run_cell(struct neph_light_study *study, const struct scenes *scenes,
                                  struct neph_light_cell *cell, struct neph_diag *diag)
 {
-    cell->light = neph_relight_of(scenes->multiple);
+    cell->light = neph_relight_from_scene(scenes->multiple);
     if (!study->tracer.engine->can_render(scenes->multiple, NULL, cell->left_out,
                                           sizeof(cell->left_out)))
         return NEPH_OK;
@@ -194,9 +194,10 @@ static enum neph_status run_cell(struct neph_light_study *study, const struct sc
     return status;
 }
 
-static enum neph_status light_anew(const struct neph_light_study *study,
-                                   const struct neph_scene *scene, const struct neph_relight *light,
-                                   struct scenes *scenes, struct neph_diag *diag)
+static enum neph_status make_relit_scenes(const struct neph_light_study *study,
+                                          const struct neph_scene *scene,
+                                          const struct neph_relight *light, struct scenes *scenes,
+                                          struct neph_diag *diag)
 {
     struct neph_relight sinking = *light;
     sinking.sun_sinks_rad = study->request->sun_speed_deg_per_s * NEPH_RAD_PER_DEG *
@@ -222,7 +223,7 @@ static enum neph_status try_cell(struct neph_light_study *study, const struct ne
     snprintf(what, sizeof(what), "%s, cell %d of %d", cell->scene, (int)(cell - study->cells) + 1,
              study->cell_count);
     neph_progress_begin(&study->progress, what);
-    enum neph_status status = light_anew(study, scene, light, &scenes, &why);
+    enum neph_status status = make_relit_scenes(study, scene, light, &scenes, &why);
     if (!status)
         status = run_cell(study, &scenes, cell, &why);
     if (status == NEPH_ERR_ENGINE || status == NEPH_ERR_UNSUPPORTED) {
@@ -255,7 +256,7 @@ static enum neph_status prepare(struct neph_light_study *study, struct neph_diag
 {
     const struct neph_light_request *request = study->request;
     struct neph_shared_device *device = study->run->device;
-    study->tracer = neph_light_model_of(neph_engine_find("tracer"), device);
+    study->tracer = neph_light_model_default(neph_engine_find("tracer"), device);
     enum neph_status status = neph_light_model_set(&study->tracer, "target_error", request->noise,
                                                    diag);
     if (!status)
@@ -277,8 +278,8 @@ static enum neph_status run_cells(struct neph_light_study *study,
                                   struct neph_light_cell *cells, struct neph_diag *diag)
 {
     const int only = study->request->only_cell;
-    char *name = neph_scene_name_of(scene ? scene->path : entry->scene);
-    const char *kept = neph_arena_text(&study->arena, name);
+    char *name = neph_scene_name_from_path(scene ? scene->path : entry->scene);
+    const char *kept = neph_arena_copy_text(&study->arena, name);
     enum neph_status status = name ? neph_arena_check(&study->arena, diag) : neph_fail_memory(diag);
     free(name);
     for (int i = 0; i < neph_light_entry_count(entry) && !status; i++) {
@@ -344,8 +345,8 @@ void neph_light_study_finish(struct neph_light_study *study)
 
 /* ---- verdicts -------------------------------------------------------------------------------- */
 
-const struct neph_light_sums *neph_light_part_of(const struct neph_light_gap *gap,
-                                                 enum neph_light_part part)
+const struct neph_light_sums *neph_light_part_sums(const struct neph_light_gap *gap,
+                                                   enum neph_light_part part)
 {
     return part == NEPH_LIGHT_DENSE ? &gap->dense : &gap->all;
 }
@@ -382,14 +383,14 @@ void neph_light_verdict_end(struct neph_light_verdict *verdict)
 }
 
 struct neph_light_verdict
-neph_light_verdict_of(const struct neph_light_study *study, int model, enum neph_light_part part,
-                      bool (*counts)(const struct neph_light_cell *cell, const void *context),
-                      const void *context)
+neph_light_find_verdict(const struct neph_light_study *study, int model, enum neph_light_part part,
+                        bool (*counts)(const struct neph_light_cell *cell, const void *context),
+                        const void *context)
 {
     struct neph_light_verdict verdict = {.cell_count = 0};
     for (int i = 0; i < study->cell_count; i++) {
         const struct neph_light_cell *cell = &study->cells[i];
-        const struct neph_light_sums *sums = neph_light_part_of(&cell->gaps[model], part);
+        const struct neph_light_sums *sums = neph_light_part_sums(&cell->gaps[model], part);
         if (neph_light_counts(sums) && (!counts || counts(cell, context)))
             neph_light_verdict_add(&verdict, sums);
     }

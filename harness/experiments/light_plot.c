@@ -16,7 +16,7 @@ static const char *const dark = "#2b5c9e", *const bright = "#b5442c";
 
 /* The opacity of a tile grows with the error of its ratio, up to a factor of 4. Blue is too dark,
  * red too bright. */
-static double opacity_of(double ratio)
+static double compute_tile_opacity(double ratio)
 {
     return fmin(fabs(log2(fmax(ratio, 1e-3))) / 2.0, 1.0);
 }
@@ -30,7 +30,7 @@ static void draw_tile(const struct neph_light_sums *sums, int x_px, int y_px, FI
             "<rect x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" fill=\"%s\" fill-opacity=\"%.2f\"/>"
             "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">%.2f</text>"
             "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\" font-size=\"9\">%ld</text>\n",
-            x_px, y_px, TILE, TILE, ratio < 1.0 ? dark : bright, 0.75 * opacity_of(ratio),
+            x_px, y_px, TILE, TILE, ratio < 1.0 ? dark : bright, 0.75 * compute_tile_opacity(ratio),
             x_px + TILE / 2, y_px + TILE / 2, ratio, x_px + TILE / 2, y_px + TILE / 2 + 14,
             sums->count);
 }

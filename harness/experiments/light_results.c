@@ -20,7 +20,7 @@ static double degrees(double angle_rad)
 }
 
 /* The side of the sun from the camera. */
-static const char *side_of(const struct neph_light_cell *cell)
+static const char *find_sun_side(const struct neph_light_cell *cell)
 {
     const double from_ahead = fabs(degrees(cell->light.sun_azimuth_rad));
     return from_ahead < 60.0 ? "in front" : from_ahead <= 120.0 ? "beside" : "behind";
@@ -96,11 +96,12 @@ static void print_verdicts(const struct neph_light_study *study,
     neph_table_fields(&table, verdict_fields, VERDICT_FIELDS);
     for (int model = 0; model < study->request->models.count; model++)
         for (int part = 0; part < NEPH_LIGHT_PARTS; part++) {
-            const struct neph_light_verdict verdict = neph_light_verdict_of(
+            const struct neph_light_verdict verdict = neph_light_find_verdict(
                 study, model, (enum neph_light_part)part, NULL, NULL);
             neph_table_word(&table, "");
             neph_table_shown(&table, "%s%s", study->request->models.words[model],
-                             neph_light_model_is_look(&study->models[model]) ? ", a look" : "");
+                             neph_light_model_is_non_physical(&study->models[model]) ? ", a look"
+                                                                                     : "");
             neph_table_word(&table, part_names[part]);
             neph_table_count(&table, verdict.cell_count);
             neph_table_field_cells(&table, verdict_fields, VERDICT_FIELDS, &verdict);
@@ -112,7 +113,8 @@ static void print_verdicts(const struct neph_light_study *study,
 static json_t *verdict_json(const struct neph_light_study *study, int model,
                             enum neph_light_part part)
 {
-    const struct neph_light_verdict verdict = neph_light_verdict_of(study, model, part, NULL, NULL);
+    const struct neph_light_verdict verdict = neph_light_find_verdict(study, model, part, NULL,
+                                                                      NULL);
     return neph_fields_json(json_pack("{s:i}", "cells", verdict.cell_count), verdict_fields,
                             VERDICT_FIELDS, &verdict);
 }
@@ -142,11 +144,11 @@ static void write_depth_range(double depth, char *word)
     snprintf(word, WORD_SIZE, "%g and more", from);
 }
 
-static struct match match_of(const struct neph_light_cell *cell, enum key key)
+static struct match make_match(const struct neph_light_cell *cell, enum key key)
 {
     struct match match = {.key = key};
     if (key == KEY_SCENE || key == KEY_SUN)
-        snprintf(match.word, WORD_SIZE, "%s", key == KEY_SUN ? side_of(cell) : cell->scene);
+        snprintf(match.word, WORD_SIZE, "%s", key == KEY_SUN ? find_sun_side(cell) : cell->scene);
     else if (key == KEY_DEPTH)
         write_depth_range(cell->optical_depth, match.word);
     else if (key == KEY_G)
@@ -159,7 +161,7 @@ static struct match match_of(const struct neph_light_cell *cell, enum key key)
 static bool is_match(const struct neph_light_cell *cell, const void *context)
 {
     const struct match *match = context;
-    return strcmp(match_of(cell, match->key).word, match->word) == 0;
+    return strcmp(make_match(cell, match->key).word, match->word) == 0;
 }
 
 /* True when no earlier cell is in the group. */
@@ -176,8 +178,8 @@ static void add_key_row(const struct neph_light_study *study, enum neph_light_pa
 {
     neph_table_word(table, match->word);
     for (int model = 0; model < study->request->models.count; model++) {
-        const struct neph_light_verdict verdict = neph_light_verdict_of(study, model, part,
-                                                                        is_match, match);
+        const struct neph_light_verdict verdict = neph_light_find_verdict(study, model, part,
+                                                                          is_match, match);
         neph_table_number(table, verdict.mean_bias);
         if (verdict.cell_count > 0)
             neph_table_shown(table, "%.1f (%+.1f), %d", 100.0 * verdict.mean_bias,
@@ -192,7 +194,7 @@ static void print_key(const struct neph_light_study *study, enum key key, enum n
     neph_table_column(&table, (struct neph_column){.title = key_titles[key]});
     add_model_columns(study, &table);
     for (int i = 0; i < study->cell_count; i++) {
-        const struct match match = match_of(&study->cells[i], key);
+        const struct match match = make_match(&study->cells[i], key);
         if (!study->cells[i].left_out[0] && is_first(study, i, &match))
             add_key_row(study, part, &match, &table);
     }
@@ -248,11 +250,11 @@ static void print_axis(const struct neph_light_study *study, enum neph_light_axi
 static void add_cell_row(const struct neph_light_study *study, const struct neph_light_cell *cell,
                          enum neph_light_part part, struct neph_table *table)
 {
-    const struct neph_light_sums *sums = neph_light_part_of(&cell->gaps[0], part);
+    const struct neph_light_sums *sums = neph_light_part_sums(&cell->gaps[0], part);
     neph_table_word(table, cell->scene);
-    neph_table_word(table, side_of(cell));
-    neph_table_shown(table, "%s, %.0f, %.0f", side_of(cell), degrees(cell->light.sun_elevation_rad),
-                     degrees(cell->light.sun_azimuth_rad));
+    neph_table_word(table, find_sun_side(cell));
+    neph_table_shown(table, "%s, %.0f, %.0f", find_sun_side(cell),
+                     degrees(cell->light.sun_elevation_rad), degrees(cell->light.sun_azimuth_rad));
     neph_table_numbers(table, 3,
                        (const double[]){cell->light.g, cell->light.albedo, cell->optical_depth});
     neph_table_count(table, sums->count);
@@ -263,7 +265,7 @@ static void add_cell_row(const struct neph_light_study *study, const struct neph
     }
     neph_table_number(table, neph_light_counts(sums) ? sqrt(sums->noise) / sums->truth : 0.0);
     for (int model = 0; model < study->request->models.count; model++) {
-        sums = neph_light_part_of(&cell->gaps[model], part);
+        sums = neph_light_part_sums(&cell->gaps[model], part);
         neph_table_number(table, NAN);
         if (neph_light_counts(sums))
             neph_table_shown(table, "%+.1f (%.1f)", 100.0 * neph_light_bias(sums),
@@ -341,7 +343,7 @@ static void add_csv_row(const struct neph_light_study *study, const struct neph_
                               cell->optical_depth};
     neph_table_word(table, cell->scene);
     add_finite(table, 6, numbers);
-    neph_table_word(table, side_of(cell));
+    neph_table_word(table, find_sun_side(cell));
     neph_table_word(table, study->request->models.words[model]);
     add_csv_sums(&gap->dense, table);
     add_csv_sums(&gap->all, table);
@@ -404,14 +406,15 @@ static json_t *cell_json(const struct neph_light_study *study, const struct neph
                                          "render_s", gap->render_s, "scattered_once", gap->once,
                                          "because", gap->because));
     }
-    return json_pack(
-        "{s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:s, s:o}", "scene", cell->scene, "sun",
-        side_of(cell), "sun_elevation_deg", neph_json_number(degrees(light->sun_elevation_rad)),
-        "sun_azimuth_deg", neph_json_number(degrees(light->sun_azimuth_rad)), "g",
-        neph_json_number(light->g), "albedo", neph_json_number(light->albedo), "density",
-        neph_json_number(light->density), "optical_depth", neph_json_number(cell->optical_depth),
-        "tracer_noise", neph_json_number(cell->noise), "tracer_s", cell->tracer_s, "left_out",
-        cell->left_out, "models", models);
+    return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:s, s:o}", "scene",
+                     cell->scene, "sun", find_sun_side(cell), "sun_elevation_deg",
+                     neph_json_number(degrees(light->sun_elevation_rad)), "sun_azimuth_deg",
+                     neph_json_number(degrees(light->sun_azimuth_rad)), "g",
+                     neph_json_number(light->g), "albedo", neph_json_number(light->albedo),
+                     "density", neph_json_number(light->density), "optical_depth",
+                     neph_json_number(cell->optical_depth), "tracer_noise",
+                     neph_json_number(cell->noise), "tracer_s", cell->tracer_s, "left_out",
+                     cell->left_out, "models", models);
 }
 
 static json_t *map_json(const struct neph_light_map *map)
@@ -442,8 +445,8 @@ static json_t *make_json(const struct neph_light_study *study)
     for (int m = 0; m < request->models.count; m++) {
         const char *name = request->models.words[m];
         neph_json_add(&verdicts, json_pack("{s:s, s:b, s:o, s:o}", "model", name, "look",
-                                           neph_light_model_is_look(&study->models[m]), "dense",
-                                           verdict_json(study, m, NEPH_LIGHT_DENSE), "all",
+                                           neph_light_model_is_non_physical(&study->models[m]),
+                                           "dense", verdict_json(study, m, NEPH_LIGHT_DENSE), "all",
                                            verdict_json(study, m, NEPH_LIGHT_WHOLE)));
         neph_json_add(&maps, json_pack("{s:s, s:o, s:o}", "model", name, "eye_sun",
                                        map_json(&study->eye_sun[m]), "eye_angle",
@@ -485,8 +488,10 @@ static void count_nearer(const struct neph_light_study *study, int model, int ot
     *nearer = *farther = 0;
     for (int i = 0; i < study->cell_count; i++) {
         const struct neph_light_cell *cell = &study->cells[i];
-        const struct neph_light_sums *a = neph_light_part_of(&cell->gaps[model], NEPH_LIGHT_DENSE);
-        const struct neph_light_sums *b = neph_light_part_of(&cell->gaps[other], NEPH_LIGHT_DENSE);
+        const struct neph_light_sums *a = neph_light_part_sums(&cell->gaps[model],
+                                                               NEPH_LIGHT_DENSE);
+        const struct neph_light_sums *b = neph_light_part_sums(&cell->gaps[other],
+                                                               NEPH_LIGHT_DENSE);
         if (cell->left_out[0] || !neph_light_counts(a) || !neph_light_counts(b))
             continue;
         *nearer += fabs(neph_light_bias(a)) < fabs(neph_light_bias(b));
@@ -501,7 +506,7 @@ static void sort_models(const struct neph_light_study *study,
 {
     for (int m = 0; m < study->request->models.count; m++) {
         int place = m;
-        verdicts[m] = neph_light_verdict_of(study, m, NEPH_LIGHT_DENSE, NULL, NULL);
+        verdicts[m] = neph_light_find_verdict(study, m, NEPH_LIGHT_DENSE, NULL, NULL);
         const double bias = verdicts[m].mean_bias;
         for (; place > 0; place--) {
             const double before = verdicts[order[place - 1]].mean_bias;

@@ -21,7 +21,7 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
                             struct neph_publication *publication, struct neph_diag *diag)
 {
     const struct neph_validate_request *request = request_;
-    const struct neph_validate_params about = neph_validate_params_of(request, run);
+    const struct neph_validate_params about = neph_validate_make_params(request, run);
     const struct neph_physics_params params = {.engines = request->engines.words,
                                                .engine_count = request->engines.count,
                                                .only = request->only.words,

@@ -19,7 +19,7 @@
 
 /* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_CHOICE_NUMBERS == 6, "a new kind");
-_Static_assert(NEPH_STUDY_TAKES == 4, "a new kind");
+_Static_assert(NEPH_STUDY_CAPTURES == 4, "a new kind");
 
 struct request {
     struct neph_cli_shared shared; /* operands: one scene; with presets several */
@@ -242,7 +242,7 @@ static void print_asked(const struct neph_pick_params *params, FILE *out)
 static void print_variants(const struct neph_pick *pick, bool kept, const char *title, FILE *out)
 {
     for (int i = 0; i < pick->left_out_count; i++) {
-        const struct neph_pick_left_out *left = &pick->left_out[i];
+        const struct neph_pick_variant *left = &pick->left_out[i];
         if (left->is_kept != kept)
             continue;
         if (title)
@@ -273,7 +273,7 @@ static void print_pick(const struct neph_pick_params *params, const struct neph_
     fprintf(out,
             "\n"
             "%d configurations considered, %d frames or sequences of them measured; %s\n",
-            pick->looked_at, pick->measured, pick->device);
+            pick->candidate_total, pick->measured, pick->device);
     if (!isnan(params->error) && pick->floor > 0.5 * params->error)
         fprintf(out, "the truth's noise is more than half of the wanted error: statements about "
                      "errors are not certain\n");
@@ -294,7 +294,7 @@ static json_t *pick_json(const struct neph_pick_params *params, const struct nep
 {
     json_t *json = point_json(&pick->chosen), *left_out = json_array(), *kept = json_array();
     for (int i = 0; i < pick->left_out_count; i++) {
-        const struct neph_pick_left_out *left = &pick->left_out[i];
+        const struct neph_pick_variant *left = &pick->left_out[i];
         neph_json_add(left->is_kept ? &kept : &left_out,
                       json_pack("{s:s, s:s?, s:o}", "what", left->what, "because", left->because,
                                 left->is_kept ? "without" : "with", point_json(&left->with)));

@@ -171,8 +171,8 @@ static enum neph_status set_words(const char *words, struct neph_settings *setti
     return status;
 }
 
-static enum neph_status settings_of(const struct neph_post_row *row, double exposure_ev,
-                                    struct neph_settings *settings, struct neph_diag *diag)
+static enum neph_status read_row_settings(const struct neph_post_row *row, double exposure_ev,
+                                          struct neph_settings *settings, struct neph_diag *diag)
 {
     *settings = neph_options_default(neph_post_options);
     settings->values[POST_TONE] = 1.0;
@@ -182,7 +182,8 @@ static enum neph_status settings_of(const struct neph_post_row *row, double expo
     return status;
 }
 
-static enum neph_status measure_rows(struct study *study, const struct neph_post_film *film,
+static enum neph_status measure_rows(struct study *study,
+                                     const struct neph_post_sequence_pair *film,
                                      struct neph_diag *diag)
 {
     double exposure_ev;
@@ -195,7 +196,7 @@ static enum neph_status measure_rows(struct study *study, const struct neph_post
         if (neph_interrupted())
             return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
         neph_progress_begin(&study->progress, rows[r].name);
-        status = settings_of(&rows[r], exposure_ev, &settings, diag);
+        status = read_row_settings(&rows[r], exposure_ev, &settings, diag);
         if (!status)
             status = neph_post_measure(study->device->vulkan, film, &settings,
                                        &study->numbers[study->scene][r], diag);
@@ -227,8 +228,9 @@ static void free_references(struct study *study, int count)
     study->references = NULL;
 }
 
-static enum neph_status look(const struct neph_take *take, const struct neph_take_frames *frames,
-                             void *context, struct neph_diag *diag)
+static enum neph_status look(const struct neph_capture *take,
+                             const struct neph_capture_frames *frames, void *context,
+                             struct neph_diag *diag)
 {
     struct study *study = context;
     const struct neph_sequence *files = &take->reference->frames[NEPH_REFERENCE_AVERAGED];
@@ -239,7 +241,7 @@ static enum neph_status look(const struct neph_take *take, const struct neph_tak
                                "so many frames of that size do not fit in memory");
     if (!status)
         status = read_references(study, files, diag);
-    const struct neph_post_film film = {
+    const struct neph_post_sequence_pair film = {
         .tests = frames->images,
         .references = (const struct neph_image *const *)study->references,
         .count = take->frame_count,
@@ -258,10 +260,10 @@ static enum neph_status run_scene(struct study *study, const struct neph_scene *
                                   struct neph_diag *diag)
 {
     struct neph_reference reference = {.text = NULL};
-    struct neph_take take = {.frame_count = study->request->warm_up + study->request->frames,
-                             .reference = &reference,
-                             .look = look,
-                             .look_context = study};
+    struct neph_capture take = {.frame_count = study->request->warm_up + study->request->frames,
+                                .reference = &reference,
+                                .look = look,
+                                .callback_context = study};
     const struct request *request = study->request;
     const struct neph_experiment_frames frames = {request->preset, request->steps,
                                                   request->shared.size, request->seed};
@@ -270,14 +272,14 @@ static enum neph_status run_scene(struct study *study, const struct neph_scene *
     study->progress.kind = KIND_REFERENCE;
     if (!status) /* one step of this kind was already expected for each scene */
         neph_progress_expect(&study->progress, KIND_REFERENCE,
-                             neph_reference_picture_count(scene, 0, take.frame_count) - 1, 0.0);
+                             neph_reference_frame_count(scene, 0, take.frame_count) - 1, 0.0);
     if (!status)
         status = neph_reference_make(&take.job, take.frame_count, study->run->store,
                                      &study->progress, &reference, diag);
     study->progress.kind = KIND_FRAMES;
     neph_progress_begin(&study->progress, scene->name);
     if (!status)
-        status = neph_take_see(&take, study->run->store, diag);
+        status = neph_capture_replay(&take, study->run->store, diag);
     neph_reference_finish(&reference);
     return status;
 }
@@ -455,7 +457,7 @@ struct factors {
     double seen, flip;
 };
 
-static double factor_of(const struct study *study, int row, int base, size_t at)
+static double compute_mean_ratio(const struct study *study, int row, int base, size_t at)
 {
     const int count = study->request->shared.operand_count;
     double sum = 0.0;
@@ -474,8 +476,8 @@ static int sort_chains(const struct study *study, int base, struct factors list[
     int count = 0;
     for (int r = 0; r < study->row_count; r++) {
         const struct factors made = {
-            r, factor_of(study, r, base, offsetof(struct neph_post_numbers, seen)),
-            factor_of(study, r, base, offsetof(struct neph_post_numbers, flip))};
+            r, compute_mean_ratio(study, r, base, offsetof(struct neph_post_numbers, seen)),
+            compute_mean_ratio(study, r, base, offsetof(struct neph_post_numbers, flip))};
         if (r == base || !isfinite(made.seen))
             continue;
         int place = count++;
@@ -542,7 +544,7 @@ static enum neph_status prepare(void *request, struct neph_diag *diag)
     const struct request *post = request;
     const struct neph_cli_shared *shared = &post->shared;
     const struct neph_cli_size *size = &shared->size;
-    if (!neph_take_fits(size->width_px, size->height_px, post->warm_up + post->frames)) {
+    if (!neph_capture_fits_memory(size->width_px, size->height_px, post->warm_up + post->frames)) {
         neph_fail(
             diag, NEPH_ERR_USAGE,
             "%d frames of %d x %d pixels need more than 1 GiB, the limit for frames in memory",

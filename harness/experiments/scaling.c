@@ -30,7 +30,7 @@ static const struct neph_cli_option options[] = {
     {"untimed", 0, NULL, "No times: only evaluations of density", NEPH_CLI_FLAG,
      AT(params.untimed)},
     {"retime", 0, NULL, "Repeat the timings that DIR/times.json has", NEPH_CLI_FLAG,
-     AT(params.retimes)},
+     AT(params.remeasures_times)},
     {"seed", 0, NULL, "Seed of all that is random", NEPH_CLI_INTEGER, AT(params.seed), "1", 1,
      1000000},
     {.name = "size", .help = "Of the largest frame", .otherwise = "192x108"},
@@ -234,7 +234,7 @@ static void print_against(const struct neph_scaling *scaling, const json_t *docu
         }
 }
 
-static int side_of(const json_t *document, size_t side)
+static int read_side_px(const json_t *document, size_t side)
 {
     return (int)json_integer_value(json_array_get(json_object_get(document, "size_px"), side));
 }
@@ -246,10 +246,11 @@ static enum neph_status check_against(const struct neph_scaling *scaling, const 
         strcmp(neph_json_text(document, "scene_hash"), scaling->scene_hash) != 0)
         return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is of scene %s as it was, not of this %s",
                          path, neph_json_text(document, "scene"), scaling->scene);
-    if (side_of(document, 0) != scaling->width_px || side_of(document, 1) != scaling->height_px)
+    if (read_side_px(document, 0) != scaling->width_px ||
+        read_side_px(document, 1) != scaling->height_px)
         return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is of %d x %d pixels, this run of %d x %d",
-                         path, side_of(document, 0), side_of(document, 1), scaling->width_px,
-                         scaling->height_px);
+                         path, read_side_px(document, 0), read_side_px(document, 1),
+                         scaling->width_px, scaling->height_px);
     return NEPH_OK;
 }
 
@@ -268,7 +269,7 @@ static void answer(const struct neph_scaling *scaling, struct neph_answer *answe
                     counts[NEPH_EXPONENT_OTHER] > 0 ? "not as expected" : "as expected",
                     scaling->scene, counts[NEPH_EXPONENT_EXPECTED],
                     2 * scaling->line_count - counts[NEPH_EXPONENT_NONE],
-                    counts[NEPH_EXPONENT_OTHER], counts[NEPH_EXPONENT_UNTOLD]);
+                    counts[NEPH_EXPONENT_OTHER], counts[NEPH_EXPONENT_UNCERTAIN]);
     for (int worst = 1; worst >= 0; worst--) /* unexpected exponents first */
         for (int i = 0; i < scaling->line_count; i++) {
             const struct neph_scaling_line *line = &scaling->lines[i];

@@ -34,15 +34,15 @@ const char *const neph_screen_part_names[NEPH_SCREEN_PARTS] = {
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-static struct neph_shot shot_of(const struct neph_screen_study *study,
-                                const struct neph_scene *scene, int frame)
+static struct neph_shot make_frame_shot(const struct neph_screen_study *study,
+                                        const struct neph_scene *scene, int frame)
 {
     return (struct neph_shot){.scene = scene,
                               .width_px = study->request->shared.size.width_px,
                               .height_px = study->request->shared.size.height_px,
                               .frame = frame,
                               .layers = NEPH_LAYERS_ALL,
-                              .seed = neph_seed_of(scene, 1),
+                              .seed = neph_seed_for_scene(scene, 1),
                               .device = study->run->device};
 }
 
@@ -50,7 +50,7 @@ static enum neph_status render(const struct neph_screen_study *study,
                                const struct neph_light_model *by, const struct neph_scene *scene,
                                int frame, struct neph_image **image, struct neph_diag *diag)
 {
-    const struct neph_shot shot = shot_of(study, scene, frame);
+    const struct neph_shot shot = make_frame_shot(study, scene, frame);
     double seconds = 0.0;
     char reason[200];
     if (!by->engine->can_render(scene, &by->settings, reason, sizeof(reason)))
@@ -108,7 +108,7 @@ struct sample {
 };
 
 /* False when the frame has no such part in this pixel. */
-static bool sample_of(const struct layers *layers, size_t pixel, struct sample *sample)
+static bool read_sample(const struct layers *layers, size_t pixel, struct sample *sample)
 {
     double colours = 0.0;
     *sample = (struct sample){0};
@@ -169,13 +169,13 @@ static bool sum_up(const struct compared *compared, enum neph_screen_part part, 
         return false;
     for (size_t p = 0; p < neph_image_pixel_count(compared->truth); p++) {
         struct sample sample;
-        if (sample_of(&layers, p, &sample))
+        if (read_sample(&layers, p, &sample))
             add(part, &sample, sums);
     }
     return !compared->model || layers.has_model;
 }
 
-static struct neph_screen_truth truth_of(const struct sums *sums)
+static struct neph_screen_truth summarize_reference(const struct sums *sums)
 {
     return (struct neph_screen_truth){.pixels = sums->pixels,
                                       .lost = sums->lost,
@@ -183,7 +183,7 @@ static struct neph_screen_truth truth_of(const struct sums *sums)
                                       .beyond = sums->beyond / sums->all};
 }
 
-static struct neph_screen_gap gap_of(const struct sums *sums, bool is_there)
+static struct neph_screen_gap summarize_gap(const struct sums *sums, bool is_there)
 {
     if (!is_there)
         return (struct neph_screen_gap){NAN, NAN, NAN, NAN, NAN};
@@ -194,7 +194,7 @@ static struct neph_screen_gap gap_of(const struct sums *sums, bool is_there)
 
 /* ---- lost pixels ----------------------------------------------------------------------------- */
 
-static int reason_of(const double shares[NEPH_SCREEN_LOSSES])
+static int find_main_loss(const double shares[NEPH_SCREEN_LOSSES])
 {
     int reason = NEPH_SCREEN_LOSSES;
     double most = 0.0;
@@ -224,14 +224,14 @@ static void mark_pixel(const struct neph_screen_study *study, const struct neph_
     const int column = p % width_px, row = p / width_px;
     for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
         struct sample sample;
-        neph_screen_lost(scene, camera, width_px, height_px, column, row,
-                         part == NEPH_SCREEN_AO ? request->radius_m : INFINITY,
-                         part == NEPH_SCREEN_GLOSSY ? NEPH_SCREEN_MIRROR : request->rays,
-                         shares[part]);
-        if (!truth->has[part] || !sample_of(&truth->layers[part], (size_t)p, &sample) ||
+        neph_screen_compute_lost_shares(
+            scene, camera, width_px, height_px, column, row,
+            part == NEPH_SCREEN_AO ? request->radius_m : INFINITY,
+            part == NEPH_SCREEN_GLOSSY ? NEPH_SCREEN_MIRROR : request->rays, shares[part]);
+        if (!truth->has[part] || !read_sample(&truth->layers[part], (size_t)p, &sample) ||
             !is_lost((enum neph_screen_part)part, &sample))
             continue;
-        const int reason = reason_of(shares[part]);
+        const int reason = find_main_loss(shares[part]);
         result->truths[part].lost_by[reason]++;
         result->marks[part][p] = (uint8_t)(1 + reason);
     }
@@ -297,7 +297,7 @@ static void measure_gaps(const struct compared *compared,
     for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
         struct sums sums;
         const bool is_there = sum_up(compared, (enum neph_screen_part)part, &sums);
-        gaps[part] = gap_of(&sums, is_there && sums.pixels > 0);
+        gaps[part] = summarize_gap(&sums, is_there && sums.pixels > 0);
     }
 }
 
@@ -348,7 +348,7 @@ static enum neph_status render_sequence(const struct neph_screen_study *study, i
                                         const struct neph_scene *scene, struct neph_image **frames,
                                         int count, double *ms, struct neph_diag *diag)
 {
-    const struct neph_shot shot = shot_of(study, scene, 0);
+    const struct neph_shot shot = make_frame_shot(study, scene, 0);
     struct neph_job job = neph_light_model_job(&study->models[model], &shot);
     double *seconds = calloc((size_t)count, sizeof(*seconds));
     enum neph_status status = seconds ? neph_job_open(&job, diag) : neph_fail_memory(diag);
@@ -359,7 +359,7 @@ static enum neph_status render_sequence(const struct neph_screen_study *study, i
         seconds[i] = cost.render_s;
     }
     if (!status)
-        *ms = 1e3 * neph_spread_of(seconds, count).median;
+        *ms = 1e3 * neph_spread_compute(seconds, count).median;
     neph_job_close(&job);
     free(seconds);
     return status;
@@ -371,7 +371,7 @@ static enum neph_status measure_frames(const struct neph_screen_study *study,
                                        struct neph_image *const *frames,
                                        struct neph_post_numbers *numbers, struct neph_diag *diag)
 {
-    const struct neph_post_film film = {
+    const struct neph_post_sequence_pair film = {
         .tests = (const struct neph_image *const *)frames,
         .references = (const struct neph_image *const *)known->frames,
         .count = known->count,
@@ -431,7 +431,7 @@ static enum neph_status run_cycles(const struct neph_screen_study *study,
 {
     const struct neph_light_model *cycles = &study->cycles;
     for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
-        result->cycles[part] = gap_of(&(struct sums){0}, false);
+        result->cycles[part] = summarize_gap(&(struct sums){0}, false);
         for (int model = 0; model < study->request->models.count; model++)
             result->against_cycles[model][part] = result->cycles[part];
     }
@@ -457,10 +457,10 @@ static enum neph_status measure_truth(struct neph_screen_study *study,
     for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
         struct sums sums;
         if (sum_up(&(struct compared){.truth = truth}, (enum neph_screen_part)part, &sums))
-            result->truths[part] = truth_of(&sums);
-        result->marks[part] = neph_arena_zeroed(&study->arena, count, 1);
+            result->truths[part] = summarize_reference(&sums);
+        result->marks[part] = neph_arena_allocate(&study->arena, count, 1);
     }
-    result->seen = neph_arena_zeroed(&study->arena, count, 1);
+    result->seen = neph_arena_allocate(&study->arena, count, 1);
     enum neph_status status = neph_arena_check(&study->arena, diag);
     if (!status)
         status = show(scene, truth, result->seen, diag);
@@ -497,7 +497,7 @@ static enum neph_status prepare_truth(const struct neph_screen_study *study,
                                       const struct neph_engine *engine, int samples,
                                       struct neph_light_model *truth, struct neph_diag *diag)
 {
-    *truth = neph_light_model_of(engine, study->run->device);
+    *truth = neph_light_model_default(engine, study->run->device);
     if (!truth->info.available)
         return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s: %s", engine->name, truth->info.missing);
     const enum neph_status status = neph_light_model_set(truth, "samples", samples, diag);

@@ -219,7 +219,7 @@ static enum neph_status write_text(const struct neph_screen_study *study, neph_w
                                    const char *folder, const char *name, struct neph_diag *diag)
 {
     char *text = NULL;
-    enum neph_status status = neph_written(write, study, &text, diag);
+    enum neph_status status = neph_write_to_text(write, study, &text, diag);
     if (!status)
         status = neph_file_write(neph_path_in(folder, name).text, text, strlen(text), diag);
     free(text);

@@ -147,7 +147,7 @@ struct study {
 };
 
 /* The scenes of a cell's views, and their reference frames of two seeds. */
-struct sight {
+struct sky_views {
     struct neph_scene *scenes[VIEWS];
     struct neph_image *truths[VIEWS][2];
 };
@@ -163,20 +163,21 @@ static enum neph_status render(const struct study *study, const struct neph_ligh
                                    .width_px = size->width_px,
                                    .height_px = size->height_px,
                                    .layers = NEPH_LAYER_RADIANCE,
-                                   .seed = neph_seed_of(scene, seed),
+                                   .seed = neph_seed_for_scene(scene, seed),
                                    .device = study->run->device};
     return neph_light_model_render(by, &shot, study->run->store, frame, seconds, diag);
 }
 
 /* Render the reference. A deterministic reference is rendered once and used as both seeds. */
-static enum neph_status trace(const struct study *study, struct sight *sight, struct cell *cell,
-                              struct neph_diag *diag)
+static enum neph_status trace(const struct study *study, struct sky_views *sky_views,
+                              struct cell *cell, struct neph_diag *diag)
 {
     const bool is_stochastic = study->truth.engine->stochastic;
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < 2 * VIEWS && !status; i++)
-        status = render(study, &study->truth, sight->scenes[i / 2], is_stochastic ? i % 2 + 1 : 1,
-                        &sight->truths[i / 2][i % 2], &cell->truth_s, diag);
+        status = render(study, &study->truth, sky_views->scenes[i / 2],
+                        is_stochastic ? i % 2 + 1 : 1, &sky_views->truths[i / 2][i % 2],
+                        &cell->truth_s, diag);
     return status;
 }
 
@@ -189,8 +190,8 @@ struct tile {
 };
 
 /* The mean of a tile's pixels. */
-static struct tile tile_of(const struct study *study, const struct neph_scene *scene,
-                           const struct neph_image *frame, int column, int row)
+static struct tile compute_tile_mean(const struct study *study, const struct neph_scene *scene,
+                                     const struct neph_image *frame, int column, int row)
 {
     const struct neph_cli_size *size = &study->request->shared.size;
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
@@ -213,12 +214,12 @@ static struct tile tile_of(const struct study *study, const struct neph_scene *s
 }
 
 /* Sum over channels of |a - b|. */
-static double distance_of(const double a[3], const double b[3])
+static double sum_channel_distance(const double a[3], const double b[3])
 {
     return fabs(a[0] - b[0]) + fabs(a[1] - b[1]) + fabs(a[2] - b[2]);
 }
 
-static double sum_of(const double a[3])
+static double sum_channels(const double a[3])
 {
     return a[0] + a[1] + a[2];
 }
@@ -234,18 +235,18 @@ static void add_tile(const struct tile *first, const struct tile *second, const 
     double truth[3];
     for (int c = 0; c < 3; c++)
         truth[c] = 0.5 * (first->light[c] + second->light[c]);
-    const double light = sum_of(truth);
+    const double light = sum_channels(truth);
     if (!(light > 0.0))
         return;
-    const double noise = 0.5 * distance_of(first->light, second->light) / light;
+    const double noise = 0.5 * sum_channel_distance(first->light, second->light) / light;
     sums->weight += first->solid_angle;
     sums->noise += first->solid_angle * noise;
     if (!model)
         return;
-    const double off = distance_of(model->light, truth) / light;
+    const double off = sum_channel_distance(model->light, truth) / light;
     sums->off += first->solid_angle * off;
     sums->truth += first->solid_angle * light;
-    sums->model += first->solid_angle * sum_of(model->light);
+    sums->model += first->solid_angle * sum_channels(model->light);
     if (off <= gap->worst)
         return;
     gap->worst = off;
@@ -257,18 +258,19 @@ static void add_tile(const struct tile *first, const struct tile *second, const 
 
 /* Add all directions of a view; `frame` NULL: only the noise of the reference. Returns their
  * number. */
-static int add_view(const struct study *study, const struct sight *sight, int view,
+static int add_view(const struct study *study, const struct sky_views *sky_views, int view,
                     const struct neph_image *frame, struct sums *sums, struct gap *gap)
 {
     const struct neph_cli_size *size = &study->request->shared.size;
     const int columns = size->width_px / study->request->tile_px;
     const int rows = size->height_px / study->request->tile_px;
-    const struct neph_scene *scene = sight->scenes[view];
+    const struct neph_scene *scene = sky_views->scenes[view];
     for (int i = 0; i < columns * rows; i++) {
         const int x = i % columns, y = i / columns;
-        const struct tile first = tile_of(study, scene, sight->truths[view][0], x, y);
-        const struct tile second = tile_of(study, scene, sight->truths[view][1], x, y);
-        const struct tile model = frame ? tile_of(study, scene, frame, x, y) : first;
+        const struct tile first = compute_tile_mean(study, scene, sky_views->truths[view][0], x, y);
+        const struct tile second = compute_tile_mean(study, scene, sky_views->truths[view][1], x,
+                                                     y);
+        const struct tile model = frame ? compute_tile_mean(study, scene, frame, x, y) : first;
         add_tile(&first, &second, frame ? &model : NULL, sums, gap);
     }
     return columns * rows;
@@ -276,21 +278,21 @@ static int add_view(const struct study *study, const struct sight *sight, int vi
 
 /* ---- a cell ---------------------------------------------------------------------------------- */
 
-static enum neph_status run_model(struct study *study, const struct sight *sight, int model,
+static enum neph_status run_model(struct study *study, const struct sky_views *sky_views, int model,
                                   struct gap *gap, struct neph_diag *diag)
 {
     struct sums sums = {0};
     enum neph_status status = NEPH_OK;
     const struct neph_light_model *of = &study->models[model];
-    if (!of->engine->can_render(sight->scenes[0], &of->settings, gap->because,
+    if (!of->engine->can_render(sky_views->scenes[0], &of->settings, gap->because,
                                 sizeof(gap->because)))
         return NEPH_OK;
     gap->because[0] = '\0';
     for (int view = 0; view < VIEWS && !status; view++) {
         struct neph_image *frame = NULL;
-        status = render(study, of, sight->scenes[view], 1, &frame, &gap->render_s, diag);
+        status = render(study, of, sky_views->scenes[view], 1, &frame, &gap->render_s, diag);
         if (!status)
-            add_view(study, sight, view, frame, &sums, gap);
+            add_view(study, sky_views, view, frame, &sums, gap);
         neph_image_destroy(frame);
     }
     gap->mean = sums.off / sums.weight;
@@ -298,8 +300,8 @@ static enum neph_status run_model(struct study *study, const struct sight *sight
     return status;
 }
 
-static enum neph_status see(const struct study *study, const struct cell *cell, struct sight *sight,
-                            struct neph_diag *diag)
+static enum neph_status create_view_scenes(const struct study *study, const struct cell *cell,
+                                           struct sky_views *sky_views, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int view = 0; view < VIEWS && !status; view++) {
@@ -310,7 +312,8 @@ static enum neph_status see(const struct study *study, const struct cell *cell, 
             .pitch_rad = view_pitch_deg * NEPH_RAD_PER_DEG,
             .vertical_fov_rad = view_fov_deg * NEPH_RAD_PER_DEG,
         };
-        status = neph_scene_skyward(study->request->scene, &skyward, &sight->scenes[view], diag);
+        status = neph_scene_skyward(study->request->scene, &skyward, &sky_views->scenes[view],
+                                    diag);
     }
     return status;
 }
@@ -318,24 +321,24 @@ static enum neph_status see(const struct study *study, const struct cell *cell, 
 static enum neph_status run_cell(struct study *study, struct cell *cell, struct neph_diag *diag)
 {
     char what[120];
-    struct sight sight = {0};
+    struct sky_views sky_views = {0};
     struct sums noise = {0};
     snprintf(what, sizeof(what), "sun at %g degrees, %g m up", cell->sun_deg, cell->altitude_m);
     neph_progress_begin(&study->progress, what);
-    enum neph_status status = see(study, cell, &sight, diag);
+    enum neph_status status = create_view_scenes(study, cell, &sky_views, diag);
     if (!status)
-        status = trace(study, &sight, cell, diag);
+        status = trace(study, &sky_views, cell, diag);
     for (int view = 0; view < VIEWS && !status; view++)
-        cell->direction_count += add_view(study, &sight, view, NULL, &noise, NULL);
+        cell->direction_count += add_view(study, &sky_views, view, NULL, &noise, NULL);
     cell->noise = noise.noise / noise.weight;
     for (int model = 0; model < study->request->models.count && !status; model++)
-        status = run_model(study, &sight, model, &cell->gaps[model], diag);
+        status = run_model(study, &sky_views, model, &cell->gaps[model], diag);
     if (!status)
         neph_progress_over(&study->progress, what, "measured");
     for (int i = 0; i < VIEWS; i++) {
-        neph_image_destroy(sight.truths[i][0]);
-        neph_image_destroy(sight.truths[i][1]);
-        neph_scene_destroy(sight.scenes[i]);
+        neph_image_destroy(sky_views.truths[i][0]);
+        neph_image_destroy(sky_views.truths[i][1]);
+        neph_scene_destroy(sky_views.scenes[i]);
     }
     return status;
 }
@@ -350,13 +353,13 @@ static enum neph_status parse_truth(struct study *study, struct neph_diag *diag)
         return neph_fail_memory(diag);
     const struct neph_engine *engine = neph_engine_find(strsep(&rest, "+"));
     enum neph_status status = NEPH_OK;
-    if (!engine || (engine->rung > NEPH_RUNG_TRACER && !rest))
+    if (!engine || (engine->rung > NEPH_LEVEL_TRACER && !rest))
         status = neph_fail(
             diag, NEPH_ERR_USAGE,
             "'%s' is not a truth: use exact, oracle, tracer, or a model with finer settings",
             study->request->truth);
     else
-        *truth = neph_light_model_of(engine, study->run->device);
+        *truth = neph_light_model_default(engine, study->run->device);
     if (!status && neph_engine_samples(engine) >= 0)
         status = neph_light_model_set(truth, "samples", study->request->samples, diag);
     while (rest && !status)

@@ -15,20 +15,20 @@
 #include <string.h>
 
 /* Compiles only when this file handles every kind. */
-_Static_assert(NEPH_STRESS_PICTURES_COUNT == 4, "a new kind");
+_Static_assert(NEPH_STRESS_IMAGES_COUNT == 4, "a new kind");
 
-enum neph_stress_pictures neph_stress_pictures_of(const char *word)
+enum neph_stress_images neph_stress_images_parse(const char *word)
 {
-    static const char *const words[NEPH_STRESS_PICTURES_COUNT] = {
-        [NEPH_STRESS_PICTURES_FAILED] = "failed",
-        [NEPH_STRESS_PICTURES_CHANGED] = "changed",
-        [NEPH_STRESS_PICTURES_ALL] = "all",
-        [NEPH_STRESS_PICTURES_NONE] = "none",
+    static const char *const words[NEPH_STRESS_IMAGES_COUNT] = {
+        [NEPH_STRESS_IMAGES_FAILED] = "failed",
+        [NEPH_STRESS_IMAGES_CHANGED] = "changed",
+        [NEPH_STRESS_IMAGES_ALL] = "all",
+        [NEPH_STRESS_IMAGES_NONE] = "none",
     };
     int found = 0;
-    while (found < NEPH_STRESS_PICTURES_COUNT && strcmp(words[found], word) != 0)
+    while (found < NEPH_STRESS_IMAGES_COUNT && strcmp(words[found], word) != 0)
         found++;
-    return (enum neph_stress_pictures)found;
+    return (enum neph_stress_images)found;
 }
 
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
@@ -95,7 +95,7 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
                                         .quiet = run->quiet,
                                         .page = &request->page};
     if (request->pictures)
-        params.pictures = neph_stress_pictures_of(request->pictures);
+        params.pictures = neph_stress_images_parse(request->pictures);
     enum neph_status status = neph_stress_run(&params, run->store, &suite, diag);
     if (status == NEPH_ERR_INTERRUPTED)
         fprintf(stderr, "report so far: %s/index.html\n", request->page_folder);

@@ -51,7 +51,7 @@ static const struct neph_cli_option options[] = {
     {"untimed", 0, NULL, "Measure no times: the cost of a point is its evaluations of density",
      NEPH_CLI_FLAG, AT(params.untimed)},
     {"retime", 0, NULL, "Measure the times in DIR/times.json again", NEPH_CLI_FLAG,
-     AT(params.retimes)},
+     AT(params.remeasures_times)},
     {"seed", 0, NULL, "The first seed", NEPH_CLI_INTEGER, AT(params.seed), "1", 1, 1000000},
     {"seeds", 0, "N",
      "Run N sweeps with seeds from --seed on, each with its own store, DIR/seed_K, and compare "
@@ -198,7 +198,7 @@ static void print_point(const struct neph_sweep_point *point, FILE *out)
     print_number(point->evaluations, 1.0, false, out);
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
         print_number(point->numbers[n].value, 1.0, point->on_front[n], out);
-    const char *look = neph_look_of_fog(point->job.engine, &point->job.shot.settings);
+    const char *look = neph_fog_model_note(point->job.engine, &point->job.shot.settings);
     fprintf(out, "%s%s%s\n", point->at_floor ? "  error within twice the noise of the truth" : "",
             look ? "  " : "", look ? look : "");
 }
@@ -211,7 +211,7 @@ static int by_cost(const void *a_, const void *b_)
     const enum neph_sweep_cost cost = isnan(a->time.median) || isnan(b->time.median)
                                           ? NEPH_SWEEP_COST_WORK
                                           : NEPH_SWEEP_COST_TIME;
-    const double of_a = neph_sweep_cost_of(a, cost), of_b = neph_sweep_cost_of(b, cost);
+    const double of_a = neph_sweep_point_cost(a, cost), of_b = neph_sweep_point_cost(b, cost);
     return (of_a > of_b) - (of_a < of_b);
 }
 

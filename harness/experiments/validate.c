@@ -204,7 +204,7 @@ static void check_stress(const struct neph_validate_request *request,
         argp_error(state, "the stress tests have no --set; presets take settings: --preset "
                           "NAME+KEY=VALUE");
     if (request->pictures &&
-        neph_stress_pictures_of(request->pictures) == NEPH_STRESS_PICTURES_COUNT)
+        neph_stress_images_parse(request->pictures) == NEPH_STRESS_IMAGES_COUNT)
         argp_error(state, "--pictures has no value '%s'; it has failed, changed, all and none",
                    request->pictures);
 }
@@ -292,8 +292,8 @@ void neph_validate_close_report(void *request_)
     free(request->page_folder);
 }
 
-struct neph_validate_params neph_validate_params_of(const struct neph_validate_request *request,
-                                                    const struct neph_experiment_run *run)
+struct neph_validate_params neph_validate_make_params(const struct neph_validate_request *request,
+                                                      const struct neph_experiment_run *run)
 {
     const struct neph_cli_shared *shared = &request->shared;
     const struct neph_validate_tier *tier = neph_validate_tier(request);
@@ -316,7 +316,7 @@ struct neph_validate_params neph_validate_params_of(const struct neph_validate_r
     };
 }
 
-static void tell(const struct neph_validation *validation, const char *folder, FILE *out)
+static void print_outcome(const struct neph_validation *validation, const char *folder, FILE *out)
 {
     const struct neph_counts *counts = &validation->counts;
     fprintf(out, "%s: %d of %d in the report, %d compared with the truth\n",
@@ -384,7 +384,7 @@ enum neph_status neph_validate_publish(const struct neph_validate_request *reque
         neph_validation_print(validation, text);
     else
         publication->json = neph_validation_json(validation);
-    tell(validation, request->page_folder, text ? text : stderr);
+    print_outcome(validation, request->page_folder, text ? text : stderr);
     publication->verdict = judge(validation, &publication->reason);
     return NEPH_OK;
 }

@@ -46,8 +46,8 @@ extern const struct neph_experiment neph_experiment_stress_by_old_name;
 const struct neph_validate_tier *neph_validate_tier(const struct neph_validate_request *request);
 
 /* The selection of images on the stress tests' page, by the word of its option;
- * NEPH_STRESS_PICTURES_COUNT: unknown word. */
-enum neph_stress_pictures neph_stress_pictures_of(const char *word);
+ * NEPH_STRESS_IMAGES_COUNT: unknown word. */
+enum neph_stress_images neph_stress_images_parse(const char *word);
 
 /* ---- catalogue and physics suite ------------------------------------------------------------- */
 
@@ -56,8 +56,8 @@ enum neph_status neph_validate_open_report(void *request, struct neph_diag *diag
 void neph_validate_close_report(void *request);
 
 /* Parameters of a validation with the request's engines, without scenes. */
-struct neph_validate_params neph_validate_params_of(const struct neph_validate_request *request,
-                                                    const struct neph_experiment_run *run);
+struct neph_validate_params neph_validate_make_params(const struct neph_validate_request *request,
+                                                      const struct neph_experiment_run *run);
 
 /* Publish the report, the results and the verdict of a validation that ended with `status`. The
  * page of an interrupted run has the results so far. Returns `status`, or the error of

@@ -17,7 +17,7 @@ static const double far_m = 1e6;
 /* ---- speed ----------------------------------------------------------------------------------- */
 
 /* Distance to the box, or, inside it, its shortest side; +inf for an unbounded side. */
-static double size_of(const struct neph_bounds *bounds, struct neph_vec3 point_m)
+static double distance_to_bounds_m(const struct neph_bounds *bounds, struct neph_vec3 point_m)
 {
     const struct neph_vec3 sides_m = neph_vec3_sub(bounds->max_m, bounds->min_m);
     if (neph_bounds_contain(bounds, point_m))
@@ -25,11 +25,12 @@ static double size_of(const struct neph_bounds *bounds, struct neph_vec3 point_m
     return neph_vec3_length(neph_vec3_sub(neph_bounds_nearest(bounds, point_m), point_m));
 }
 
-static double reach_of(const struct neph_scene *scene, const struct neph_camera_key *key)
+static double choose_travel_distance_m(const struct neph_scene *scene,
+                                       const struct neph_camera_key *key)
 {
     double nearest_m = INFINITY;
     for (int i = 0; i < scene->medium_count; i++)
-        nearest_m = fmin(nearest_m, size_of(&scene->media[i].bounds, key->position_m));
+        nearest_m = fmin(nearest_m, distance_to_bounds_m(&scene->media[i].bounds, key->position_m));
     const double view_m = neph_vec3_length(neph_vec3_sub(key->look_at_m, key->position_m));
     return isfinite(nearest_m) ? fmax(view_m, nearest_m) : view_m;
 }
@@ -39,12 +40,12 @@ static double limit_speed(double speed_m_per_s)
     return fmin(speed_max_m_per_s, fmax(speed_min_m_per_s, speed_m_per_s));
 }
 
-struct neph_fly_camera neph_fly_camera_of(const struct neph_scene *scene)
+struct neph_fly_camera neph_fly_camera_from_scene(const struct neph_scene *scene)
 {
     const struct neph_camera_key *key = &scene->camera_keys[0];
     return (struct neph_fly_camera){
         .key = {.position_m = key->position_m, .look_at_m = key->look_at_m},
-        .speed_m_per_s = limit_speed(reach_of(scene, key) / crossing_s),
+        .speed_m_per_s = limit_speed(choose_travel_distance_m(scene, key) / crossing_s),
     };
 }
 
@@ -75,7 +76,7 @@ static bool is_far(struct neph_vec3 point_m)
     return fmax(fabs(point_m.x), fmax(fabs(point_m.y), fabs(point_m.z))) > far_m;
 }
 
-static bool may_stand(const struct neph_scene *scene, const struct neph_camera_key *key)
+static bool is_position_allowed(const struct neph_scene *scene, const struct neph_camera_key *key)
 {
     for (int i = 0; i < scene->solid_count; i++)
         if (neph_solid_contains(&scene->solids[i], key->position_m))
@@ -117,11 +118,11 @@ void neph_fly_camera_move(struct neph_fly_camera *camera, const struct neph_scen
     camera->speed_m_per_s = limit_speed(camera->speed_m_per_s * motion->speed_factor);
     if (motion->turn_right_rad != 0.0 || motion->turn_up_rad != 0.0)
         key = turned(&key, scene->camera_up, motion);
-    if (may_stand(scene, &key))
+    if (is_position_allowed(scene, &key))
         camera->key = key;
     if (motion->right != 0.0 || motion->up != 0.0 || motion->forward != 0.0)
         key = moved(&camera->key, scene->camera_up, motion, camera->speed_m_per_s);
-    if (may_stand(scene, &key))
+    if (is_position_allowed(scene, &key))
         camera->key = key;
 }
 

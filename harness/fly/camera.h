@@ -26,7 +26,7 @@ struct neph_fly_camera {
 /* The camera of the scene's frame 0, bit for bit until it is moved. Its speed covers in two seconds
  * the distance to the look-at point or, if that is farther, to the nearest medium with finite
  * bounds; inside a medium the shortest side of its bounds counts. */
-struct neph_fly_camera neph_fly_camera_of(const struct neph_scene *scene);
+struct neph_fly_camera neph_fly_camera_from_scene(const struct neph_scene *scene);
 
 /* Move the camera. Its keys stay valid in a scene file: it never looks straight up or down, stays
  * within 1e6 m, and does not enter solids. A step that breaks one of these rules is not made. */

@@ -150,19 +150,19 @@ const uint8_t *neph_font_glyph(char letter)
 /* ---- text ------------------------------------------------------------------------------------ */
 
 /* Side of a font dot, in pixels. */
-static int dot_of(const struct neph_canvas *canvas)
+static int dot_size_px(const struct neph_canvas *canvas)
 {
     return 1 + canvas->width_px / WIDTH_OF_LARGE_TEXT_PX;
 }
 
 int neph_canvas_line_px(const struct neph_canvas *canvas)
 {
-    return dot_of(canvas) * (NEPH_GLYPH_HEIGHT + 2 * MARGIN_DOTS);
+    return dot_size_px(canvas) * (NEPH_GLYPH_HEIGHT + 2 * MARGIN_DOTS);
 }
 
 int neph_canvas_column_px(const struct neph_canvas *canvas)
 {
-    return dot_of(canvas) * (NEPH_GLYPH_WIDTH + 1);
+    return dot_size_px(canvas) * (NEPH_GLYPH_WIDTH + 1);
 }
 
 static void darken(struct neph_canvas *canvas, int top, int width_px)
@@ -176,7 +176,7 @@ static void darken(struct neph_canvas *canvas, int top, int width_px)
 
 static void put_dot(struct neph_canvas *canvas, int left, int top, const uint8_t rgb[3])
 {
-    const int side = dot_of(canvas);
+    const int side = dot_size_px(canvas);
     for (int y = top; y < top + side; y++)
         for (int x = left; x < left + side; x++)
             memcpy(pixel_at(canvas, x, y), rgb, 3);
@@ -186,7 +186,7 @@ static void put_letter(struct neph_canvas *canvas, int left, int top, const uint
                        char letter)
 {
     const uint8_t *rows = neph_font_glyph(letter);
-    const int dot = dot_of(canvas);
+    const int dot = dot_size_px(canvas);
     for (int y = 0; y < NEPH_GLYPH_HEIGHT; y++)
         for (int x = 0; x < NEPH_GLYPH_WIDTH; x++)
             if (rows[y] >> (NEPH_GLYPH_WIDTH - 1 - x) & 1)
@@ -196,7 +196,7 @@ static void put_letter(struct neph_canvas *canvas, int left, int top, const uint
 void neph_canvas_text(struct neph_canvas *canvas, int line, const uint8_t rgb[3], const char *text)
 {
     const int line_px = neph_canvas_line_px(canvas), column_px = neph_canvas_column_px(canvas);
-    const int margin_px = MARGIN_DOTS * dot_of(canvas);
+    const int margin_px = MARGIN_DOTS * dot_size_px(canvas);
     const int top = line < 0 ? canvas->height_px + line * line_px : line * line_px;
     const int most = (canvas->width_px - 2 * margin_px) / column_px;
     const int length = (int)strnlen(text, (size_t)most);

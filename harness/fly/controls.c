@@ -14,7 +14,7 @@ static const char ways[NEPH_FLY_WAYS] = {'d', 'a', 'e', 'q', 'w', 's'};
 /* The digit keys choose presets. */
 static const struct {
     int key;
-    struct neph_fly_order order;
+    struct neph_fly_command_event order;
 } commands[] = {
     {'m', {NEPH_FLY_MARCH, 0}},
     {'r', {NEPH_FLY_REALTIME, 0}},
@@ -54,7 +54,7 @@ const struct neph_fly_help neph_fly_help[] = {
     {0},
 };
 
-static void give(struct neph_controls *controls, struct neph_fly_order order)
+static void give(struct neph_controls *controls, struct neph_fly_command_event order)
 {
     if (controls->order_count < NEPH_FLY_ORDERS_MAX)
         controls->orders[controls->order_count++] = order;
@@ -90,13 +90,13 @@ static void move_mouse(struct neph_controls *controls, const struct neph_fly_eve
         controls->split_share = fmin(1.0, fmax(0.0, event->x_share));
 }
 
-void neph_controls_take(struct neph_controls *controls, const struct neph_fly_event *event)
+void neph_controls_add_event(struct neph_controls *controls, const struct neph_fly_event *event)
 {
     switch (event->kind) {
     case NEPH_FLY_KEY_DOWN:
         hold(controls, event->key, true);
         if (event->key >= '0' && event->key <= '9')
-            give(controls, (struct neph_fly_order){NEPH_FLY_PRESET, event->key - '0'});
+            give(controls, (struct neph_fly_command_event){NEPH_FLY_PRESET, event->key - '0'});
         for (size_t i = 0; i < sizeof(commands) / sizeof(commands[0]); i++)
             if (commands[i].key == event->key)
                 give(controls, commands[i].order);
@@ -119,24 +119,24 @@ void neph_controls_take(struct neph_controls *controls, const struct neph_fly_ev
         controls->is_fast = controls->turns = controls->drags = false;
         break;
     case NEPH_FLY_CLOSED:
-        give(controls, (struct neph_fly_order){NEPH_FLY_LEAVE, 0});
+        give(controls, (struct neph_fly_command_event){NEPH_FLY_LEAVE, 0});
         break;
     }
 }
 
-struct neph_fly_order neph_controls_next(struct neph_controls *controls)
+struct neph_fly_command_event neph_controls_take_command(struct neph_controls *controls)
 {
     if (controls->order_count == 0)
-        return (struct neph_fly_order){NEPH_FLY_NOTHING, 0};
-    const struct neph_fly_order order = controls->orders[0];
+        return (struct neph_fly_command_event){NEPH_FLY_NOTHING, 0};
+    const struct neph_fly_command_event order = controls->orders[0];
     controls->order_count--;
     memmove(controls->orders, controls->orders + 1,
             (size_t)controls->order_count * sizeof(controls->orders[0]));
     return order;
 }
 
-struct neph_fly_motion neph_controls_motion(struct neph_controls *controls, double time_s,
-                                            double vertical_fov_rad)
+struct neph_fly_motion neph_controls_read_motion(struct neph_controls *controls, double time_s,
+                                                 double vertical_fov_rad)
 {
     const bool *held = controls->held;
     const double factor = controls->is_fast ? fast_factor : 1.0;

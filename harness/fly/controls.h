@@ -37,7 +37,7 @@ struct neph_fly_help {
 };
 extern const struct neph_fly_help neph_fly_help[];
 
-struct neph_fly_order {
+struct neph_fly_command_event {
     enum neph_fly_command command;
     int number;
 };
@@ -51,20 +51,20 @@ struct neph_controls {
     double turn_right_share, turn_up_share; /* in window heights, since the last motion */
     double wheel;                           /* notches since the last motion */
     double split_share;                     /* in window widths: position of the split line */
-    struct neph_fly_order orders[NEPH_FLY_ORDERS_MAX];
+    struct neph_fly_command_event orders[NEPH_FLY_ORDERS_MAX];
     int order_count;
 };
 
 /* Take an event. Commands beyond NEPH_FLY_ORDERS_MAX between two frames are dropped. */
-void neph_controls_take(struct neph_controls *controls, const struct neph_fly_event *event);
+void neph_controls_add_event(struct neph_controls *controls, const struct neph_fly_event *event);
 
 /* Remove and return the oldest command; NEPH_FLY_NOTHING: there is none. */
-struct neph_fly_order neph_controls_next(struct neph_controls *controls);
+struct neph_fly_command_event neph_controls_take_command(struct neph_controls *controls);
 
 /* The motion since the last call, from pressed keys and mouse motion. A mouse motion of one window
  * height turns the camera by its vertical field of view, so the point under the pointer stays
  * there. */
-struct neph_fly_motion neph_controls_motion(struct neph_controls *controls, double time_s,
-                                            double vertical_fov_rad);
+struct neph_fly_motion neph_controls_read_motion(struct neph_controls *controls, double time_s,
+                                                 double vertical_fov_rad);
 
 #endif

@@ -18,7 +18,7 @@ struct neph_encoder {
 };
 
 /* Decode the sRGB curve. */
-static double linear_of(double encoded)
+static double decode_srgb_value(double encoded)
 {
     return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);
 }
@@ -31,7 +31,7 @@ enum neph_status neph_encoder_create(struct neph_encoder **encoder, struct neph_
     made->border[0] = -INFINITY;
     made->border[CODE_MAX + 1] = INFINITY;
     for (int code = 1; code <= CODE_MAX; code++)
-        made->border[code] = (float)linear_of((code - 0.5) / CODE_MAX);
+        made->border[code] = (float)decode_srgb_value((code - 0.5) / CODE_MAX);
     int code = 0;
     for (uint32_t bucket = 0; bucket < BUCKET_COUNT; bucket++) {
         const uint32_t bits = bucket << BUCKET_SHIFT;
@@ -50,7 +50,7 @@ void neph_encoder_destroy(struct neph_encoder *encoder)
     free(encoder);
 }
 
-static uint8_t code_of(const struct neph_encoder *encoder, float value)
+static uint8_t encode_srgb_value(const struct neph_encoder *encoder, float value)
 {
     uint32_t bits;
     if (!(value > 0.0f))
@@ -79,7 +79,7 @@ static void encode_pixel(const struct work *work, size_t pixel)
     bool has_nan = false;
     for (int c = 0; c < 3; c++) {
         has_nan |= isnan(work->rgb[c][pixel]);
-        out[c] = code_of(work->encoder, work->gain * work->rgb[c][pixel]);
+        out[c] = encode_srgb_value(work->encoder, work->gain * work->rgb[c][pixel]);
     }
     if (has_nan)
         memcpy(out, magenta, sizeof(magenta));

@@ -61,7 +61,7 @@ struct fly {
     struct neph_diag why_unwritten;
 };
 
-static const struct neph_scene *scene_of(const struct fly *fly)
+static const struct neph_scene *flown_scene(const struct fly *fly)
 {
     return fly->params->studio.scene;
 }
@@ -74,10 +74,10 @@ static void notice(struct fly *fly, const char *what, const char *text)
     fly->notice_frames = NOTICE_FRAMES;
 }
 
-static void retitle(struct fly *fly)
+static void set_window_title(struct fly *fly)
 {
     char title[NOTICE_SIZE];
-    snprintf(title, sizeof(title), "neph fly %s: %s", scene_of(fly)->name,
+    snprintf(title, sizeof(title), "neph fly %s: %s", flown_scene(fly)->name,
              neph_studio_name(fly->studio));
     neph_window_set_title(fly->window, title);
 }
@@ -106,7 +106,7 @@ static void end_recording(struct fly *fly)
     const char *file = NULL;
     if (fly->records && fly->path.frame_count > 0) {
         const enum neph_status status = neph_fly_path_write(
-            &fly->path, scene_of(fly), fly->params->folder, &arena, &file, &diag);
+            &fly->path, flown_scene(fly), fly->params->folder, &arena, &file, &diag);
         note_file(fly, file, status, &diag);
     }
     fly->records = false;
@@ -136,9 +136,9 @@ static void take_screenshot(struct fly *fly)
     struct neph_diag diag = {.line = 0};
     struct neph_arena arena = {0};
     const struct neph_view *view = &fly->view;
-    const char *stem = neph_fly_free_name(fly->params->folder,
-                                          neph_arena_format(&arena, "%s_fly", scene_of(fly)->name),
-                                          suffixes, &arena);
+    const char *stem = neph_fly_free_name(
+        fly->params->folder, neph_arena_format(&arena, "%s_fly", flown_scene(fly)->name), suffixes,
+        &arena);
     const char *exr = neph_arena_format(&arena, "%s.exr", stem);
     const char *png = neph_arena_format(&arena, "%s.png", stem);
     enum neph_status status = neph_arena_check(&arena, &diag);
@@ -156,7 +156,8 @@ static void take_screenshot(struct fly *fly)
 
 /* Finish a change of engine or preset. If the new one cannot render the scene, a notice says so and
  * the old one stays. */
-static enum neph_status settle(struct fly *fly, enum neph_status status, struct neph_diag *diag)
+static enum neph_status finish_engine_change(struct fly *fly, enum neph_status status,
+                                             struct neph_diag *diag)
 {
     if (status == NEPH_ERR_UNSUPPORTED || status == NEPH_ERR_USAGE) {
         notice(fly, "", diag->message);
@@ -165,7 +166,7 @@ static enum neph_status settle(struct fly *fly, enum neph_status status, struct 
     fly->passes.count = 0;
     neph_view_forget(&fly->view);
     if (!status)
-        retitle(fly);
+        set_window_title(fly);
     return status;
 }
 
@@ -174,7 +175,8 @@ static enum neph_status choose_preset(struct fly *fly, int number, struct neph_d
     const struct neph_preset *presets = neph_engine_realtime.presets;
     for (int i = 0; presets[i].name; i++)
         if (i == number)
-            return settle(fly, neph_studio_choose_preset(fly->studio, presets[i].name, diag), diag);
+            return finish_engine_change(
+                fly, neph_studio_choose_preset(fly->studio, presets[i].name, diag), diag);
     return NEPH_OK;
 }
 
@@ -185,7 +187,7 @@ static void show(struct fly *fly, enum neph_view_kind kind)
     neph_view_forget(&fly->view);
 }
 
-static void expose(struct fly *fly, double step_ev)
+static void change_exposure(struct fly *fly, double step_ev)
 {
     const double exposure_ev = fly->view.exposure_ev + step_ev;
     fly->view.exposure_ev = fmin(exposure_max_ev, fmax(-exposure_max_ev, exposure_ev));
@@ -208,16 +210,17 @@ static void capture(struct fly *fly)
     neph_window_capture(fly->window, fly->controls.is_captured);
 }
 
-static enum neph_status obey(struct fly *fly, struct neph_fly_order order, struct neph_diag *diag)
+static enum neph_status execute_command(struct fly *fly, struct neph_fly_command_event order,
+                                        struct neph_diag *diag)
 {
     switch (order.command) {
     case NEPH_FLY_PRESET:
         return choose_preset(fly, order.number, diag);
     case NEPH_FLY_MARCH:
     case NEPH_FLY_REALTIME:
-        return settle(fly,
-                      neph_studio_choose_march(fly->studio, order.command == NEPH_FLY_MARCH, diag),
-                      diag);
+        return finish_engine_change(
+            fly, neph_studio_choose_march(fly->studio, order.command == NEPH_FLY_MARCH, diag),
+            diag);
     case NEPH_FLY_WIPE:
         show(fly, NEPH_VIEW_WIPE);
         break;
@@ -229,13 +232,14 @@ static enum neph_status obey(struct fly *fly, struct neph_fly_order order, struc
         break;
     case NEPH_FLY_DARKER:
     case NEPH_FLY_BRIGHTER:
-        expose(fly, order.command == NEPH_FLY_DARKER ? -exposure_step_ev : exposure_step_ev);
+        change_exposure(fly,
+                        order.command == NEPH_FLY_DARKER ? -exposure_step_ev : exposure_step_ev);
         break;
     case NEPH_FLY_PAUSE:
         pause_time(fly);
         break;
     case NEPH_FLY_HOME:
-        fly->camera.key = neph_fly_camera_of(scene_of(fly)).key;
+        fly->camera.key = neph_fly_camera_from_scene(flown_scene(fly)).key;
         break;
     case NEPH_FLY_RECORD:
         record(fly);
@@ -275,22 +279,23 @@ static void press_scripted_keys(struct fly *fly)
         neph_window_push_key(fly->window, strokes.down, true);
 }
 
-static enum neph_status follow_orders(struct fly *fly, struct neph_diag *diag)
+static enum neph_status run_pending_commands(struct fly *fly, struct neph_diag *diag)
 {
     struct neph_fly_event event;
     enum neph_status status = NEPH_OK;
     press_scripted_keys(fly);
     while (neph_window_next(fly->window, &event))
-        neph_controls_take(&fly->controls, &event);
-    for (struct neph_fly_order order = neph_controls_next(&fly->controls);
-         order.command != NEPH_FLY_NOTHING && !status; order = neph_controls_next(&fly->controls))
-        status = obey(fly, order, diag);
+        neph_controls_add_event(&fly->controls, &event);
+    for (struct neph_fly_command_event order = neph_controls_take_command(&fly->controls);
+         order.command != NEPH_FLY_NOTHING && !status;
+         order = neph_controls_take_command(&fly->controls))
+        status = execute_command(fly, order, diag);
     return status;
 }
 
 /* Time since the last frame [s], limited to step_max_s. Frame times include only frames that were
  * shown and followed by another frame. */
-static double tick(struct fly *fly)
+static double measure_frame_time(struct fly *fly)
 {
     const double now_s = neph_wall_s();
     if (fly->frame_count > 0) {
@@ -298,7 +303,8 @@ static double tick(struct fly *fly)
         neph_fly_times_add(&fly->frame_times, fly->frame_s);
     }
     fly->frame_start_s = now_s;
-    return fly->params->keys ? 1.0 / scene_of(fly)->frame_rate_hz : fmin(step_max_s, fly->frame_s);
+    return fly->params->keys ? 1.0 / flown_scene(fly)->frame_rate_hz
+                             : fmin(step_max_s, fly->frame_s);
 }
 
 /* Render; where the engine cannot render the new camera, return to the last one. */
@@ -336,7 +342,7 @@ static enum neph_status render(struct fly *fly, struct neph_diag *diag)
     fly->image = image;
     fly->render_s = cost.render_s;
     neph_fly_times_add(&fly->render_times, cost.render_s);
-    neph_fly_passes_take(&fly->passes, image);
+    neph_fly_passes_add_frame(&fly->passes, image);
     const bool rests = fly->frame_count > 0 && neph_fly_is_same_view(&fly->shown, &fly->camera.key);
     fly->shown = fly->camera.key;
     fly->view.split_share = fly->controls.split_share;
@@ -346,7 +352,7 @@ static enum neph_status render(struct fly *fly, struct neph_diag *diag)
 static enum neph_status present(struct fly *fly, struct neph_diag *diag)
 {
     const struct neph_overlay overlay = {
-        .scene = scene_of(fly)->name,
+        .scene = flown_scene(fly)->name,
         .engine = neph_studio_name(fly->studio),
         .view = &fly->view,
         .speed_m_per_s = fly->camera.speed_m_per_s,
@@ -367,7 +373,7 @@ static enum neph_status present(struct fly *fly, struct neph_diag *diag)
  * on a slow device would break the reprojection of the history. */
 static void pass_time(struct fly *fly, double time_s)
 {
-    const double frames = time_s * scene_of(fly)->frame_rate_hz;
+    const double frames = time_s * flown_scene(fly)->frame_rate_hz;
     if (!fly->is_paused)
         fly->scene_part += fly->params->keys ? 1.0 : fmin(1.0, frames);
     fly->is_scene_frame_new = fly->scene_part >= 1.0;
@@ -377,15 +383,15 @@ static void pass_time(struct fly *fly, double time_s)
 
 static enum neph_status next_frame(struct fly *fly, struct neph_diag *diag)
 {
-    const double time_s = tick(fly);
+    const double time_s = measure_frame_time(fly);
     if (fly->frame_count > 0)
         pass_time(fly, time_s);
-    enum neph_status status = follow_orders(fly, diag);
+    enum neph_status status = run_pending_commands(fly, diag);
     if (status || fly->leaves)
         return status;
-    const struct neph_fly_motion motion = neph_controls_motion(&fly->controls, time_s,
-                                                               scene_of(fly)->vertical_fov_rad);
-    neph_fly_camera_move(&fly->camera, scene_of(fly), &motion);
+    const struct neph_fly_motion motion = neph_controls_read_motion(
+        &fly->controls, time_s, flown_scene(fly)->vertical_fov_rad);
+    neph_fly_camera_move(&fly->camera, flown_scene(fly), &motion);
     status = render(fly, diag);
     if (!status)
         status = present(fly, diag);
@@ -435,7 +441,7 @@ static json_t *flicker_json(const struct neph_view *view)
                            view->a4.mean, "a4_share_1", view->a4.share_1);
 }
 
-static json_t *result_of(const struct fly *fly)
+static json_t *make_fly_result(const struct fly *fly)
 {
     const struct neph_job *job = neph_studio_job(fly->studio);
     const struct neph_vec3 position_m = fly->camera.key.position_m;
@@ -443,7 +449,7 @@ static json_t *result_of(const struct fly *fly)
     char *settings = neph_settings_text(job->engine, &job->shot.settings);
     json_t *result = json_pack(
         "{s:s, s:s, s:s, s:s, s:[i,i], s:i, s:o, s:o, s:{s:[f,f,f], s:[f,f,f]}, s:o, s:o, s:O}",
-        "scene", scene_of(fly)->name, "engine", neph_studio_name(fly->studio), "settings",
+        "scene", flown_scene(fly)->name, "engine", neph_studio_name(fly->studio), "settings",
         settings ? settings : "", "device", job->info->device, "size_px", fly->view.width_px,
         fly->view.height_px, "frames", fly->frame_count, "frame_median_s",
         neph_json_number(neph_fly_times_median_s(&fly->frame_times)), "render_median_s",
@@ -489,7 +495,7 @@ static enum neph_status open_all(struct fly *fly, struct neph_diag *diag)
     if (!status)
         status = neph_studio_open(studio, fly->params->preset, &fly->studio, diag);
     if (!status)
-        retitle(fly);
+        set_window_title(fly);
     return status;
 }
 
@@ -506,11 +512,11 @@ enum neph_status neph_fly(const struct neph_fly_params *params, json_t **result,
     status = open_all(fly, diag);
     if (!status) {
         fly->controls.split_share = 0.5;
-        fly->camera = neph_fly_camera_of(scene_of(fly));
-        fly->view.exposure_ev = neph_scene_display(scene_of(fly))->exposure_ev;
+        fly->camera = neph_fly_camera_from_scene(flown_scene(fly));
+        fly->view.exposure_ev = neph_scene_display(flown_scene(fly))->exposure_ev;
         fly->files = json_array();
         status = loop(fly, diag);
-        *result = result_of(fly);
+        *result = make_fly_result(fly);
     }
     destroy(fly);
     return status;

@@ -12,8 +12,9 @@
 
 /* ---- error ----------------------------------------------------------------------------------- */
 
-static enum neph_status planes_of(const struct neph_image *image, const struct neph_image *like,
-                                  float *planes[3], struct neph_diag *diag)
+static enum neph_status find_radiance_planes(const struct neph_image *image,
+                                             const struct neph_image *like, float *planes[3],
+                                             struct neph_diag *diag)
 {
     if (image->width_px != like->width_px || image->height_px != like->height_px)
         return neph_fail(diag, NEPH_ERR_ENGINE, "frames of %dx%d and %dx%d", image->width_px,
@@ -30,16 +31,16 @@ enum neph_status neph_heat_error(const struct neph_image *reference, const struc
 {
     float *r[3], *t[3];
     const size_t count = neph_image_pixel_count(test);
-    enum neph_status status = planes_of(reference, test, r, diag);
+    enum neph_status status = find_radiance_planes(reference, test, r, diag);
     if (!status)
-        status = planes_of(test, reference, t, diag);
+        status = find_radiance_planes(test, reference, t, diag);
     if (!status)
         status = neph_display_difference((const float *const[]){r[0], r[1], r[2]},
                                          (const float *const[]){t[0], t[1], t[2]}, 3, count,
                                          white_share * exp2(-exposure_ev), rgb, diag);
     if (!status)
-        *error = neph_relative_error_of((const float *const[]){r[0], r[1], r[2]},
-                                        (const float *const[]){t[0], t[1], t[2]}, 3, count);
+        *error = neph_relative_error_compute((const float *const[]){r[0], r[1], r[2]},
+                                             (const float *const[]){t[0], t[1], t[2]}, 3, count);
     return status;
 }
 
@@ -87,10 +88,10 @@ enum neph_status neph_heat_flicker_create(int width_px, int height_px,
     made->columns = (width_px + made->step - 1) / made->step;
     made->rows = (height_px + made->step - 1) / made->step;
     made->padded = neph_flicker_padded(made->columns);
-    made->lumas = neph_arena_zeroed(&made->arena, NEPH_HEAT_FRAMES * frame_size(made),
-                                    sizeof(*made->lumas));
+    made->lumas = neph_arena_allocate(&made->arena, NEPH_HEAT_FRAMES * frame_size(made),
+                                      sizeof(*made->lumas));
     for (int c = 0; c < 3; c++)
-        made->gathered[c] = neph_arena_zeroed(&made->arena, (size_t)made->columns, sizeof(float));
+        made->gathered[c] = neph_arena_allocate(&made->arena, (size_t)made->columns, sizeof(float));
     if (made->arena.is_short) {
         neph_heat_flicker_destroy(made);
         return neph_fail_memory(diag);
@@ -104,7 +105,7 @@ void neph_heat_flicker_forget(struct neph_heat_flicker *flicker)
     flicker->frame_count = 0;
 }
 
-static double *row_of(const struct neph_heat_flicker *flicker, int frame, int row)
+static double *luma_row(const struct neph_heat_flicker *flicker, int frame, int row)
 {
     return flicker->lumas + (size_t)(frame % NEPH_HEAT_FRAMES) * frame_size(flicker) +
            (size_t)row * (size_t)flicker->padded;
@@ -118,7 +119,7 @@ static void add_row(struct neph_heat_flicker *flicker, float *const planes[3], i
             flicker->gathered[c][x] = planes[c][first + (size_t)(x * flicker->step)];
     neph_display_luma(
         (const float *const[]){flicker->gathered[0], flicker->gathered[1], flicker->gathered[2]},
-        (size_t)flicker->columns, gain, row_of(flicker, flicker->frame_count, row), NULL);
+        (size_t)flicker->columns, gain, luma_row(flicker, flicker->frame_count, row), NULL);
 }
 
 enum neph_status neph_heat_flicker_add(struct neph_heat_flicker *flicker,
@@ -127,7 +128,7 @@ enum neph_status neph_heat_flicker_add(struct neph_heat_flicker *flicker,
 {
     float *planes[3];
     const struct neph_image like = {.width_px = flicker->width_px, .height_px = flicker->height_px};
-    const enum neph_status status = planes_of(frame, &like, planes, diag);
+    const enum neph_status status = find_radiance_planes(frame, &like, planes, diag);
     if (status)
         return status;
     for (int row = 0; row < flicker->rows; row++)
@@ -142,10 +143,10 @@ static void add_up_row(const struct neph_heat_flicker *flicker, int row, int fra
     struct neph_flicker_weights weights[CYCLES_MAX];
     const int first = flicker->frame_count - frame_count;
     for (int frame = 0; frame < frame_count; frame++)
-        memcpy(rows[frame], row_of(flicker, first + frame, row),
+        memcpy(rows[frame], luma_row(flicker, first + frame, row),
                (size_t)flicker->padded * sizeof(double));
     for (int cycle = 0; cycle < frame_count / NEPH_FLICKER_CYCLE; cycle++)
-        weights[cycle] = neph_flicker_weights_of(cycle * NEPH_FLICKER_CYCLE, frame_count);
+        weights[cycle] = neph_flicker_weights_make(cycle * NEPH_FLICKER_CYCLE, frame_count);
     for (int frame = frame_count - 1; frame >= 0; frame--) /* the sums are of differences to the
                                                             * oldest frame */
         for (int x = 0; x < flicker->padded; x++)
@@ -160,7 +161,7 @@ static bool add_up(const struct neph_heat_flicker *flicker, int frame_count,
 {
     double *rows[NEPH_HEAT_FRAMES];
     for (int frame = 0; frame < NEPH_HEAT_FRAMES; frame++)
-        rows[frame] = neph_arena_zeroed(arena, (size_t)flicker->padded, sizeof(**rows));
+        rows[frame] = neph_arena_allocate(arena, (size_t)flicker->padded, sizeof(**rows));
     if (neph_flicker_sums_begin(sums, flicker->columns, flicker->rows, NEPH_FLICKER_VARIANCE_COUNT,
                                 arena, NULL) != NEPH_OK)
         return false;
@@ -173,14 +174,15 @@ static bool add_up(const struct neph_heat_flicker *flicker, int frame_count,
 static void find_a4(const struct neph_heat_flicker *flicker, const struct neph_flicker_sums *sums,
                     struct neph_heat_a4 *a4, float *map)
 {
-    const struct neph_flicker_window window = neph_flicker_window_of(a4->frame_count, true, false);
+    const struct neph_flicker_window window = neph_flicker_window_make(a4->frame_count, true,
+                                                                       false);
     double sum = 0.0;
     int above = 0;
     for (int row = 0; row < flicker->rows; row++)
         for (int x = 0; x < flicker->columns; x++) {
             double values[NEPH_FLICKER_SUM_COUNT];
-            neph_flicker_sums_of(sums, x, row, values);
-            const double amplitude = neph_flicker_spectrum_of(&window, values).a4;
+            neph_flicker_sums_read(sums, x, row, values);
+            const double amplitude = neph_flicker_spectrum_compute(&window, values).a4;
             map[row * flicker->columns + x] = (float)amplitude;
             sum += amplitude;
             above += amplitude > 1.0 / 255.0;
@@ -202,8 +204,8 @@ static bool draw(const struct neph_heat_flicker *flicker, const struct neph_flic
 {
     static const double scale = 16.0 / 255.0; /* the scale of the metric's own map */
     const size_t count = (size_t)flicker->rows * (size_t)flicker->columns;
-    float *map = neph_arena_zeroed(arena, count, sizeof(*map));
-    uint8_t *small = neph_arena_zeroed(arena, count, 3);
+    float *map = neph_arena_allocate(arena, count, sizeof(*map));
+    uint8_t *small = neph_arena_allocate(arena, count, 3);
     if (map && small)
         find_a4(flicker, sums, a4, map);
     const bool drawn = map && small &&

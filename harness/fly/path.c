@@ -41,8 +41,8 @@ const char *neph_fly_free_name(const char *folder, const char *name, const char 
 }
 
 /* The scene of a path: the original with the camera, name and title replaced. */
-static struct neph_scene scene_of(const struct neph_fly_path *path, const struct neph_scene *scene,
-                                  char *name, char *title)
+static struct neph_scene make_path_scene(const struct neph_fly_path *path,
+                                         const struct neph_scene *scene, char *name, char *title)
 {
     struct neph_scene made = *scene;
     made.name = name;
@@ -62,7 +62,7 @@ static enum neph_status write_as(const struct neph_fly_path *path, const struct 
     snprintf(name, sizeof(name), "%s", slash + 1);
     neph_text_format(title, sizeof(title) - (sizeof(title_end) - 1), "%s", scene->title);
     strcat(title, title_end);
-    const struct neph_scene made = scene_of(path, scene, name, title);
+    const struct neph_scene made = make_path_scene(path, scene, name, title);
     enum neph_status status = neph_scene_camera_text(&made, &text, diag);
     if (!status)
         status = neph_file_write(file, text, strlen(text), diag);

@@ -21,7 +21,7 @@ struct word {
 };
 
 /* The key that a word starts with; `*size`: bytes of its name. */
-static int key_of(const char *text, size_t *size)
+static int parse_key_name(const char *text, size_t *size)
 {
     for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
         *size = strlen(names[i].name);
@@ -38,7 +38,7 @@ static const char *skip_spaces(const char *text)
 }
 
 /* The number from a '*' up to `end`; 0: not a number. */
-static int count_of(const char *text, const char *end)
+static int parse_repeat_count(const char *text, const char *end)
 {
     char *rest;
     const long count = isdigit((unsigned char)*text) ? strtol(text, &rest, 10) : 0;
@@ -50,11 +50,11 @@ static bool read_word(const char **text, struct word *word)
 {
     const char *end = *text + strcspn(*text, " \t\n");
     size_t size;
-    word->key = key_of(*text, &size);
+    word->key = parse_key_name(*text, &size);
     const char *behind = *text + size;
     if (behind != end && *behind != '*')
         return false;
-    word->frame_count = behind == end ? 1 : count_of(behind + 1, end);
+    word->frame_count = behind == end ? 1 : parse_repeat_count(behind + 1, end);
     *text = skip_spaces(end);
     return word->frame_count > 0;
 }

@@ -13,7 +13,7 @@
 enum { REST_FRAMES = 4 };
 
 /* A job with the description of its engine. */
-struct seat {
+struct studio_job {
     struct neph_job job;
     struct neph_engine_info info;
 };
@@ -22,12 +22,12 @@ struct neph_studio {
     struct neph_studio_params params;
     struct neph_scene scene; /* borrows all but the camera key */
     struct neph_camera_key camera;
-    struct seat live;
+    struct studio_job live;
     struct neph_settings realtime; /* settings of the current preset */
     const char *preset;            /* NULL: the defaults */
     char name[64];
 
-    struct seat reference; /* job.engine NULL: not opened yet */
+    struct studio_job reference; /* job.engine NULL: not opened yet */
     struct neph_settings rays[NEPH_REFERENCE_RAYS_COUNT];
     struct neph_image *picture; /* last reference frame, or NULL; owned */
     int picture_rays_per_px;    /* of `picture` */
@@ -38,8 +38,8 @@ struct neph_studio {
 
 /* ---- the live renderer ----------------------------------------------------------------------- */
 
-static enum neph_status settings_of(const struct neph_studio *studio, const char *preset,
-                                    struct neph_settings *settings, struct neph_diag *diag)
+static enum neph_status make_preset_settings(const struct neph_studio *studio, const char *preset,
+                                             struct neph_settings *settings, struct neph_diag *diag)
 {
     const struct neph_engine *engine = &neph_engine_realtime;
     *settings = neph_settings_default(engine);
@@ -53,32 +53,32 @@ static enum neph_status settings_of(const struct neph_studio *studio, const char
 }
 
 /* A job of engine realtime, not opened. */
-static struct seat realtime_seat(const struct neph_studio *studio,
-                                 const struct neph_settings *settings)
+static struct studio_job make_realtime_job(const struct neph_studio *studio,
+                                           const struct neph_settings *settings)
 {
-    struct seat seat = {.job = {.engine = &neph_engine_realtime,
-                                .shot = {.scene = &studio->scene,
-                                         .settings = *settings,
-                                         .width_px = studio->params.width_px,
-                                         .height_px = studio->params.height_px,
-                                         .frame = studio->live.job.shot.frame,
-                                         .seed = studio->params.seed,
-                                         .layers = NEPH_LAYERS_ALL,
-                                         .device = studio->params.device}}};
-    return seat;
+    struct studio_job studio_job = {.job = {.engine = &neph_engine_realtime,
+                                            .shot = {.scene = &studio->scene,
+                                                     .settings = *settings,
+                                                     .width_px = studio->params.width_px,
+                                                     .height_px = studio->params.height_px,
+                                                     .frame = studio->live.job.shot.frame,
+                                                     .seed = studio->params.seed,
+                                                     .layers = NEPH_LAYERS_ALL,
+                                                     .device = studio->params.device}}};
+    return studio_job;
 }
 
 /* Open a job and replace the live one; after an error the live one stays. */
-static enum neph_status take_seat(struct neph_studio *studio, struct seat *seat,
-                                  struct neph_diag *diag)
+static enum neph_status replace_live_job(struct neph_studio *studio, struct studio_job *studio_job,
+                                         struct neph_diag *diag)
 {
-    seat->job.info = &seat->info;
-    const enum neph_status status = neph_job_open(&seat->job, diag);
+    studio_job->job.info = &studio_job->info;
+    const enum neph_status status = neph_job_open(&studio_job->job, diag);
     if (status)
-        return neph_job_explain(&seat->job, status, diag);
+        return neph_job_explain(&studio_job->job, status, diag);
     if (studio->live.job.engine)
         neph_job_close(&studio->live.job);
-    studio->live = *seat;
+    studio->live = *studio_job;
     studio->live.job.info = &studio->live.info;
     return NEPH_OK;
 }
@@ -96,12 +96,12 @@ enum neph_status neph_studio_choose_preset(struct neph_studio *studio, const cha
                                            struct neph_diag *diag)
 {
     struct neph_settings settings;
-    enum neph_status status = settings_of(studio, preset, &settings, diag);
+    enum neph_status status = make_preset_settings(studio, preset, &settings, diag);
     if (status)
         return status;
-    struct seat seat = realtime_seat(studio, &settings);
-    neph_engine_probe(seat.job.engine, seat.job.shot.device, &seat.info);
-    status = take_seat(studio, &seat, diag);
+    struct studio_job studio_job = make_realtime_job(studio, &settings);
+    neph_engine_probe(studio_job.job.engine, studio_job.job.shot.device, &studio_job.info);
+    status = replace_live_job(studio, &studio_job, diag);
     if (status)
         return status;
     forget_reference(studio);
@@ -114,24 +114,25 @@ enum neph_status neph_studio_choose_preset(struct neph_studio *studio, const cha
 
 /* A job of the ray marcher with the same model: the reference of realtime with its current
  * settings. */
-static enum neph_status march_seat(const struct neph_studio *studio, enum neph_reference_rays rays,
-                                   struct seat *seat, struct neph_diag *diag)
+static enum neph_status make_march_job(const struct neph_studio *studio,
+                                       enum neph_reference_rays rays, struct studio_job *studio_job,
+                                       struct neph_diag *diag)
 {
-    const struct seat test = realtime_seat(studio, &studio->realtime);
-    return neph_reference_job(&test.job, rays, &seat->info, &seat->job, diag);
+    const struct studio_job test = make_realtime_job(studio, &studio->realtime);
+    return neph_reference_job(&test.job, rays, &studio_job->info, &studio_job->job, diag);
 }
 
 enum neph_status neph_studio_choose_march(struct neph_studio *studio, bool is_march,
                                           struct neph_diag *diag)
 {
-    struct seat seat;
+    struct studio_job studio_job;
     if (!is_march)
         return neph_studio_choose_preset(studio, studio->preset, diag);
-    enum neph_status status = march_seat(studio, NEPH_REFERENCE_CENTRE, &seat, diag);
+    enum neph_status status = make_march_job(studio, NEPH_REFERENCE_CENTRE, &studio_job, diag);
     if (!status)
-        status = take_seat(studio, &seat, diag);
+        status = replace_live_job(studio, &studio_job, diag);
     if (!status)
-        snprintf(studio->name, sizeof(studio->name), "%s", seat.job.engine->name);
+        snprintf(studio->name, sizeof(studio->name), "%s", studio_job.job.engine->name);
     return status;
 }
 
@@ -195,8 +196,8 @@ enum neph_status neph_studio_render(struct neph_studio *studio,
                                     struct neph_diag *diag)
 {
     const bool is_same = neph_fly_is_same_view(&studio->camera, camera) &&
-                         neph_scene_is_same_moment(&studio->scene, studio->live.job.shot.frame,
-                                                   frame);
+                         neph_scene_are_frames_equal(&studio->scene, studio->live.job.shot.frame,
+                                                     frame);
     studio->same_count = is_same ? studio->same_count + 1 : 0;
     studio->camera.position_m = camera->position_m;
     studio->camera.look_at_m = camera->look_at_m;
@@ -206,16 +207,16 @@ enum neph_status neph_studio_render(struct neph_studio *studio,
 
 static enum neph_status open_reference(struct neph_studio *studio, struct neph_diag *diag)
 {
-    struct seat seat;
+    struct studio_job studio_job;
     enum neph_status status = NEPH_OK;
     for (int rays = 0; rays < NEPH_REFERENCE_RAYS_COUNT && !status; rays++) {
-        status = march_seat(studio, (enum neph_reference_rays)rays, &seat, diag);
+        status = make_march_job(studio, (enum neph_reference_rays)rays, &studio_job, diag);
         if (!status)
-            studio->rays[rays] = seat.job.shot.settings;
+            studio->rays[rays] = studio_job.job.shot.settings;
     }
     if (status)
         return status;
-    studio->reference = seat;
+    studio->reference = studio_job;
     studio->reference.job.info = &studio->reference.info;
     status = neph_job_open(&studio->reference.job, diag);
     if (status)
@@ -229,8 +230,8 @@ static bool has_picture(const struct neph_studio *studio, int rays_per_px)
 {
     return studio->picture && studio->picture_rays_per_px >= rays_per_px &&
            neph_fly_is_same_view(&studio->picture_camera, &studio->camera) &&
-           neph_scene_is_same_moment(&studio->scene, studio->picture_frame,
-                                     studio->live.job.shot.frame);
+           neph_scene_are_frames_equal(&studio->scene, studio->picture_frame,
+                                       studio->live.job.shot.frame);
 }
 
 static enum neph_status take_picture(struct neph_studio *studio, enum neph_reference_rays rays,

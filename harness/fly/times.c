@@ -27,7 +27,7 @@ double neph_fly_times_median_s(const struct neph_fly_times *times)
 }
 
 /* The pass name in a statistic, "march" of "march_gpu_ms"; false: not the time of a pass. */
-static bool pass_of(const char *number, char name[NEPH_IMAGE_NAME_MAX])
+static bool parse_pass_name(const char *number, char name[NEPH_IMAGE_NAME_MAX])
 {
     const size_t length = strlen(number), end = sizeof(pass_end) - 1;
     if (length <= end || length >= NEPH_IMAGE_NAME_MAX || strcmp(number + length - end, pass_end))
@@ -56,12 +56,12 @@ static void mix(struct neph_fly_passes *passes, const char *name, double seconds
     passes->count++;
 }
 
-void neph_fly_passes_take(struct neph_fly_passes *passes, const struct neph_image *frame)
+void neph_fly_passes_add_frame(struct neph_fly_passes *passes, const struct neph_image *frame)
 {
     json_t *stats = neph_frame_stats(frame), *value;
     const char *key;
     char name[NEPH_IMAGE_NAME_MAX];
-    json_object_foreach(stats, key, value) if (pass_of(key, name))
+    json_object_foreach(stats, key, value) if (parse_pass_name(key, name))
         mix(passes, name, 1e-3 * json_number_value(value));
     json_decref(stats);
 }

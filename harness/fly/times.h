@@ -32,6 +32,6 @@ struct neph_fly_passes {
 };
 
 /* Read the times from a frame's attributes "neph.stats.NAME_gpu_ms". */
-void neph_fly_passes_take(struct neph_fly_passes *passes, const struct neph_image *frame);
+void neph_fly_passes_add_frame(struct neph_fly_passes *passes, const struct neph_image *frame);
 
 #endif

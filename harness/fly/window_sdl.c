@@ -181,7 +181,7 @@ static const struct {
     {SDLK_KP_MINUS, '-'},
 };
 
-static int key_of(SDL_Keycode code)
+static int convert_key_code(SDL_Keycode code)
 {
     for (size_t i = 0; i < sizeof(keys) / sizeof(keys[0]); i++)
         if (keys[i].sdl == code)
@@ -197,7 +197,7 @@ static SDL_Keycode code_of(int key)
     return key;
 }
 
-static enum neph_fly_button button_of(int button)
+static enum neph_fly_button convert_button(int button)
 {
     return button == SDL_BUTTON_LEFT    ? NEPH_FLY_BUTTON_LEFT
            : button == SDL_BUTTON_RIGHT ? NEPH_FLY_BUTTON_RIGHT
@@ -205,8 +205,8 @@ static enum neph_fly_button button_of(int button)
 }
 
 /* Convert a mouse event. The SDL renderer has already scaled the position to frame pixels. */
-static bool take_mouse(const struct neph_window *window, const SDL_Event *from,
-                       struct neph_fly_event *event)
+static bool convert_mouse_event(const struct neph_window *window, const SDL_Event *from,
+                                struct neph_fly_event *event)
 {
     const double width_px = window->width_px, height_px = window->height_px;
     if (from->type == SDL_MOUSEMOTION) {
@@ -222,7 +222,7 @@ static bool take_mouse(const struct neph_window *window, const SDL_Event *from,
     }
     *event = (struct neph_fly_event){
         .kind = from->type == SDL_MOUSEBUTTONDOWN ? NEPH_FLY_BUTTON_DOWN : NEPH_FLY_BUTTON_UP,
-        .button = button_of(from->button.button),
+        .button = convert_button(from->button.button),
         .x_share = from->button.x / width_px};
     return from->type == SDL_MOUSEBUTTONDOWN || from->type == SDL_MOUSEBUTTONUP;
 }
@@ -236,7 +236,7 @@ static bool take(const struct neph_window *window, const SDL_Event *from,
     case SDL_KEYUP:
         *event = (struct neph_fly_event){.kind = from->type == SDL_KEYDOWN ? NEPH_FLY_KEY_DOWN
                                                                            : NEPH_FLY_KEY_UP,
-                                         .key = key_of(from->key.keysym.sym)};
+                                         .key = convert_key_code(from->key.keysym.sym)};
         return from->key.repeat == 0;
     case SDL_QUIT:
         *event = (struct neph_fly_event){.kind = NEPH_FLY_CLOSED};
@@ -245,7 +245,7 @@ static bool take(const struct neph_window *window, const SDL_Event *from,
         *event = (struct neph_fly_event){.kind = NEPH_FLY_FOCUS_LOST};
         return from->window.event == SDL_WINDOWEVENT_FOCUS_LOST;
     default:
-        return take_mouse(window, from, event);
+        return convert_mouse_event(window, from, event);
     }
 }
 

@@ -37,8 +37,8 @@ struct work {
 
 /* ---- findings -------------------------------------------------------------------------------- */
 
-static void find(struct work *work, enum neph_found found, const char *series, const char *step,
-                 const char *words)
+static void report_finding(struct work *work, enum neph_found found, const char *series,
+                           const char *step, const char *words)
 {
     const struct neph_finding finding = neph_finding(found, series, step, words);
     neph_night_add_finding(work->comparison, &finding);
@@ -46,8 +46,9 @@ static void find(struct work *work, enum neph_found found, const char *series, c
 
 /* Add a finding that the page illustrates by the series `example` ("": none) and compares with the
  * run `accepted`. */
-static void find_by(struct work *work, enum neph_found found, const char *series, const char *step,
-                    const char *words, const char *example, int64_t accepted)
+static void report_finding_with_example(struct work *work, enum neph_found found,
+                                        const char *series, const char *step, const char *words,
+                                        const char *example, int64_t accepted)
 {
     struct neph_finding finding = neph_finding(found, series, step, words);
     finding.example = example;
@@ -55,8 +56,8 @@ static void find_by(struct work *work, enum neph_found found, const char *series
     neph_night_add_finding(work->comparison, &finding);
 }
 
-static void find_number(struct work *work, enum neph_found found, const struct candidate *c,
-                        const char *words, const struct neph_judgement *j)
+static void report_number(struct work *work, enum neph_found found, const struct candidate *c,
+                          const char *words, const struct neph_judgement *j)
 {
     struct neph_finding finding = neph_finding(found, c->name, c->step, words);
     finding.tonight = c->series.tonight;
@@ -72,8 +73,8 @@ static void find_number(struct work *work, enum neph_found found, const struct c
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-static enum neph_status accepted_night(struct work *work, const char *series, int64_t *night,
-                                       struct neph_diag *diag)
+static enum neph_status read_accepted_night(struct work *work, const char *series, int64_t *night,
+                                            struct neph_diag *diag)
 {
     return neph_accepted_night(work->index, work->comparison->night, work->against, series, night,
                                diag);
@@ -105,7 +106,7 @@ static void take_row(struct neph_arena *arena, const struct row *row, struct can
                    /* Engines of one version and device are one program. */
                    .family = neph_arena_format(arena, "%.*s", (int)strcspn(row->environment, ";"),
                                                row->environment),
-                   .kind = neph_series_kind_of(row->kind),
+                   .kind = neph_find_series_kind(row->kind),
                    .is_signed = metric->is_signed,
                    .unit = metric->unit,
                    .tonight = row->value,
@@ -123,7 +124,8 @@ static enum neph_status read_candidates(struct work *work, struct neph_diag *dia
         "ORDER BY name",
         "i", work->comparison->night);
     const struct row *list = rows.list;
-    work->candidates = neph_arena_zeroed(arena, (size_t)rows.count + 1, sizeof(*work->candidates));
+    work->candidates = neph_arena_allocate(arena, (size_t)rows.count + 1,
+                                           sizeof(*work->candidates));
     for (; work->candidates && work->count < rows.count; work->count++)
         take_row(arena, &list[work->count], &work->candidates[work->count]);
     return status ? status : neph_arena_check(arena, diag);
@@ -133,7 +135,7 @@ static enum neph_status read_candidates(struct work *work, struct neph_diag *dia
  * fixed number as drawn. */
 static void take_accepted_kind(struct candidate *c, const char *word)
 {
-    const enum neph_series_kind kind = neph_series_kind_of(word);
+    const enum neph_series_kind kind = neph_find_series_kind(word);
     if (!c->is_picture && kind < NEPH_SERIES_KINDS)
         c->series.kind = kind;
 }
@@ -153,9 +155,9 @@ static enum neph_status read_past(struct work *work, struct candidate *c, struct
     if (status)
         return status;
     const size_t count = (size_t)nights + 1;
-    c->past = neph_arena_zeroed(arena, count, sizeof(*c->past));
-    c->errors = neph_arena_zeroed(arena, count, sizeof(*c->errors));
-    c->aside = neph_arena_zeroed(arena, count, sizeof(*c->aside));
+    c->past = neph_arena_allocate(arena, count, sizeof(*c->past));
+    c->errors = neph_arena_allocate(arena, count, sizeof(*c->errors));
+    c->aside = neph_arena_allocate(arena, count, sizeof(*c->aside));
     if (!c->past || !c->errors || !c->aside)
         return neph_fail_memory(diag);
     struct neph_query *query = neph_query(
@@ -178,7 +180,7 @@ static enum neph_status read_past(struct work *work, struct candidate *c, struct
         if (at == 0) {
             c->was_measured = is_there;
             c->other_environment = is_there && !same
-                                       ? neph_arena_text(arena, neph_query_text(query, 2))
+                                       ? neph_arena_copy_text(arena, neph_query_text(query, 2))
                                        : NULL;
             c->aside[0] = false; /* accepted by the user, changed or not */
             c->other_value = neph_query_real(query, 0);
@@ -220,12 +222,12 @@ static enum neph_status check_against(struct work *work, struct neph_diag *diag)
 
 static enum neph_status read_all(struct work *work, struct neph_diag *diag)
 {
-    enum neph_status status = accepted_night(work, "*", &work->comparison->baseline, diag);
+    enum neph_status status = read_accepted_night(work, "*", &work->comparison->baseline, diag);
     if (!status)
         status = read_candidates(work, diag);
     for (int i = 0; i < work->count && !status; i++) {
         struct candidate *c = &work->candidates[i];
-        status = accepted_night(work, c->name, &c->accepted, diag);
+        status = read_accepted_night(work, c->name, &c->accepted, diag);
         if (!status && c->accepted > 0)
             status = read_past(work, c, diag);
         if (!status && c->accepted > 0)
@@ -236,7 +238,7 @@ static enum neph_status read_all(struct work *work, struct neph_diag *diag)
 
 /* ---- findings that are not about a number ---------------------------------------------------- */
 
-static enum neph_status find_failed_steps(struct work *work, struct neph_diag *diag)
+static enum neph_status report_failed_steps(struct work *work, struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->comparison->arena;
     struct neph_records rows;
@@ -247,12 +249,12 @@ static enum neph_status find_failed_steps(struct work *work, struct neph_diag *d
         "i", work->comparison->night);
     const struct neph_history_step *steps = rows.list;
     for (int i = 0; i < rows.count; i++)
-        find(work, NEPH_FOUND_STEP, steps[i].name, steps[i].name,
-             neph_arena_format(arena, "%s: %s", steps[i].outcome, steps[i].reason));
+        report_finding(work, NEPH_FOUND_STEP, steps[i].name, steps[i].name,
+                       neph_arena_format(arena, "%s: %s", steps[i].outcome, steps[i].reason));
     return status;
 }
 
-static const char *words_of_loss(struct neph_arena *arena, const struct neph_lost_series *lost)
+static const char *format_loss(struct neph_arena *arena, const struct neph_lost_series *lost)
 {
     switch (lost->loss) {
     case NEPH_LOSS_STEP:
@@ -271,12 +273,12 @@ static const char *words_of_loss(struct neph_arena *arena, const struct neph_los
         return neph_arena_format(arena, "the last %lld runs did not measure it",
                                  (long long)lost->nights);
     case NEPH_LOSS_EDITED:
-        break; /* reported once for the scene, by find_edits() */
+        break; /* reported once for the scene, by report_edited_scenes() */
     }
     return NULL;
 }
 
-static enum neph_status find_missing(struct work *work, struct neph_diag *diag)
+static enum neph_status report_missing_series(struct work *work, struct neph_diag *diag)
 {
     struct neph_night_comparison *comparison = work->comparison;
     struct neph_lost_list lost;
@@ -285,10 +287,11 @@ static enum neph_status find_missing(struct work *work, struct neph_diag *diag)
                                              work->scope, &comparison->arena, &lost, diag);
     for (int i = 0; i < lost.count && !status; i++) {
         const struct neph_lost_series *s = &lost.list[i];
-        const char *words = words_of_loss(&comparison->arena, s);
+        const char *words = format_loss(&comparison->arena, s);
         if (words)
-            find_by(work, s->loss == NEPH_LOSS_SERIES ? NEPH_FOUND_MISSING : NEPH_FOUND_LOST,
-                    s->name, s->step, words, s->name, s->accepted);
+            report_finding_with_example(
+                work, s->loss == NEPH_LOSS_SERIES ? NEPH_FOUND_MISSING : NEPH_FOUND_LOST, s->name,
+                s->step, words, s->name, s->accepted);
     }
     if (!status)
         status = neph_database_count(
@@ -301,7 +304,7 @@ static enum neph_status find_missing(struct work *work, struct neph_diag *diag)
 }
 
 /* The result of rendering the accepted version of an edited scene. */
-static const char *words_of_edit(const struct work *work, const struct neph_night_edit *edit)
+static const char *find_edit_text(const struct work *work, const struct neph_night_edit *edit)
 {
     for (int i = 0; work->scope && i < work->scope->edit_count; i++) {
         const struct neph_night_edit *done = &work->scope->edits[i];
@@ -311,7 +314,7 @@ static const char *words_of_edit(const struct work *work, const struct neph_nigh
     return "the accepted version was not rendered once more";
 }
 
-static enum neph_status find_edits(struct work *work, struct neph_diag *diag)
+static enum neph_status report_edited_scenes(struct work *work, struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->comparison->arena;
     struct neph_night_edit *edits = NULL;
@@ -319,10 +322,11 @@ static enum neph_status find_edits(struct work *work, struct neph_diag *diag)
     const enum neph_status status = neph_lost_edits(work->index, work->comparison->night,
                                                     work->against, arena, &edits, &count, diag);
     for (int i = 0; i < count && !status; i++)
-        find_by(work, NEPH_FOUND_EDITED, edits[i].before, edits[i].step,
-                neph_arena_format(arena, "its scene was edited, and %d numbers belong to %s: %s",
-                                  edits[i].count, edits[i].after, words_of_edit(work, &edits[i])),
-                "", edits[i].accepted);
+        report_finding_with_example(
+            work, NEPH_FOUND_EDITED, edits[i].before, edits[i].step,
+            neph_arena_format(arena, "its scene was edited, and %d numbers belong to %s: %s",
+                              edits[i].count, edits[i].after, find_edit_text(work, &edits[i])),
+            "", edits[i].accepted);
     return status;
 }
 
@@ -334,7 +338,7 @@ static enum neph_status are_terms_accepted(struct work *work, const char *step, 
 {
     int64_t night = 0, count = 0;
     const char *gates = neph_arena_format(&work->comparison->arena, "%s/all/gates failed", version);
-    enum neph_status status = accepted_night(work, gates, &night, diag);
+    enum neph_status status = read_accepted_night(work, gates, &night, diag);
     if (!status)
         status = neph_database_count(
             work->index, &count, diag,
@@ -346,7 +350,7 @@ static enum neph_status are_terms_accepted(struct work *work, const char *step, 
 
 /* Report changed terms: gates, exposure and the like are not in the scene's hash, so they start no
  * new series. */
-static enum neph_status find_terms(struct work *work, struct neph_diag *diag)
+static enum neph_status report_changed_terms(struct work *work, struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->comparison->arena;
     struct neph_records rows;
@@ -363,15 +367,16 @@ static enum neph_status find_terms(struct work *work, struct neph_diag *diag)
         bool accepted = false;
         status = are_terms_accepted(work, s->step, version, s->terms, &accepted, diag);
         if (!status && !accepted)
-            find_by(work, NEPH_FOUND_EDITED, version, s->step,
-                    "its gates, its exposure or its measurements over time were edited", "",
-                    work->comparison->baseline);
+            report_finding_with_example(
+                work, NEPH_FOUND_EDITED, version, s->step,
+                "its gates, its exposure or its measurements over time were edited", "",
+                work->comparison->baseline);
     }
     return status;
 }
 
 /* A changed size is reported once for each step. */
-static bool is_first_of_step(const struct work *work, int at)
+static bool is_first_in_step(const struct work *work, int at)
 {
     for (int i = 0; i < at; i++)
         if (work->candidates[i].other_size &&
@@ -380,20 +385,21 @@ static bool is_first_of_step(const struct work *work, int at)
     return true;
 }
 
-static void find_in_pictures(struct work *work)
+static void report_changed_frames(struct work *work)
 {
     for (int i = 0; i < work->count; i++) {
         const struct candidate *c = &work->candidates[i];
-        if (c->other_size && is_first_of_step(work, i))
-            find(work, NEPH_FOUND_SIZE, c->step, c->step,
-                 "its frames differ in size from the frames of the accepted run");
+        if (c->other_size && is_first_in_step(work, i))
+            report_finding(work, NEPH_FOUND_SIZE, c->step, c->step,
+                           "its frames differ in size from the frames of the accepted run");
         const double before = c->other_environment ? c->other_value : c->past ? c->past[0] : NAN;
         if (c->is_picture && c->series.past_count > 0 && before > 0.0 && !(c->series.tonight > 0.0))
-            find_by(work, NEPH_FOUND_BLANK, c->name, c->step,
-                    c->series.tonight < 0.0
-                        ? "it has pixels that are not numbers, and had none in the accepted run"
-                        : "all its pixels are equal, and they were not in the accepted run",
-                    c->name, c->accepted);
+            report_finding_with_example(
+                work, NEPH_FOUND_BLANK, c->name, c->step,
+                c->series.tonight < 0.0
+                    ? "it has pixels that are not numbers, and had none in the accepted run"
+                    : "all its pixels are equal, and they were not in the accepted run",
+                c->name, c->accepted);
     }
 }
 
@@ -401,8 +407,8 @@ static void find_in_pictures(struct work *work)
 
 /* "+3.00 %"; "+3.00 % of 0.001" when the baseline is smaller than its unit; "by 3.00 % further from
  * 0" for a signed number. */
-static const char *change_words(struct neph_arena *arena, const struct candidate *c,
-                                const struct neph_judgement *j)
+static const char *format_relative_change(struct neph_arena *arena, const struct candidate *c,
+                                          const struct neph_judgement *j)
 {
     const bool of_unit = c->series.kind != NEPH_SERIES_TIMED && fabs(j->baseline) < c->series.unit;
     const char *of = of_unit ? neph_arena_format(arena, " of %g", c->series.unit) : "";
@@ -413,20 +419,20 @@ static const char *change_words(struct neph_arena *arena, const struct candidate
                              nearer ? "nearer to" : "further from");
 }
 
-static const char *words_of(struct neph_arena *arena, const struct candidate *c,
-                            const struct neph_judgement *j)
+static const char *format_judgement(struct neph_arena *arena, const struct candidate *c,
+                                    const struct neph_judgement *j)
 {
     const char *unit = c->series.kind == NEPH_SERIES_TIMED ? " of the calibration" : "",
                *chance = j->p > 0.0 ? neph_arena_format(arena, ", p %.1g", j->p) : "";
     return neph_arena_format(arena, "%.6g%s, accepted %.6g: %s%s", c->series.tonight, unit,
-                             j->baseline, change_words(arena, c, j), chance);
+                             j->baseline, format_relative_change(arena, c, j), chance);
 }
 
 /* ---- another environment --------------------------------------------------------------------- */
 
 /* A number that is worse in another environment fails the run: a raised version must not hide a
  * regression. */
-static void compare_elsewhere(struct work *work, const struct candidate *c)
+static void compare_environments(struct work *work, const struct candidate *c)
 {
     struct neph_arena *arena = &work->comparison->arena;
     struct neph_judgement change;
@@ -435,42 +441,44 @@ static void compare_elsewhere(struct work *work, const struct candidate *c)
                                  c->other_environment, work->alpha, &change))
         return;
     const char *words = neph_arena_format(arena, "%s; another environment: %s, accepted was %s",
-                                          words_of(arena, c, &change), c->environment,
+                                          format_judgement(arena, c, &change), c->environment,
                                           c->other_environment);
     change.p = NAN;
-    find_number(work, NEPH_FOUND_WORSE_ELSEWHERE, c, words, &change);
+    report_number(work, NEPH_FOUND_WORSE_ELSEWHERE, c, words, &change);
 }
 
 /* Report a number that has not been comparable for more than neph_lost_after_nights runs. */
-static void find_overdue(struct work *work, const struct candidate *c)
+static void report_overdue(struct work *work, const struct candidate *c)
 {
     int last = c->series.past_count - 1;
     while (last > 0 && !isfinite(c->past[last]))
         last--;
     const int nights = c->series.past_count - last;
     if (c->other_environment && nights > neph_lost_after_nights)
-        find_by(work, NEPH_FOUND_LOST, c->name, c->step,
-                neph_arena_format(&work->comparison->arena,
-                                  "the last %d runs did not compare it: %s, accepted was %s",
-                                  nights, c->environment, c->other_environment),
-                c->name, c->accepted);
+        report_finding_with_example(
+            work, NEPH_FOUND_LOST, c->name, c->step,
+            neph_arena_format(&work->comparison->arena,
+                              "the last %d runs did not compare it: %s, accepted was %s", nights,
+                              c->environment, c->other_environment),
+            c->name, c->accepted);
 }
 
-static void look_elsewhere(struct work *work)
+static void compare_all_environments(struct work *work)
 {
     for (int i = 0; i < work->count; i++) {
         const struct candidate *c = &work->candidates[i];
         if (!c->other_environment || c->other_size)
             continue;
-        compare_elsewhere(work, c);
-        find_overdue(work, c);
+        compare_environments(work, c);
+        report_overdue(work, c);
     }
 }
 
 /* ---- numbers --------------------------------------------------------------------------------- */
 
 /* The reason why a number is not judged; NULL: it is judged. */
-static const char *why_not(struct neph_night_comparison *comparison, const struct candidate *c)
+static const char *explain_no_judgement(struct neph_night_comparison *comparison,
+                                        const struct candidate *c)
 {
     if (c->accepted == 0 || !c->was_measured) {
         comparison->fresh++;
@@ -503,13 +511,13 @@ static void take_judgement(struct work *work, const struct candidate *c,
                                      neph_series_rule(c->series.kind)->nights);
     }
     if (found_of[j->judged] != NEPH_FOUND_COUNT)
-        find_number(work, found_of[j->judged], c, words_of(&comparison->arena, c, j), j);
+        report_number(work, found_of[j->judged], c, format_judgement(&comparison->arena, c, j), j);
 }
 
 /* The scene with the largest change; the first one of equals. */
-static const struct neph_series *example_of(const struct neph_series *series, int count,
-                                            const struct neph_pool *pool,
-                                            const struct neph_verdicts *verdicts)
+static const struct neph_series *find_largest_change(const struct neph_series *series, int count,
+                                                     const struct neph_pool *pool,
+                                                     const struct neph_verdicts *verdicts)
 {
     int most = -1;
     for (int i = 0; i < count; i++)
@@ -525,7 +533,7 @@ static void take_pool(struct work *work, const struct neph_pool *pool,
 {
     struct neph_arena *arena = &work->comparison->arena;
     const struct neph_judgement *j = &pool->judgement;
-    const struct neph_series *example = example_of(series, count, pool, verdicts);
+    const struct neph_series *example = find_largest_change(series, count, pool, verdicts);
     struct neph_finding finding = neph_finding(
         found_of[j->judged],
         neph_arena_format(arena, "%s, %s, mean of %d scenes", pool->engine, pool->metric,
@@ -551,16 +559,17 @@ static void take_pools(struct work *work, const struct neph_series *series, int 
             take_pool(work, &verdicts->pools[i], series, count, verdicts);
     for (int i = 0; i < verdicts->stale_count; i++) {
         const struct neph_stale *stale = &verdicts->stale[i];
-        find(work, NEPH_FOUND_STALE, stale->truth, "",
-             neph_arena_format(
-                 arena,
-                 "%d of %d series against %s moved, of %d independent renderers: check %s first",
-                 stale->moved, stale->all, stale->truth, stale->families, stale->truth));
+        report_finding(
+            work, NEPH_FOUND_STALE, stale->truth, "",
+            neph_arena_format(
+                arena,
+                "%d of %d series against %s moved, of %d independent renderers: check %s first",
+                stale->moved, stale->all, stale->truth, stale->families, stale->truth));
     }
 }
 
 /* Report each changed environment once, with the number of its series. */
-static void find_environments(struct work *work)
+static void report_environments(struct work *work)
 {
     struct neph_arena *arena = &work->comparison->arena;
     for (int i = 0; i < work->count; i++) {
@@ -575,9 +584,9 @@ static void find_environments(struct work *work)
             all += same;
         }
         if (c->other_environment && before == 0)
-            find(work, NEPH_FOUND_ENVIRONMENT, c->environment, "",
-                 neph_arena_format(arena, "%d series are not compared: accepted was %s", all,
-                                   c->other_environment));
+            report_finding(work, NEPH_FOUND_ENVIRONMENT, c->environment, "",
+                           neph_arena_format(arena, "%d series are not compared: accepted was %s",
+                                             all, c->other_environment));
     }
 }
 
@@ -588,12 +597,12 @@ static int choose_judged(struct work *work, struct neph_series *series, int *row
     for (int i = 0; i < work->count; i++) {
         const struct candidate *c = &work->candidates[i];
         struct neph_compared *row = &work->comparison->series[i];
-        *row = (struct neph_compared){.series = c->name,
-                                      .step = c->step,
-                                      .why = c->is_picture ? "a picture"
-                                                           : why_not(work->comparison, c),
-                                      .tonight = c->series.tonight,
-                                      .judgement = {NEPH_JUDGED_NOT, NAN, NAN, NAN, NAN, 0}};
+        *row = (struct neph_compared){
+            .series = c->name,
+            .step = c->step,
+            .why = c->is_picture ? "a picture" : explain_no_judgement(work->comparison, c),
+            .tonight = c->series.tonight,
+            .judgement = {NEPH_JUDGED_NOT, NAN, NAN, NAN, NAN, 0}};
         if (row->why)
             continue;
         row->why = "";
@@ -608,9 +617,9 @@ static enum neph_status judge_numbers(struct work *work, struct neph_diag *diag)
     struct neph_night_comparison *comparison = work->comparison;
     const size_t room = (size_t)work->count + 1;
     struct neph_verdicts verdicts;
-    struct neph_series *series = neph_arena_zeroed(&comparison->arena, room, sizeof(*series));
-    int *rows = neph_arena_zeroed(&comparison->arena, room, sizeof(*rows));
-    comparison->series = neph_arena_zeroed(&comparison->arena, room, sizeof(*comparison->series));
+    struct neph_series *series = neph_arena_allocate(&comparison->arena, room, sizeof(*series));
+    int *rows = neph_arena_allocate(&comparison->arena, room, sizeof(*rows));
+    comparison->series = neph_arena_allocate(&comparison->arena, room, sizeof(*comparison->series));
     if (!series || !rows || !comparison->series)
         return neph_fail_memory(diag);
     const int count = choose_judged(work, series, rows);
@@ -636,8 +645,10 @@ enum neph_status neph_night_compare(struct neph_database *index, int64_t night, 
                                     struct neph_diag *diag)
 {
     static enum neph_status (*const parts[])(struct work *, struct neph_diag *) = {
-        check_against, read_all,   judge_numbers, find_failed_steps,
-        find_missing,  find_edits, find_terms};
+        check_against,         read_all,
+        judge_numbers,         report_failed_steps,
+        report_missing_series, report_edited_scenes,
+        report_changed_terms};
     struct work work = {index, comparison, NULL, 0, against, alpha, scope};
     enum neph_status status = NEPH_OK;
     comparison->night = night;
@@ -645,9 +656,9 @@ enum neph_status neph_night_compare(struct neph_database *index, int64_t night, 
         status = parts[i](&work, diag);
     if (status)
         return status;
-    look_elsewhere(&work);
-    find_in_pictures(&work);
-    find_environments(&work);
+    compare_all_environments(&work);
+    report_changed_frames(&work);
+    report_environments(&work);
     neph_night_settle(comparison);
     return neph_arena_check(&comparison->arena, diag);
 }

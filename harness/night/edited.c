@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 /* The text of a finding after the accepted version was rendered. */
-static const char *words_of(struct neph_night_work *work, const char *copy)
+static const char *format_render_note(struct neph_night_work *work, const char *copy)
 {
     return neph_arena_format(&work->night->arena,
                              "this run's program rendered the accepted version again, from '%s', "
@@ -48,7 +48,8 @@ static enum neph_status link_entries(const char *from, const char *to, const cha
 }
 
 /* The subfolder of scenes/ that contains a scene. */
-static const char *folder_of(const char *data, const char *scene, struct neph_arena *arena)
+static const char *find_scene_subfolder(const char *data, const char *scene,
+                                        struct neph_arena *arena)
 {
     static const char *const names[] = {"stress", "failure"}; /* the current name and the previous
                                                                  release's */
@@ -72,7 +73,7 @@ static enum neph_status make_data(const char *folder, const struct neph_history_
     if (!data)
         return neph_fail(diag, NEPH_ERR_IO, "the project's files cannot be found: %s",
                          strerror(errno));
-    const char *within = folder_of(data, scene->scene, arena);
+    const char *within = find_scene_subfolder(data, scene->scene, arena);
     const char *file = neph_arena_format(arena, "%s.yaml", scene->scene);
     const char *const parts[][2] = {{"", "scenes"}, {"/scenes", within}};
     enum neph_status status = neph_dir_remove(folder, diag);
@@ -113,9 +114,9 @@ static enum neph_status check_version(const char *path, const struct neph_histor
 /* Read the state of an edit from the store: `*done` when this run has rendered the accepted
  * version; `*scene` is the scene of the baseline run, without a name when the store has no record
  * of it. */
-static enum neph_status look_up(struct neph_night_work *work, const struct neph_night_edit *edit,
-                                bool *done, struct neph_history_scene *scene,
-                                struct neph_diag *diag)
+static enum neph_status read_edit_state(struct neph_night_work *work,
+                                        const struct neph_night_edit *edit, bool *done,
+                                        struct neph_history_scene *scene, struct neph_diag *diag)
 {
     int64_t count = 0;
     struct neph_database *index = NULL;
@@ -139,8 +140,8 @@ static enum neph_status look_up(struct neph_night_work *work, const struct neph_
 }
 
 /* A copy of the run's environment in which NEPH_DATA_DIR names the folder `data`. */
-static enum neph_status settle(const struct neph_night_work *work, const char *data,
-                               struct neph_step_place *place, struct neph_diag *diag)
+static enum neph_status place_with_data(const struct neph_night_work *work, const char *data,
+                                        struct neph_step_place *place, struct neph_diag *diag)
 {
     static const char name[] = "NEPH_DATA_DIR=";
     int count = 0;
@@ -161,7 +162,8 @@ static enum neph_status measure(struct neph_night_work *work, int index, const c
                                 struct neph_night_numbers *numbers, struct neph_diag *diag)
 {
     struct neph_step_place *place = calloc(1, sizeof(*place));
-    enum neph_status status = place ? settle(work, data, place, diag) : neph_fail_memory(diag);
+    enum neph_status status = place ? place_with_data(work, data, place, diag)
+                                    : neph_fail_memory(diag);
     if (!status)
         status = neph_step_measure(place, &work->night->plan.steps[index], work->params->output,
                                    neph_night_log(work, index, "_as_accepted.log"),
@@ -192,9 +194,10 @@ static void name_accepted(const struct neph_night_edit *edit,
     numbers->count = count;
 }
 
-static enum neph_status keep(struct neph_night_work *work, const struct neph_night_edit *edit,
-                             const struct neph_night_numbers *numbers, double wall_s,
-                             struct neph_diag *diag)
+static enum neph_status store_numbers(struct neph_night_work *work,
+                                      const struct neph_night_edit *edit,
+                                      const struct neph_night_numbers *numbers, double wall_s,
+                                      struct neph_diag *diag)
 {
     struct neph_database *index = NULL;
     const struct neph_history_step record = {
@@ -247,7 +250,7 @@ static enum neph_status render_edit(struct neph_night_work *work, struct neph_ni
     const int index = step ? (int)(step - work->night->plan.steps) : -1;
     const double start_s = neph_wall_s(),
                  left_s = work->params->budget_s - (start_s - work->start_s);
-    enum neph_status status = look_up(work, edit, &done, &scene, diag);
+    enum neph_status status = read_edit_state(work, edit, &done, &scene, diag);
     if (status || index < 0)
         return status;
     if (!scene.scene)
@@ -262,8 +265,8 @@ static enum neph_status render_edit(struct neph_night_work *work, struct neph_ni
         status = render(work, &scene, copy, index, &numbers, &why);
     if (!status) {
         name_accepted(edit, &scene, &work->night->arena, &numbers);
-        edit->words = words_of(work, copy);
-        return done ? NEPH_OK : keep(work, edit, &numbers, neph_wall_s() - start_s, diag);
+        edit->words = format_render_note(work, copy);
+        return done ? NEPH_OK : store_numbers(work, edit, &numbers, neph_wall_s() - start_s, diag);
     }
     if (neph_step_ends_night(status, &why, diag))
         return status;

@@ -57,9 +57,9 @@ void neph_night_settle(struct neph_night_comparison *comparison)
 void neph_night_add_finding(struct neph_night_comparison *comparison,
                             const struct neph_finding *finding)
 {
-    struct neph_finding *grown = neph_arena_grown(&comparison->arena, comparison->findings,
-                                                  comparison->finding_count,
-                                                  &comparison->finding_room, sizeof(*grown));
+    struct neph_finding *grown = neph_arena_grow_list(&comparison->arena, comparison->findings,
+                                                      comparison->finding_count,
+                                                      &comparison->finding_room, sizeof(*grown));
     if (!grown)
         return;
     comparison->findings = grown;

@@ -20,7 +20,7 @@ static const size_t limit_bytes = 64 << 20;
 #define JOBS(member) NEPH_RECORD_FIELD(struct neph_night_jobs, member)
 #define WHO(member)                                                                                \
     {                                                                                              \
-        .name = #member, NEPH_RECORD_MEMBER(struct neph_night_jobs, who.member)                    \
+        .name = #member, NEPH_RECORD_MEMBER(struct neph_night_jobs, run_identity.member)           \
     }
 static const struct neph_record_form night_form = {sizeof(struct neph_night_jobs),
                                                    {JOBS(format), JOBS(name), JOBS(night),
@@ -47,7 +47,7 @@ static const struct neph_record_form measurement_form = {
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
-static const char *folder_of(struct neph_arena *arena, const char *output)
+static const char *format_jobs_folder(struct neph_arena *arena, const char *output)
 {
     return neph_arena_format(arena, "%s/nightly/jobs", output);
 }
@@ -79,7 +79,7 @@ enum neph_status neph_night_jobs_read(const char *output, struct neph_arena *are
                                       struct neph_diag *diag)
 {
     json_t *d = NULL;
-    const char *folder = folder_of(arena, output);
+    const char *folder = format_jobs_folder(arena, output);
     const enum neph_status status = read_json(neph_path_in(folder, "night.json").text, night_format,
                                               &d, diag);
     if (status)
@@ -112,15 +112,15 @@ static enum neph_status name_jobs(struct neph_night_jobs *jobs, const char *outp
 
 enum neph_status neph_night_jobs_begin(const char *output, struct neph_arena *arena, int64_t night,
                                        const char *started_utc,
-                                       const struct neph_history_night *who,
+                                       const struct neph_history_night *run_identity,
                                        struct neph_night_jobs *jobs, struct neph_diag *diag)
 {
     *jobs = (struct neph_night_jobs){.arena = arena,
-                                     .folder = folder_of(arena, output),
+                                     .folder = format_jobs_folder(arena, output),
                                      .format = night_format,
                                      .night = night,
                                      .started_utc = started_utc,
-                                     .who = *who,
+                                     .run_identity = *run_identity,
                                      .steps = json_object()};
     enum neph_status status = neph_dir_remove(jobs->folder, diag);
     if (!status)
@@ -162,17 +162,19 @@ enum neph_status neph_night_jobs_forget(const char *output, struct neph_diag *di
     return neph_dir_remove(folder.text, diag);
 }
 
-bool neph_night_jobs_is_of(const struct neph_night_jobs *jobs, const struct neph_history_night *who)
+bool neph_night_jobs_match(const struct neph_night_jobs *jobs,
+                           const struct neph_history_night *run_identity)
 {
-    return strcmp(jobs->who.plan, who->plan) == 0 &&
-           strcmp(jobs->who.revision, who->revision) == 0 &&
-           strcmp(jobs->who.program, who->program) == 0;
+    return strcmp(jobs->run_identity.plan, run_identity->plan) == 0 &&
+           strcmp(jobs->run_identity.revision, run_identity->revision) == 0 &&
+           strcmp(jobs->run_identity.program, run_identity->program) == 0;
 }
 
 enum neph_status neph_night_jobs_check(const struct neph_night_jobs *jobs,
-                                       const struct neph_history_night *who, struct neph_diag *diag)
+                                       const struct neph_history_night *run_identity,
+                                       struct neph_diag *diag)
 {
-    return neph_night_jobs_is_of(jobs, who)
+    return neph_night_jobs_match(jobs, run_identity)
                ? NEPH_OK
                : neph_fail(diag, NEPH_ERR_USAGE,
                            "'%s' has no jobs of this nightly run and this program", jobs->folder);
@@ -196,11 +198,11 @@ static const char *record_path(const struct neph_night_jobs *jobs,
     return neph_step_file(jobs->arena, jobs->folder, step, ".json");
 }
 
-enum neph_status neph_night_jobs_keep(const struct neph_night_jobs *jobs,
-                                      const struct neph_night_step *step,
-                                      const struct neph_history_step *record,
-                                      const struct neph_night_numbers *numbers,
-                                      struct neph_diag *diag)
+enum neph_status neph_night_jobs_store(const struct neph_night_jobs *jobs,
+                                       const struct neph_night_step *step,
+                                       const struct neph_history_step *record,
+                                       const struct neph_night_numbers *numbers,
+                                       struct neph_diag *diag)
 {
     json_t *list = json_array();
     for (int i = 0; i < numbers->count; i++)
@@ -216,13 +218,13 @@ static void read_measurements(struct neph_arena *arena, const json_t *list,
                               struct neph_night_numbers *numbers)
 {
     const size_t count = json_array_size(list);
-    struct neph_measurement *read = neph_arena_zeroed(arena, count + 1, sizeof(*read));
+    struct neph_measurement *read = neph_arena_allocate(arena, count + 1, sizeof(*read));
     for (size_t i = 0; read && i < count; i++)
         neph_record_read(&measurement_form, json_array_get(list, i), arena, &read[i]);
     *numbers = (struct neph_night_numbers){.list = read, .count = (int)count};
 }
 
-enum neph_status neph_night_jobs_look(const struct neph_night_jobs *jobs,
+enum neph_status neph_night_jobs_load(const struct neph_night_jobs *jobs,
                                       const struct neph_night_step *step, bool *found,
                                       struct neph_history_step *record,
                                       struct neph_night_numbers *numbers, struct neph_diag *diag)
@@ -268,7 +270,7 @@ static enum neph_status run_in(const struct neph_night_jobs *jobs,
                                                   &numbers, diag);
     if (neph_path_exists(log))
         neph_file_copy(log, neph_step_file(jobs->arena, logs, step, ".log"), NULL);
-    return status ? status : neph_night_jobs_keep(jobs, step, &record, &numbers, diag);
+    return status ? status : neph_night_jobs_store(jobs, step, &record, &numbers, diag);
 }
 
 static enum neph_status run(const struct neph_night_jobs *jobs, const struct neph_night_step *step,
@@ -303,10 +305,10 @@ enum neph_status neph_night_jobs_run(const struct neph_night_jobs *jobs,
     if (!neph_night_jobs_find(jobs, step->name, &job))
         return neph_fail(diag, NEPH_ERR_USAGE, "this nightly run has no job for step '%s'",
                          step->name);
-    enum neph_status status = neph_night_jobs_look(jobs, step, &done, &record, &numbers, diag);
+    enum neph_status status = neph_night_jobs_load(jobs, step, &done, &record, &numbers, diag);
     if (status || done)
         return status;
     return (double)time(NULL) > job.begin_by
-               ? neph_night_jobs_keep(jobs, step, &record, &numbers, diag)
+               ? neph_night_jobs_store(jobs, step, &record, &numbers, diag)
                : run(jobs, step, output, logs, place, &job, diag);
 }

@@ -32,7 +32,7 @@ struct neph_night_jobs {
     const char *name; /* name of this run's jobs, unique to it */
     int64_t night;
     const char *started_utc;
-    struct neph_history_night who;
+    struct neph_history_night run_identity;
 };
 
 /* Limits of a step's job. */
@@ -50,7 +50,7 @@ enum neph_status neph_night_jobs_read(const char *output, struct neph_arena *are
  * neph_night_jobs_finish(), as after neph_night_jobs_read(). */
 enum neph_status neph_night_jobs_begin(const char *output, struct neph_arena *arena, int64_t night,
                                        const char *started_utc,
-                                       const struct neph_history_night *who,
+                                       const struct neph_history_night *run_identity,
                                        struct neph_night_jobs *jobs, struct neph_diag *diag);
 
 /* Add a step that gets a job; and write night.json. */
@@ -65,12 +65,12 @@ void neph_night_jobs_finish(struct neph_night_jobs *jobs);
 enum neph_status neph_night_jobs_forget(const char *output, struct neph_diag *diag);
 
 /* True when the jobs belong to a run of the same plan, revision and program; hosts may differ. */
-bool neph_night_jobs_is_of(const struct neph_night_jobs *jobs,
-                           const struct neph_history_night *who);
+bool neph_night_jobs_match(const struct neph_night_jobs *jobs,
+                           const struct neph_history_night *run_identity);
 
 /* NEPH_ERR_USAGE unless the jobs belong to this run. */
 enum neph_status neph_night_jobs_check(const struct neph_night_jobs *jobs,
-                                       const struct neph_history_night *who,
+                                       const struct neph_history_night *run_identity,
                                        struct neph_diag *diag);
 
 /* The limits of a step's job; false: the step has no job. */
@@ -78,12 +78,12 @@ bool neph_night_jobs_find(const struct neph_night_jobs *jobs, const char *step,
                           struct neph_night_job *job);
 
 /* Write and read the result file of a step. Files of another run's jobs are ignored. */
-enum neph_status neph_night_jobs_keep(const struct neph_night_jobs *jobs,
-                                      const struct neph_night_step *step,
-                                      const struct neph_history_step *record,
-                                      const struct neph_night_numbers *numbers,
-                                      struct neph_diag *diag);
-enum neph_status neph_night_jobs_look(const struct neph_night_jobs *jobs,
+enum neph_status neph_night_jobs_store(const struct neph_night_jobs *jobs,
+                                       const struct neph_night_step *step,
+                                       const struct neph_history_step *record,
+                                       const struct neph_night_numbers *numbers,
+                                       struct neph_diag *diag);
+enum neph_status neph_night_jobs_load(const struct neph_night_jobs *jobs,
                                       const struct neph_night_step *step, bool *found,
                                       struct neph_history_step *record,
                                       struct neph_night_numbers *numbers, struct neph_diag *diag);

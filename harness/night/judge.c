@@ -40,7 +40,7 @@ const struct neph_series_rule *neph_series_rule(enum neph_series_kind kind)
     return &rules[kind];
 }
 
-enum neph_series_kind neph_series_kind_of(const char *word)
+enum neph_series_kind neph_find_series_kind(const char *word)
 {
     int kind = 0;
     while (kind < NEPH_SERIES_KINDS && strcmp(rules[kind].word, word) != 0)
@@ -76,7 +76,8 @@ static double winsorized_deviation(double g)
  * short series is biased by -(1 + 4 r) / n (Kendall, Biometrika 41, 1954). This bias is removed,
  * and the standard error 1 / sqrt(n) is added: an underestimated correlation would raise false
  * alarms. */
-static double correlation_of(const double *values, int count, double mean, double low, double high)
+static double compute_autocorrelation(const double *values, int count, double mean, double low,
+                                      double high)
 {
     double products = 0.0, squares = 0.0, last = 0.0;
     for (int i = 0; i < count; i++) {
@@ -90,12 +91,12 @@ static double correlation_of(const double *values, int count, double mean, doubl
 }
 
 /* The number of independent values with the same information about the mean as `count` runs. */
-static double worth_of(int count, double correlation)
+static double count_independent_values(int count, double correlation)
 {
     return fmax(count * (1.0 - correlation) / (1.0 + correlation), 1.0);
 }
 
-static struct centre centre_of(const double *values, int count)
+static struct centre compute_centre(const double *values, int count)
 {
     double sorted[NEPH_JUDGE_WINDOW];
     struct centre centre = {.count = count};
@@ -114,10 +115,10 @@ static struct centre centre_of(const double *values, int count)
         squares += d * d;
     }
     centre.mean = sum / (count - 2 * cut);
-    centre.correlation = correlation_of(values, count, winsorized, low, high);
+    centre.correlation = compute_autocorrelation(values, count, winsorized, low, high);
     /* The expected variance within a short correlated series is the variance of a value minus the
      * variance of the mean. */
-    const double worth = worth_of(count, centre.correlation);
+    const double worth = count_independent_values(count, centre.correlation);
     const double within = fmax(1.0 - 1.0 / worth, 0.1);
     centre.deviation = sqrt(squares / count / within) / winsorized_deviation((double)cut / count);
     const double r2 = centre.correlation * centre.correlation;
@@ -169,7 +170,7 @@ struct look {
     double difference, error, dof; /* dof infinite: normal */
 };
 
-static double p_of(const struct look *look)
+static double compute_p_value(const struct look *look)
 {
     if (!(look->error > 0.0))
         return fabs(look->difference) > 0.0 ? 0.0 : 1.0;
@@ -179,7 +180,7 @@ static double p_of(const struct look *look)
 
 /* Test of the last `nights` runs: their least deviation when all deviate to one side, otherwise
  * 0. */
-static struct look look_at_nights(const struct centre *centre, const double *recent, int nights)
+static struct look test_nights(const struct centre *centre, const double *recent, int nights)
 {
     double least = recent[0] - centre->mean;
     for (int i = 1; i < nights; i++) {
@@ -189,25 +190,25 @@ static struct look look_at_nights(const struct centre *centre, const double *rec
         else if (fabs(difference) < fabs(least))
             least = difference;
     }
-    const double worth = worth_of(centre->count, centre->correlation);
+    const double worth = count_independent_values(centre->count, centre->correlation);
     return (struct look){least, centre->deviation * sqrt(1.0 + 1.0 / worth), centre->dof};
 }
 
 /* Test of the median of the last seven runs. The variance of a median is pi / 2 times the variance
  * of a mean. */
-static struct look look_at_week(const struct centre *centre, const double *recent)
+static struct look test_week(const struct centre *centre, const double *recent)
 {
     double nights[NEPH_JUDGE_WEEK];
     memcpy(nights, recent, sizeof(nights));
-    const double worth = worth_of(centre->count, centre->correlation),
-                 week = worth_of(NEPH_JUDGE_WEEK, centre->correlation) / M_PI_2;
+    const double worth = count_independent_values(centre->count, centre->correlation),
+                 week = count_independent_values(NEPH_JUDGE_WEEK, centre->correlation) / M_PI_2;
     return (struct look){neph_percentile(nights, NEPH_JUDGE_WEEK, 0.5) - centre->mean,
                          centre->deviation * sqrt(1.0 / fmax(week, 1.0) + 1.0 / worth),
                          centre->dof};
 }
 
 /* Test by standard errors only, against the baseline run. */
-static struct look look_by_errors(const struct neph_series *series)
+static struct look test_by_errors(const struct neph_series *series)
 {
     const double error = hypot(series->standard_error, series->past_errors[0]);
     return (struct look){series->tonight - series->past[0], error, INFINITY};
@@ -227,7 +228,7 @@ struct trial {
 
 static void choose(struct trial *trial, const struct look *look, double factor)
 {
-    const double p = fmin(factor * p_of(look), 1.0);
+    const double p = fmin(factor * compute_p_value(look), 1.0);
     if (p > trial->p)
         return;
     trial->p = p;
@@ -249,15 +250,15 @@ static struct trial try_fixed(const struct neph_series *series)
 static struct trial try_nights(const double *values, int count, const double *recent,
                                int recent_count, int needed)
 {
-    const struct centre centre = centre_of(values, count);
+    const struct centre centre = compute_centre(values, count);
     struct trial trial = {
         .judged = true, .by_chance = true, .baseline = centre.mean, .p = 1.0, .nights = count};
     if (recent_count >= needed) {
-        trial.soon = look_at_nights(&centre, recent, needed);
+        trial.soon = test_nights(&centre, recent, needed);
         choose(&trial, &trial.soon, 2.0);
     }
     if (recent_count == NEPH_JUDGE_WEEK) {
-        const struct look week = look_at_week(&centre, recent);
+        const struct look week = test_week(&centre, recent);
         choose(&trial, &week, 2.0);
     }
     return trial;
@@ -283,9 +284,9 @@ static struct trial try_series(const struct neph_series *series)
     const int count = baseline_values(series, values), of_late = recent_values(series, recent);
     struct trial by_errors = {.judged = false, .nights = count};
     if (series->kind == NEPH_SERIES_DRAWN && has_errors(series)) {
-        const struct look look = look_by_errors(series);
-        by_errors = (struct trial){true, true, series->past[0], p_of(&look), look.difference,
-                                   look, 1};
+        const struct look look = test_by_errors(series);
+        by_errors = (struct trial){
+            true, true, series->past[0], compute_p_value(&look), look.difference, look, 1};
     }
     if (count < rules[series->kind].nights)
         return by_errors;
@@ -297,7 +298,8 @@ static struct trial try_series(const struct neph_series *series)
 /* ---- verdicts -------------------------------------------------------------------------------- */
 
 /* A difference of levels as a relative change of the number. */
-static double change_of(const struct neph_series *series, double baseline, double difference)
+static double compute_relative_change(const struct neph_series *series, double baseline,
+                                      double difference)
 {
     if (series->kind == NEPH_SERIES_TIMED)
         return expm1(difference);
@@ -312,7 +314,7 @@ static bool is_worse(const struct trial *trial, const struct neph_series *series
 }
 
 /* The smallest difference that a test finds significant. */
-static double seen_from(const struct look *look, double level_alpha)
+static double compute_detectable_difference(const struct look *look, double level_alpha)
 {
     return look->error * (isfinite(look->dof) ? neph_student_critical(level_alpha, look->dof)
                                               : neph_normal_critical(level_alpha));
@@ -327,12 +329,13 @@ static struct neph_judgement judge_trial(const struct trial *trial,
     if (!trial->judged)
         return judgement;
     judgement.baseline = series->kind == NEPH_SERIES_TIMED ? exp(trial->baseline) : trial->baseline;
-    judgement.change = change_of(series, trial->baseline, trial->difference);
+    judgement.change = compute_relative_change(series, trial->baseline, trial->difference);
     judgement.p = adjusted;
     judgement.floor = least;
     if (trial->by_chance && trial->soon.error > 0.0) {
-        const double seen = seen_from(&trial->soon, alpha / fmax(chances, 1) / 2.0);
-        judgement.floor = fmax(least, change_of(series, trial->baseline, seen));
+        const double seen = compute_detectable_difference(&trial->soon,
+                                                          alpha / fmax(chances, 1) / 2.0);
+        judgement.floor = fmax(least, compute_relative_change(series, trial->baseline, seen));
     }
     if (!(adjusted <= alpha))
         judgement.judged = NEPH_JUDGED_SAME;
@@ -404,10 +407,10 @@ static int choose_members(const struct neph_series *series, int count, struct ne
 }
 
 /* Store the course of the pool for the page; NULL when memory is short. */
-static void keep_nights(const struct neph_series *series, int count, struct neph_pool *pool,
-                        const bool *is_in, int nights, struct neph_arena *arena)
+static void store_night_values(const struct neph_series *series, int count, struct neph_pool *pool,
+                               const bool *is_in, int nights, struct neph_arena *arena)
 {
-    pool->nights = neph_arena_zeroed(arena, (size_t)nights + 1, sizeof(*pool->nights));
+    pool->nights = neph_arena_allocate(arena, (size_t)nights + 1, sizeof(*pool->nights));
     for (int night = 0; pool->nights && night <= nights; night++) {
         const double change = pool_change(series, count, pool, is_in, night < nights ? night : -1);
         pool->nights[night] = pool->kind == NEPH_SERIES_TIMED ? exp(change) : 1.0 + change;
@@ -425,7 +428,7 @@ static struct trial try_pool(const struct neph_series *series, int count, struct
     int value_count = 0, recent_count = 0;
     const int nights = choose_members(series, count, pool, is_in);
     const double tonight = pool_change(series, count, pool, is_in, -1);
-    keep_nights(series, count, pool, is_in, nights, arena);
+    store_night_values(series, count, pool, is_in, nights, arena);
     for (int night = 1; night < nights && value_count < NEPH_JUDGE_WINDOW; night++)
         append(values, &value_count, pool_change(series, count, pool, is_in, night), pool->kind);
     append(recent, &recent_count, tonight, pool->kind);
@@ -443,18 +446,18 @@ static bool has_changed(const struct neph_judgement *judgement)
     return judgement->judged == NEPH_JUDGED_WORSE || judgement->judged == NEPH_JUDGED_BETTER;
 }
 
-static const char *family_of(const struct neph_series *series)
+static const char *series_family(const struct neph_series *series)
 {
     return series->family ? series->family : series->engine;
 }
 
-static bool is_first_of_family(const struct neph_series *series,
+static bool is_first_in_family(const struct neph_series *series,
                                const struct neph_judgement *judgements, int at)
 {
     for (int i = 0; i < at; i++)
         if (series[i].truth && series[i].engine && has_changed(&judgements[i]) &&
             strcmp(series[i].truth, series[at].truth) == 0 &&
-            strcmp(family_of(&series[i]), family_of(&series[at])) == 0)
+            strcmp(series_family(&series[i]), series_family(&series[at])) == 0)
             return false;
     return true;
 }
@@ -469,7 +472,7 @@ static struct neph_stale count_truth(const struct neph_series *series, int count
             continue;
         stale.all++;
         stale.moved += has_changed(&judgements[i]);
-        stale.families += has_changed(&judgements[i]) && is_first_of_family(series, judgements, i);
+        stale.families += has_changed(&judgements[i]) && is_first_in_family(series, judgements, i);
     }
     return stale;
 }
@@ -554,12 +557,12 @@ enum neph_status neph_judge(const struct neph_series *series, int count, double 
     const size_t room = 2 * (size_t)count + 1; /* at most as many pools as series */
     *verdicts = (struct neph_verdicts){.series = NULL};
     struct neph_arena *arena = &verdicts->arena;
-    struct work work = {neph_arena_zeroed(arena, room, sizeof(*work.trials)),
-                        neph_arena_zeroed(arena, room, sizeof(*work.p)),
-                        neph_arena_zeroed(arena, room, sizeof(*work.adjusted)),
-                        neph_arena_zeroed(arena, room, sizeof(*work.is_in))};
-    verdicts->series = neph_arena_zeroed(arena, room, sizeof(*verdicts->series));
-    verdicts->pools = neph_arena_zeroed(arena, room, sizeof(*verdicts->pools));
+    struct work work = {neph_arena_allocate(arena, room, sizeof(*work.trials)),
+                        neph_arena_allocate(arena, room, sizeof(*work.p)),
+                        neph_arena_allocate(arena, room, sizeof(*work.adjusted)),
+                        neph_arena_allocate(arena, room, sizeof(*work.is_in))};
+    verdicts->series = neph_arena_allocate(arena, room, sizeof(*verdicts->series));
+    verdicts->pools = neph_arena_allocate(arena, room, sizeof(*verdicts->pools));
     if (!arena->is_short) {
         try_all(series, count, verdicts, &work);
         judge_all(series, count, alpha, verdicts, &work);

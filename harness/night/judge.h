@@ -51,7 +51,7 @@ struct neph_series_rule {
 const struct neph_series_rule *neph_series_rule(enum neph_series_kind kind);
 
 /* The kind with this name; NEPH_SERIES_KINDS: unknown. */
-enum neph_series_kind neph_series_kind_of(const char *word);
+enum neph_series_kind neph_find_series_kind(const char *word);
 
 enum { NEPH_JUDGE_WINDOW = 30, NEPH_JUDGE_WEEK = 7 };
 

@@ -61,7 +61,7 @@ static enum neph_status read_tonight(struct search *search, struct neph_diag *di
     return status;
 }
 
-static bool is_of_tonight(const struct search *search, const char *name)
+static bool is_measured_tonight(const struct search *search, const char *name)
 {
     return search->tonight_count > 0 &&
            bsearch(&name, search->tonight, (size_t)search->tonight_count, sizeof(name), by_name);
@@ -125,7 +125,7 @@ static enum neph_status read_absent(const struct search *search, const char *nam
         /* Acceptance of an edit ends the comparison with the version before it. */
         *expected = !end || absent->accepted != search->baseline;
         absent->step = end ? neph_arena_format(search->arena, "%.*s", (int)(end - step), step)
-                           : neph_arena_text(search->arena, step);
+                           : neph_arena_copy_text(search->arena, step);
         absent->is_timed = strcmp(neph_query_text(query, 1),
                                   neph_series_rule(NEPH_SERIES_TIMED)->word) == 0;
         absent->last = neph_query_integer(query, 2);
@@ -161,7 +161,7 @@ static bool is_planned(const struct neph_night_scope *scope, const char *step)
     return planned;
 }
 
-static bool was_asked_for(const struct neph_night_scope *scope, const char *step)
+static bool is_step_selected(const struct neph_night_scope *scope, const char *step)
 {
     bool asked = !scope || scope->only_count == 0;
     for (int i = 0; !asked && i < scope->only_count; i++)
@@ -173,8 +173,8 @@ static enum neph_status add(struct search *search, const struct absent *absent, 
                             const char *other, struct neph_diag *diag)
 {
     struct neph_lost_list *lost = search->lost;
-    struct neph_lost_series *grown = neph_arena_grown(search->arena, lost->list, lost->count,
-                                                      &search->room, sizeof(*grown));
+    struct neph_lost_series *grown = neph_arena_grow_list(search->arena, lost->list, lost->count,
+                                                          &search->room, sizeof(*grown));
     if (!grown)
         return neph_fail_memory(diag);
     lost->list = grown;
@@ -230,7 +230,7 @@ static enum neph_status classify(struct search *search, const struct absent *abs
         return classify_edited(search, absent, successor, diag);
     if (step.is_done && (!absent->is_timed || step.is_calibrated))
         return add(search, absent, NEPH_LOSS_SERIES, NULL, diag);
-    if (!step.is_there && !was_asked_for(search->scope, absent->step))
+    if (!step.is_there && !is_step_selected(search->scope, absent->step))
         return NEPH_OK;
     if (!step.is_there && !is_planned(search->scope, absent->step))
         return add(search, absent, NEPH_LOSS_STEP, find_other(search, absent->name, true), diag);
@@ -239,7 +239,8 @@ static enum neph_status classify(struct search *search, const struct absent *abs
                : NEPH_OK;
 }
 
-static enum neph_status look_for(struct search *search, const char *name, struct neph_diag *diag)
+static enum neph_status check_expected_series(struct search *search, const char *name,
+                                              struct neph_diag *diag)
 {
     struct absent absent;
     bool expected = false;
@@ -265,8 +266,8 @@ static enum neph_status list_expected(struct search *search, struct neph_diag *d
         search->night, search->baseline);
     const char *const *list = names.list;
     for (int i = 0; i < names.count && !status; i++)
-        if (!is_of_tonight(search, list[i]))
-            status = look_for(search, list[i], diag);
+        if (!is_measured_tonight(search, list[i]))
+            status = check_expected_series(search, list[i], diag);
     return status ? status : neph_arena_check(search->arena, diag);
 }
 
@@ -298,7 +299,7 @@ enum neph_status neph_lost_find(struct neph_database *index, int64_t night, int6
 /* ---- edits ----------------------------------------------------------------------------------- */
 
 /* "catalog/fog@15da7c6d": suite, scene and version in the name of a series. */
-static const char *version_of(struct neph_arena *arena, const char *series)
+static const char *format_scene_version(struct neph_arena *arena, const char *series)
 {
     size_t head;
     const char *hash, *rest;
@@ -319,7 +320,7 @@ enum neph_status neph_lost_edits(struct neph_database *index, int64_t night, int
                             .of_plan = true};
     const enum neph_status status = run(&search, diag);
     struct neph_night_edit *made =
-        status ? NULL : neph_arena_zeroed(arena, (size_t)lost.count + 1, sizeof(*made));
+        status ? NULL : neph_arena_allocate(arena, (size_t)lost.count + 1, sizeof(*made));
     if (!made)
         return status ? status : neph_fail_memory(diag);
     *count = 0;
@@ -332,10 +333,11 @@ enum neph_status neph_lost_edits(struct neph_database *index, int64_t night, int
         if (s->loss != NEPH_LOSS_EDITED)
             continue;
         if (at == (*count))
-            made[(*count)++] = (struct neph_night_edit){.step = s->step,
-                                                        .before = version_of(arena, s->name),
-                                                        .after = version_of(arena, s->other),
-                                                        .accepted = s->accepted};
+            made[(*count)++] = (struct neph_night_edit){
+                .step = s->step,
+                .before = format_scene_version(arena, s->name),
+                .after = format_scene_version(arena, s->other),
+                .accepted = s->accepted};
         made[at].count++;
     }
     *edits = made;

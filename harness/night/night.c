@@ -126,7 +126,7 @@ static enum neph_status collect_step(struct neph_night_work *work, int index,
     bool found = false;
     if (!neph_night_jobs_find(&work->jobs, step->name, &job))
         return NEPH_OK;
-    enum neph_status status = neph_night_jobs_look(&work->jobs, step, &found, &record, &numbers,
+    enum neph_status status = neph_night_jobs_load(&work->jobs, step, &found, &record, &numbers,
                                                    diag);
     if (status || strcmp(record.outcome, neph_night_job_not_run) == 0)
         return status;
@@ -146,8 +146,9 @@ static enum neph_status collect_steps(struct neph_night_work *work, struct neph_
 
 /* ---- repeated steps -------------------------------------------------------------------------- */
 
-static void find_otherwise(struct neph_night_work *work, const char *series,
-                           const struct neph_night_step *step, const char *words, double value)
+static void report_different_bits(struct neph_night_work *work, const char *series,
+                                  const struct neph_night_step *step, const char *words,
+                                  double value)
 {
     struct neph_finding finding = neph_finding(NEPH_FOUND_BITS, series, step->name, words);
     finding.tonight = value;
@@ -173,14 +174,15 @@ static enum neph_status compare_number(struct neph_night_work *work, struct neph
             "AND name = ? AND environment = ? AND value != ?",
             "issd", work->night->id, m->series, m->environment, m->value);
     if (!status && all == 0)
-        find_otherwise(work, m->series, step,
-                       "run once more in an empty folder, the same program gave a number that it "
-                       "had not given",
-                       m->value);
+        report_different_bits(
+            work, m->series, step,
+            "run once more in an empty folder, the same program gave a number that it "
+            "had not given",
+            m->value);
     if (!status && others > 0)
-        find_otherwise(work, m->series, step,
-                       "run once more in an empty folder, the same program gave another number",
-                       m->value);
+        report_different_bits(
+            work, m->series, step,
+            "run once more in an empty folder, the same program gave another number", m->value);
     return status;
 }
 
@@ -206,10 +208,11 @@ static enum neph_status find_lost(struct neph_night_work *work, struct neph_data
     const char *const *list = names.list;
     for (int i = 0; i < names.count; i++)
         if (!has_series(numbers, list[i]))
-            find_otherwise(work, list[i], step,
-                           "run once more in an empty folder, the same program did not give this "
-                           "number",
-                           NAN);
+            report_different_bits(
+                work, list[i], step,
+                "run once more in an empty folder, the same program did not give this "
+                "number",
+                NAN);
     return status;
 }
 
@@ -255,12 +258,13 @@ static enum neph_status run_again(struct neph_night_work *work, int index, struc
     }
     if (neph_step_ends_night(status, &why, diag))
         return status;
-    find_otherwise(work, step->name, step,
-                   neph_arena_format(&work->night->comparison.arena,
-                                     "it was done, and run once more in an empty folder it was "
-                                     "not: %s",
-                                     why.message),
-                   NAN);
+    report_different_bits(
+        work, step->name, step,
+        neph_arena_format(&work->night->comparison.arena,
+                          "it was done, and run once more in an empty folder it was "
+                          "not: %s",
+                          why.message),
+        NAN);
     return NEPH_OK;
 }
 
@@ -360,12 +364,12 @@ static enum neph_status end(struct neph_night_work *work, struct neph_diag *diag
     return status;
 }
 
-static void find_in_history(const struct neph_history_fault *fault, void *context)
+static void report_history_fault(const struct neph_history_fault *fault, void *context)
 {
     struct neph_night_work *work = context;
     struct neph_arena *arena = &work->night->comparison.arena;
     const struct neph_finding finding = neph_finding(
-        NEPH_FOUND_HISTORY, neph_arena_text(arena, fault->document), "",
+        NEPH_FOUND_HISTORY, neph_arena_copy_text(arena, fault->document), "",
         neph_arena_format(arena, "%s; `neph store check --repair` repairs the store where possible",
                           fault->why));
     neph_night_add_finding(&work->night->comparison, &finding);
@@ -376,19 +380,19 @@ static enum neph_status check_history(struct neph_night_work *work, struct neph_
                                       struct neph_diag *diag)
 {
     const char *folder = neph_store_folder(work->store);
-    const enum neph_status status = neph_history_check_acceptances(index, folder, false,
-                                                                   find_in_history, work, diag);
+    const enum neph_status status = neph_history_check_acceptances(
+        index, folder, false, report_history_fault, work, diag);
     return status || work->params->against > 0
                ? status
-               : neph_history_check_baseline(index, folder, find_in_history, work, diag);
+               : neph_history_check_baseline(index, folder, report_history_fault, work, diag);
 }
 
 /* The names of the plan's steps, allocated in the run's arena. */
 static const char *const *list_planned(struct neph_night_work *work)
 {
     const struct neph_night_plan *plan = &work->night->plan;
-    const char **names = neph_arena_zeroed(&work->night->arena, (size_t)plan->count + 1,
-                                           sizeof(*names));
+    const char **names = neph_arena_allocate(&work->night->arena, (size_t)plan->count + 1,
+                                             sizeof(*names));
     for (int i = 0; names && i < plan->count; i++)
         names[i] = plan->steps[i].name;
     return names;
@@ -450,7 +454,7 @@ static enum neph_status run(struct neph_night_work *work, struct neph_diag *diag
 static enum neph_status read_jobs(struct neph_night_work *work, struct neph_diag *diag)
 {
     bool found = false;
-    const struct neph_history_night who = neph_night_who(work->night);
+    const struct neph_history_night run_identity = neph_night_identity(work->night);
     const bool reports = work->params->reports;
     const enum neph_status status = neph_night_jobs_read(work->params->output, &work->night->arena,
                                                          &work->jobs, &found, diag);
@@ -465,7 +469,7 @@ static enum neph_status read_jobs(struct neph_night_work *work, struct neph_diag
             work->jobs.name, work->jobs.folder);
         return NEPH_ERR_UNAVAILABLE;
     }
-    return neph_night_jobs_check(&work->jobs, &who, diag);
+    return neph_night_jobs_check(&work->jobs, &run_identity, diag);
 }
 
 enum neph_status neph_night_run(const struct neph_night_params *params, struct neph_store *store,

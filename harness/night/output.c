@@ -51,7 +51,7 @@ enum neph_status neph_night_command(const struct neph_night *night, const char *
                                     struct neph_diag *diag)
 {
     const struct printed printed = {night, step};
-    return neph_written(write_command, &printed, text, diag);
+    return neph_write_to_text(write_command, &printed, text, diag);
 }
 
 static void print_counts(const struct neph_night *night, FILE *out)
@@ -117,7 +117,7 @@ enum neph_status neph_night_summary(const struct neph_night *night, const char *
                                     struct neph_diag *diag)
 {
     const struct printed printed = {night, tier};
-    return neph_written(print_summary, &printed, text, diag);
+    return neph_write_to_text(print_summary, &printed, text, diag);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -189,7 +189,8 @@ json_t *neph_night_json(const struct neph_night *night, const char *tier)
 
 /* ---- JUnit ----------------------------------------------------------------------------------- */
 
-static const struct neph_finding *finding_of(const struct neph_night *night, const char *series)
+static const struct neph_finding *find_series_finding(const struct neph_night *night,
+                                                      const char *series)
 {
     for (int i = 0; i < night->comparison.finding_count; i++)
         if (strcmp(night->comparison.findings[i].series, series) == 0 &&
@@ -198,7 +199,7 @@ static const struct neph_finding *finding_of(const struct neph_night *night, con
     return NULL;
 }
 
-static bool is_of_series(const struct neph_night *night, const char *name)
+static bool is_compared_series(const struct neph_night *night, const char *name)
 {
     for (int i = 0; i < night->comparison.series_count; i++)
         if (strcmp(night->comparison.series[i].series, name) == 0)
@@ -212,7 +213,7 @@ static void add_others(const struct neph_night *night, struct neph_junit *junit)
 {
     for (int i = 0; i < night->comparison.finding_count; i++) {
         const struct neph_finding *f = &night->comparison.findings[i];
-        if (neph_found_fails(f->found) && !is_of_series(night, f->series))
+        if (neph_found_fails(f->found) && !is_compared_series(night, f->series))
             neph_junit_add(junit, neph_found_word(f->found), f->series, NEPH_JUNIT_FAILED,
                            f->words);
     }
@@ -225,7 +226,7 @@ static enum neph_status write_junit(const struct neph_night *night, const char *
     struct neph_junit junit = {.name = "neph nightly", .seconds = night->seconds};
     for (int i = 0; i < c->series_count; i++) {
         const struct neph_compared *row = &c->series[i];
-        const struct neph_finding *f = finding_of(night, row->series);
+        const struct neph_finding *f = find_series_finding(night, row->series);
         const bool skips = !f && row->judgement.judged == NEPH_JUDGED_NOT;
         neph_junit_add(&junit, row->step, row->series,
                        f       ? NEPH_JUNIT_FAILED
@@ -255,6 +256,6 @@ enum neph_status neph_night_write(const struct neph_night *night, const char *ti
     if (!status)
         status = write_junit(night, neph_path_in(output, "nightly/junit.xml").text, diag);
     return status ? status
-                  : neph_written_file(neph_path_in(output, "nightly/summary.txt").text,
-                                      print_summary, &printed, diag);
+                  : neph_write_to_file(neph_path_in(output, "nightly/summary.txt").text,
+                                       print_summary, &printed, diag);
 }

@@ -37,7 +37,7 @@ struct work {
     const struct neph_night *night;
     struct neph_database *index;
     struct neph_arena arena;
-    struct neph_night_pictures pictures;
+    struct neph_night_images pictures;
 };
 
 /* ---- a series over the runs ------------------------------------------------------------------ */
@@ -54,8 +54,8 @@ static const struct neph_record_form point_form = {
      NEPH_RECORD_OPTIONAL(struct point, standard_error), POINT(environment), POINT(judgement)}};
 
 /* The last TREND_NIGHTS runs, oldest first. */
-static enum neph_status trend_of_series(struct work *work, const char *series, json_t **trend,
-                                        struct neph_diag *diag)
+static enum neph_status read_series_trend(struct work *work, const char *series, json_t **trend,
+                                          struct neph_diag *diag)
 {
     const enum neph_status status = neph_record_list(
         work->index, &point_form, trend, diag,
@@ -66,8 +66,8 @@ static enum neph_status trend_of_series(struct work *work, const char *series, j
     return status ? status : neph_json_check(*trend, diag);
 }
 
-static enum neph_status trend_of_mean(struct work *work, const struct neph_finding *f,
-                                      json_t **trend, struct neph_diag *diag)
+static enum neph_status read_mean_trend(struct work *work, const struct neph_finding *f,
+                                        json_t **trend, struct neph_diag *diag)
 {
     json_t *points = json_array();
     int at = 0;
@@ -127,8 +127,8 @@ static json_t *interval_json(const struct neph_finding *f)
 
 /* ---- findings -------------------------------------------------------------------------------- */
 
-static enum neph_status frame_of(struct work *work, const char *series, int64_t night,
-                                 const char **key, struct neph_diag *diag)
+static enum neph_status read_frame_key(struct work *work, const char *series, int64_t night,
+                                       const char **key, struct neph_diag *diag)
 {
     return neph_record_text(work->index, &work->arena, key, diag,
                             "SELECT frame FROM measurements JOIN series ON series.id = series "
@@ -143,7 +143,7 @@ static json_t *word_json(const char *text)
 }
 
 /* Move all members of `more` into `object`; takes ownership of `more`. */
-static enum neph_status take_all(json_t *object, json_t *more, struct neph_diag *diag)
+static enum neph_status merge_object(json_t *object, json_t *more, struct neph_diag *diag)
 {
     enum neph_status status = neph_json_check(more, diag);
     if (!status && json_object_update(object, more))
@@ -153,7 +153,7 @@ static enum neph_status take_all(json_t *object, json_t *more, struct neph_diag 
 }
 
 /* The step of a finding; for a mean over scenes the step of its example. */
-static const char *step_of(const struct work *work, const struct neph_finding *f)
+static const char *find_finding_step(const struct work *work, const struct neph_finding *f)
 {
     const struct neph_night_comparison *c = &work->night->comparison;
     for (int i = 0; !f->step[0] && i < c->series_count; i++)
@@ -167,8 +167,8 @@ static enum neph_status set_trend(struct work *work, const struct neph_finding *
 {
     json_t *trend = NULL;
     const char *kind = "";
-    enum neph_status status = f->trend ? trend_of_mean(work, f, &trend, diag)
-                                       : trend_of_series(work, f->example, &trend, diag);
+    enum neph_status status = f->trend ? read_mean_trend(work, f, &trend, diag)
+                                       : read_series_trend(work, f->example, &trend, diag);
     if (!status)
         status = neph_record_text(work->index, &work->arena, &kind, diag,
                                   "SELECT kind FROM measurements JOIN series ON series.id = series "
@@ -189,11 +189,11 @@ static enum neph_status set_pictures(struct work *work, const struct neph_findin
 {
     const char *accepted = "", *tonight = "";
     json_t *shown = NULL;
-    enum neph_status status = frame_of(work, f->example, work->night->id, &tonight, diag);
+    enum neph_status status = read_frame_key(work, f->example, work->night->id, &tonight, diag);
     if (!status && f->accepted > 0)
-        status = frame_of(work, f->example, f->accepted, &accepted, diag);
+        status = read_frame_key(work, f->example, f->accepted, &accepted, diag);
     if (!status)
-        status = neph_night_pictures_pair(&work->pictures, scene, accepted, tonight, &shown, diag);
+        status = neph_night_images_pair(&work->pictures, scene, accepted, tonight, &shown, diag);
     return status ? status : neph_json_put(json, "shown", shown, diag);
 }
 
@@ -203,15 +203,16 @@ static enum neph_status explain(struct work *work, const struct neph_finding *f,
 {
     char *command = NULL;
     const struct neph_night_name name = neph_night_split(&work->arena, f->example);
-    enum neph_status status = neph_night_command(work->night, step_of(work, f), &command, diag);
+    enum neph_status status = neph_night_command(work->night, find_finding_step(work, f), &command,
+                                                 diag);
     if (!status)
-        status = take_all(json,
-                          json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "command",
-                                    word_json(command), "suite", word_json(name.suite), "scene",
-                                    word_json(name.scene), "engine", word_json(name.engine),
-                                    "metric", word_json(name.metric), "truth",
-                                    word_json(name.truth), "interval", interval_json(f)),
-                          diag);
+        status = merge_object(json,
+                              json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "command",
+                                        word_json(command), "suite", word_json(name.suite), "scene",
+                                        word_json(name.scene), "engine", word_json(name.engine),
+                                        "metric", word_json(name.metric), "truth",
+                                        word_json(name.truth), "interval", interval_json(f)),
+                              diag);
     free(command);
     if (!status)
         status = set_trend(work, f, json, diag);
@@ -262,8 +263,8 @@ static enum neph_status draw_scenes(struct work *work, json_t *document, struct 
         json_t *picture = NULL;
         const struct neph_night_name name = neph_night_split(&work->arena, of);
         if (!status)
-            status = neph_night_pictures_one(&work->pictures, name.scene, json_string_value(key),
-                                             &picture, diag);
+            status = neph_night_images_one(&work->pictures, name.scene, json_string_value(key),
+                                           &picture, diag);
         if (!status)
             status = neph_json_put(drawn, of, picture, diag);
     }
@@ -285,15 +286,15 @@ static enum neph_status set_head(const struct work *work, json_t *document, stru
     neph_utc_now(created);
     enum neph_status status = neph_night_summary(night, work->page->tier, &summary, diag);
     if (!status)
-        status = take_all(document,
-                          json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "format", "neph-night-page-1",
-                                    "state",
-                                    night->is_over          ? "finished"
-                                    : night->is_interrupted ? "interrupted"
-                                                            : "running",
-                                    "created_utc", created, "neph_version", NEPH_VERSION, "summary",
-                                    summary, "difference_colours", neph_page_difference_colours()),
-                          diag);
+        status = merge_object(
+            document,
+            json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "format", "neph-night-page-1", "state",
+                      night->is_over          ? "finished"
+                      : night->is_interrupted ? "interrupted"
+                                              : "running",
+                      "created_utc", created, "neph_version", NEPH_VERSION, "summary", summary,
+                      "difference_colours", neph_page_difference_colours()),
+            diag);
     free(summary);
     return status;
 }
@@ -339,7 +340,7 @@ void neph_night_page_close(struct neph_night_page *page)
 
 /* Created with the first publication, because another nightly run may use the folder before
  * that. */
-static enum neph_status have_folder(struct neph_night_page *page, struct neph_diag *diag)
+static enum neph_status create_page_folder(struct neph_night_page *page, struct neph_diag *diag)
 {
     if (page->folder)
         return NEPH_OK;
@@ -353,11 +354,12 @@ enum neph_status neph_night_page_publish(const struct neph_night *night, void *p
 {
     struct work work = {.page = page_, .night = night};
     json_t *document = neph_night_json(night, work.page->tier);
-    enum neph_status status = document ? have_folder(work.page, diag) : neph_fail_memory(diag);
+    enum neph_status status = document ? create_page_folder(work.page, diag)
+                                       : neph_fail_memory(diag);
     if (!status)
-        status = neph_night_pictures_begin(&work.pictures, work.page->store,
-                                           neph_report_folder_work(work.page->folder),
-                                           work.page->limit_bytes, diag);
+        status = neph_night_images_begin(&work.pictures, work.page->store,
+                                         neph_report_folder_work(work.page->folder),
+                                         work.page->limit_bytes, diag);
     if (!status)
         status = neph_store_index(work.page->store, &work.index, diag);
     if (!status)
@@ -367,7 +369,7 @@ enum neph_status neph_night_page_publish(const struct neph_night *night, void *p
     if (!status)
         status = neph_page_publish(work.page->folder, "NEPH_NIGHT", document, diag);
     neph_database_close(work.index);
-    neph_night_pictures_end(&work.pictures);
+    neph_night_images_end(&work.pictures);
     neph_arena_finish(&work.arena);
     json_decref(document);
     return status;

@@ -17,24 +17,24 @@
 /* The largest share of pixels that the scale of a difference image may clip. */
 static const double beyond_share = 0.01;
 
-enum neph_status neph_night_pictures_begin(struct neph_night_pictures *pictures,
-                                           struct neph_store *store, const char *page_folder,
-                                           size_t limit_bytes, struct neph_diag *diag)
+enum neph_status neph_night_images_begin(struct neph_night_images *pictures,
+                                         struct neph_store *store, const char *page_folder,
+                                         size_t limit_bytes, struct neph_diag *diag)
 {
-    *pictures = (struct neph_night_pictures){.store = store,
-                                             .folder = neph_path_in(page_folder, "images"),
-                                             .scenes = json_object(),
-                                             .counted = json_object(),
-                                             .limit_bytes = limit_bytes};
+    *pictures = (struct neph_night_images){.store = store,
+                                           .folder = neph_path_in(page_folder, "images"),
+                                           .scenes = json_object(),
+                                           .counted = json_object(),
+                                           .limit_bytes = limit_bytes};
     return pictures->scenes && pictures->counted ? neph_dir_create(pictures->folder.text, diag)
                                                  : neph_fail_memory(diag);
 }
 
-void neph_night_pictures_end(struct neph_night_pictures *pictures)
+void neph_night_images_end(struct neph_night_images *pictures)
 {
     json_decref(pictures->scenes);
     json_decref(pictures->counted);
-    *pictures = (struct neph_night_pictures){.store = NULL};
+    *pictures = (struct neph_night_images){.store = NULL};
 }
 
 /* ---- scenes ---------------------------------------------------------------------------------- */
@@ -50,8 +50,8 @@ static json_t *describe(const char *name)
     return json;
 }
 
-static enum neph_status exposure_of(struct neph_night_pictures *pictures, const char *scene,
-                                    double *exposure_ev, struct neph_diag *diag)
+static enum neph_status read_scene_exposure(struct neph_night_images *pictures, const char *scene,
+                                            double *exposure_ev, struct neph_diag *diag)
 {
     char name[256];
     snprintf(name, sizeof(name), "%.*s", (int)strcspn(scene, " @"), scene);
@@ -72,7 +72,7 @@ struct frame {
 
 /* Read a frame from the store. An unreadable frame counts as missing: the store may be cleaned at
  * any time. */
-static void open_frame(struct neph_night_pictures *pictures, const char *key, struct frame *frame)
+static void open_frame(struct neph_night_images *pictures, const char *key, struct frame *frame)
 {
     json_t *record = NULL;
     *frame = (struct frame){.image = NULL};
@@ -108,8 +108,8 @@ static double luminance(const struct frame *frame, size_t pixel)
 
 /* Add the size of a new image file to the total. A file that exceeds the limit is removed, and
  * `*fits` becomes false. */
-static enum neph_status count_picture(struct neph_night_pictures *pictures, const char *name,
-                                      const char *path, bool *fits, struct neph_diag *diag)
+static enum neph_status count_image_bytes(struct neph_night_images *pictures, const char *name,
+                                          const char *path, bool *fits, struct neph_diag *diag)
 {
     const size_t bytes = neph_page_file_size(pictures->folder.text, name);
     *fits = json_object_get(pictures->counted, name) ||
@@ -142,27 +142,28 @@ static enum neph_status draw(const char *path, const struct frame *frame,
 
 /* Make an image of the page. `*picture` is its name in the page's folder, or JSON null when the
  * size limit is reached. */
-static enum neph_status hang(struct neph_night_pictures *pictures, const char *name,
-                             const struct frame *frame, const struct frame *reference,
-                             double exposure_or_scale, json_t **picture, struct neph_diag *diag)
+static enum neph_status add_page_image(struct neph_night_images *pictures, const char *name,
+                                       const struct frame *frame, const struct frame *reference,
+                                       double exposure_or_scale, json_t **picture,
+                                       struct neph_diag *diag)
 {
     bool fits = false;
     const struct neph_path path = neph_path_in(pictures->folder.text, name);
     enum neph_status status = draw(path.text, frame, reference, exposure_or_scale, diag);
     if (!status)
-        status = count_picture(pictures, name, path.text, &fits, diag);
+        status = count_image_bytes(pictures, name, path.text, &fits, diag);
     if (!status)
         *picture = fits ? json_sprintf("images/%s", name) : json_null();
     return status;
 }
 
-static enum neph_status hang_frame(struct neph_night_pictures *pictures, const char *key,
-                                   const struct frame *frame, double exposure_ev, json_t **picture,
-                                   struct neph_diag *diag)
+static enum neph_status add_frame_image(struct neph_night_images *pictures, const char *key,
+                                        const struct frame *frame, double exposure_ev,
+                                        json_t **picture, struct neph_diag *diag)
 {
     char name[64];
     snprintf(name, sizeof(name), "%.24s.png", key);
-    return hang(pictures, name, frame, NULL, exposure_ev, picture, diag);
+    return add_page_image(pictures, name, frame, NULL, exposure_ev, picture, diag);
 }
 
 static json_t *size_json(const struct frame *frame)
@@ -170,16 +171,16 @@ static json_t *size_json(const struct frame *frame)
     return json_pack("[i, i]", frame->image->width_px, frame->image->height_px);
 }
 
-enum neph_status neph_night_pictures_one(struct neph_night_pictures *pictures, const char *scene,
-                                         const char *key, json_t **shown, struct neph_diag *diag)
+enum neph_status neph_night_images_one(struct neph_night_images *pictures, const char *scene,
+                                       const char *key, json_t **shown, struct neph_diag *diag)
 {
     double exposure_ev = 0.0;
     struct frame frame;
     json_t *picture = NULL;
-    enum neph_status status = exposure_of(pictures, scene, &exposure_ev, diag);
+    enum neph_status status = read_scene_exposure(pictures, scene, &exposure_ev, diag);
     open_frame(pictures, key, &frame);
     if (!status && frame.image)
-        status = hang_frame(pictures, key, &frame, exposure_ev, &picture, diag);
+        status = add_frame_image(pictures, key, &frame, exposure_ev, &picture, diag);
     if (!status)
         *shown = frame.image && !json_is_null(picture)
                      ? json_pack("{s:O, s:o}", "picture", picture, "size_px", size_json(&frame))
@@ -192,7 +193,7 @@ enum neph_status neph_night_pictures_one(struct neph_night_pictures *pictures, c
 /* ---- differences ----------------------------------------------------------------------------- */
 
 /* The least of 1, 2, 5 times a power of ten that is not below `least`. */
-static double even_above(double least)
+static double round_up_scale(double least)
 {
     const double power = pow(10.0, floor(log10(least)));
     return power * (least <= power         ? 1.0
@@ -228,16 +229,16 @@ static struct difference compare(const struct frame *accepted, const struct fram
     const size_t at = (size_t)((1.0 - beyond_share) * (double)finite);
     const double high = finite ? sizes[at < finite ? at : finite - 1] : 0.0,
                  most = finite ? sizes[finite - 1] : 0.0, least = high > 0.0 ? high : most;
-    return (struct difference){least > 0.0   ? even_above(least)
+    return (struct difference){least > 0.0   ? round_up_scale(least)
                                : changed > 0 ? 1.0
                                              : 0.0,
                                sum_before > 0.0 ? sum / sum_before : NAN,
                                (double)changed / (double)count};
 }
 
-static enum neph_status hang_difference(struct neph_night_pictures *pictures, const char *keys[2],
-                                        const struct frame frames[2], json_t **json,
-                                        struct neph_diag *diag)
+static enum neph_status add_difference_image(struct neph_night_images *pictures,
+                                             const char *keys[2], const struct frame frames[2],
+                                             json_t **json, struct neph_diag *diag)
 {
     char name[64];
     json_t *picture = json_null();
@@ -248,8 +249,8 @@ static enum neph_status hang_difference(struct neph_night_pictures *pictures, co
     free(sizes);
     snprintf(name, sizeof(name), "%.12s-%.12s.png", keys[1], keys[0]);
     const enum neph_status status = difference.scale > 0.0
-                                        ? hang(pictures, name, &frames[1], &frames[0],
-                                               difference.scale, &picture, diag)
+                                        ? add_page_image(pictures, name, &frames[1], &frames[0],
+                                                         difference.scale, &picture, diag)
                                         : NEPH_OK;
     if (!status)
         *json = json_pack("{s:o, s:f, s:o, s:f}", "picture", picture, "scale", difference.scale,
@@ -265,7 +266,7 @@ static json_t *frame_json(json_t *picture, const struct frame *frame)
 }
 
 /* Frame 0 is the baseline's, frame 1 this run's. */
-static enum neph_status show_pair(struct neph_night_pictures *pictures, const char *keys[2],
+static enum neph_status show_pair(struct neph_night_images *pictures, const char *keys[2],
                                   const struct frame frames[2], double exposure_ev, json_t **shown,
                                   struct neph_diag *diag)
 {
@@ -273,9 +274,9 @@ static enum neph_status show_pair(struct neph_night_pictures *pictures, const ch
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < 2 && !status; i++)
         if (frames[i].image)
-            status = hang_frame(pictures, keys[i], &frames[i], exposure_ev, &drawn[i], diag);
+            status = add_frame_image(pictures, keys[i], &frames[i], exposure_ev, &drawn[i], diag);
     if (!status && is_one_size(&frames[0], &frames[1]))
-        status = hang_difference(pictures, keys, frames, &difference, diag);
+        status = add_difference_image(pictures, keys, frames, &difference, diag);
     if (status) {
         json_decref(drawn[0]);
         json_decref(drawn[1]);
@@ -288,9 +289,9 @@ static enum neph_status show_pair(struct neph_night_pictures *pictures, const ch
     return NEPH_OK;
 }
 
-enum neph_status neph_night_pictures_pair(struct neph_night_pictures *pictures, const char *scene,
-                                          const char *accepted, const char *tonight, json_t **shown,
-                                          struct neph_diag *diag)
+enum neph_status neph_night_images_pair(struct neph_night_images *pictures, const char *scene,
+                                        const char *accepted, const char *tonight, json_t **shown,
+                                        struct neph_diag *diag)
 {
     const char *keys[2] = {accepted, tonight};
     struct frame frames[2];
@@ -300,7 +301,7 @@ enum neph_status neph_night_pictures_pair(struct neph_night_pictures *pictures, 
     enum neph_status status = NEPH_OK;
     *shown = json_null();
     if (frames[0].image || frames[1].image) {
-        status = exposure_of(pictures, scene, &exposure_ev, diag);
+        status = read_scene_exposure(pictures, scene, &exposure_ev, diag);
         if (!status)
             status = show_pair(pictures, keys, frames, exposure_ev, shown, diag);
     }

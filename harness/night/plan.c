@@ -110,7 +110,7 @@ void neph_night_step_log(const struct neph_night_step *step, char name[NEPH_STEP
 
 /* ---- steps ----------------------------------------------------------------------------------- */
 
-struct making {
+struct plan_builder {
     const struct neph_night_plan_params *params;
     struct neph_arena *arena;
     struct neph_night_plan *plan;
@@ -118,18 +118,19 @@ struct making {
     bool too_many_words, too_many_steps; /* an error of the caller: nothing is left out silently */
 };
 
-static bool is_wanted(const struct making *making, const char *name)
+static bool is_wanted(const struct plan_builder *plan_builder, const char *name)
 {
-    if (neph_night_plan_find(making->plan, name))
+    if (neph_night_plan_find(plan_builder->plan, name))
         return false;
-    for (int i = 0; i < making->params->only_count; i++)
-        if (neph_night_is_named(name, making->params->only[i]))
+    for (int i = 0; i < plan_builder->params->only_count; i++)
+        if (neph_night_is_named(name, plan_builder->params->only[i]))
             return true;
-    return making->params->only_count == 0;
+    return plan_builder->params->only_count == 0;
 }
 
 /* NULL adds nothing. */
-static void add_word(struct making *making, struct neph_night_step *step, const char *word)
+static void add_word(struct plan_builder *plan_builder, struct neph_night_step *step,
+                     const char *word)
 {
     int count = 0;
     while (step->words[count])
@@ -137,71 +138,79 @@ static void add_word(struct making *making, struct neph_night_step *step, const 
     if (word && count < NEPH_STEP_WORDS - 1)
         step->words[count] = word;
     else
-        making->too_many_words = making->too_many_words || word;
+        plan_builder->too_many_words = plan_builder->too_many_words || word;
 }
 
 /* Adds the words of a text, separated by blanks. */
-static void add_words(struct making *making, struct neph_night_step *step, const char *words)
+static void add_words(struct plan_builder *plan_builder, struct neph_night_step *step,
+                      const char *words)
 {
     for (size_t length; *words; words += length + strspn(words + length, " ")) {
         length = strcspn(words, " ");
-        add_word(making, step, neph_arena_format(making->arena, "%.*s", (int)length, words));
+        add_word(plan_builder, step,
+                 neph_arena_format(plan_builder->arena, "%.*s", (int)length, words));
     }
 }
 
-static void add_settings(struct making *making, struct neph_night_step *step)
+static void add_settings(struct plan_builder *plan_builder, struct neph_night_step *step)
 {
-    const struct neph_night_plan_params *params = making->params;
+    const struct neph_night_plan_params *params = plan_builder->params;
     if (step->suite != NEPH_NIGHT_CATALOG)
         return;
     if (params->seed > 1)
-        add_words(making, step, neph_arena_format(making->arena, "--seed %d", params->seed));
+        add_words(plan_builder, step,
+                  neph_arena_format(plan_builder->arena, "--seed %d", params->seed));
     int known;
     const struct neph_engine *const *engines = neph_engines(&known);
     for (int i = 0; i < known && !params->only_engines; i++)
         if (engines[i]->first) /* further Blender versions */
-            add_words(making, step, neph_arena_format(making->arena, "-e %s", engines[i]->name));
+            add_words(plan_builder, step,
+                      neph_arena_format(plan_builder->arena, "-e %s", engines[i]->name));
     for (int i = 0; i < params->engine_count; i++) {
-        add_word(making, step, "-e");
-        add_word(making, step, params->engines[i]);
+        add_word(plan_builder, step, "-e");
+        add_word(plan_builder, step, params->engines[i]);
     }
     for (int i = 0; i < params->setting_count; i++) {
-        add_word(making, step, "-s");
-        add_word(making, step, params->settings[i]);
+        add_word(plan_builder, step, "-s");
+        add_word(plan_builder, step, params->settings[i]);
     }
 }
 
 /* `words` as in struct listed; NULL: the suite's words. */
-static void add_step(struct making *making, enum neph_night_suite suite, const char *of,
+static void add_step(struct plan_builder *plan_builder, enum neph_night_suite suite, const char *of,
                      const char *words)
 {
-    const char *name = neph_arena_format(making->arena, "%s %s", suite_names[suite], of);
+    const char *name = neph_arena_format(plan_builder->arena, "%s %s", suite_names[suite], of);
     const char *size = suites[suite].size;
-    const bool only_engines = making->params->only_engines;
-    if (!is_wanted(making, name) || (only_engines && suite != NEPH_NIGHT_CATALOG))
+    const bool only_engines = plan_builder->params->only_engines;
+    if (!is_wanted(plan_builder, name) || (only_engines && suite != NEPH_NIGHT_CATALOG))
         return;
-    making->too_many_steps = making->too_many_steps || making->plan->count == STEPS_MAX;
-    if (making->too_many_steps)
+    plan_builder->too_many_steps = plan_builder->too_many_steps ||
+                                   plan_builder->plan->count == STEPS_MAX;
+    if (plan_builder->too_many_steps)
         return;
-    if (size && making->params->width_px > 0)
-        size = neph_arena_format(making->arena, "%dx%d", making->params->width_px,
-                                 making->params->height_px);
-    struct neph_night_step *step = &making->plan->steps[making->plan->count++];
+    if (size && plan_builder->params->width_px > 0)
+        size = neph_arena_format(plan_builder->arena, "%dx%d", plan_builder->params->width_px,
+                                 plan_builder->params->height_px);
+    struct neph_night_step *step = &plan_builder->plan->steps[plan_builder->plan->count++];
     *step = (struct neph_night_step){
         .suite = suite,
         .name = name,
-        .scene = suite == NEPH_NIGHT_PHYSICS ? NULL : neph_arena_text(making->arena, of),
+        .scene = suite == NEPH_NIGHT_PHYSICS ? NULL : neph_arena_copy_text(plan_builder->arena, of),
         .guess_s = suites[suite].guess_s,
         .guess_series = suites[suite].guess_series};
-    add_words(making, step, suites[suite].before);
-    add_word(making, step, neph_arena_text(making->arena, of));
-    add_word(making, step, size ? "--size" : NULL);
-    add_word(making, step, size);
-    add_words(making, step, only_engines ? only_engine_words : words ? words : suites[suite].after);
-    add_settings(making, step);
+    add_words(plan_builder, step, suites[suite].before);
+    add_word(plan_builder, step, neph_arena_copy_text(plan_builder->arena, of));
+    add_word(plan_builder, step, size ? "--size" : NULL);
+    add_word(plan_builder, step, size);
+    add_words(plan_builder, step,
+              only_engines ? only_engine_words
+              : words      ? words
+                           : suites[suite].after);
+    add_settings(plan_builder, step);
 }
 
-static enum neph_status add_scenes(struct making *making, enum neph_data_scenes which,
+static enum neph_status add_scenes(struct plan_builder *plan_builder, enum neph_data_scenes which,
                                    enum neph_night_suite suite, struct neph_diag *diag)
 {
     char **names = NULL;
@@ -210,56 +219,59 @@ static enum neph_status add_scenes(struct making *making, enum neph_data_scenes 
     if (status)
         return status;
     for (int i = 0; i < count; i++)
-        add_step(making, suite, names[i], NULL);
+        add_step(plan_builder, suite, names[i], NULL);
     neph_data_free_names(names);
     return NEPH_OK;
 }
 
-static void add_checks(struct making *making)
+static void add_checks(struct plan_builder *plan_builder)
 {
     for (int i = 0; i < neph_check_count(); i++) {
         struct neph_check check;
         neph_check_get(i, &check);
-        add_step(making, NEPH_NIGHT_PHYSICS, check.name, NULL);
+        add_step(plan_builder, NEPH_NIGHT_PHYSICS, check.name, NULL);
     }
 }
 
-static const char *words_of(const struct making *making, const struct listed *step)
+static const char *format_listed_words(const struct plan_builder *plan_builder,
+                                       const struct listed *step)
 {
     const struct neph_preset *preset;
     const char *words = "";
     if (!step->variant)
         return step->words;
-    for (int i = 0; (preset = neph_preset_of_use(neph_rt_presets, NEPH_RT_STRESS_QUICK, i)); i++)
-        words = neph_arena_format(making->arena, "%s--preset %s ", words, preset->name);
-    return neph_arena_format(making->arena, "%s--preset %s", words, step->variant);
+    for (int i = 0; (preset = neph_preset_find_by_use(neph_rt_presets, NEPH_RT_STRESS_QUICK, i));
+         i++)
+        words = neph_arena_format(plan_builder->arena, "%s--preset %s ", words, preset->name);
+    return neph_arena_format(plan_builder->arena, "%s--preset %s", words, step->variant);
 }
 
-static void add_listed(struct making *making, const struct listed *steps, size_t count)
+static void add_listed(struct plan_builder *plan_builder, const struct listed *steps, size_t count)
 {
     for (size_t i = 0; i < count; i++)
-        add_step(making, steps[i].suite, steps[i].name, words_of(making, &steps[i]));
+        add_step(plan_builder, steps[i].suite, steps[i].name,
+                 format_listed_words(plan_builder, &steps[i]));
 }
 
-static enum neph_status add_steps(struct making *making, struct neph_diag *diag)
+static enum neph_status add_steps(struct plan_builder *plan_builder, struct neph_diag *diag)
 {
-    add_listed(making, quick_steps, sizeof(quick_steps) / sizeof(quick_steps[0]));
-    if (!making->full)
+    add_listed(plan_builder, quick_steps, sizeof(quick_steps) / sizeof(quick_steps[0]));
+    if (!plan_builder->full)
         return NEPH_OK;
-    add_listed(making, full_steps, sizeof(full_steps) / sizeof(full_steps[0]));
-    enum neph_status status = add_scenes(making, NEPH_DATA_CATALOG, NEPH_NIGHT_CATALOG, diag);
+    add_listed(plan_builder, full_steps, sizeof(full_steps) / sizeof(full_steps[0]));
+    enum neph_status status = add_scenes(plan_builder, NEPH_DATA_CATALOG, NEPH_NIGHT_CATALOG, diag);
     if (!status)
-        status = add_scenes(making, NEPH_DATA_STRESS, NEPH_NIGHT_STRESS, diag);
+        status = add_scenes(plan_builder, NEPH_DATA_STRESS, NEPH_NIGHT_STRESS, diag);
     if (!status)
-        add_checks(making);
+        add_checks(plan_builder);
     return status;
 }
 
 /* The concatenated command lines of all steps: a different word makes a different plan. */
-static const char *identity_of(struct neph_arena *arena, const char *tier,
-                               const struct neph_night_plan *plan)
+static const char *format_plan_identity(struct neph_arena *arena, const char *tier,
+                                        const struct neph_night_plan *plan)
 {
-    const char *text = neph_arena_text(arena, tier);
+    const char *text = neph_arena_copy_text(arena, tier);
     for (int i = 0; i < plan->count; i++)
         for (int w = 0; plan->steps[i].words[w]; w++)
             text = neph_arena_format(arena, "%s%s%s", text, w ? " " : "; ",
@@ -272,27 +284,28 @@ enum neph_status neph_night_plan_make(const struct neph_night_plan_params *param
                                       struct neph_diag *diag)
 {
     *plan = (struct neph_night_plan){
-        .steps = neph_arena_zeroed(arena, STEPS_MAX, sizeof(*plan->steps))};
-    struct making making = {params, arena, plan, strcmp(params->tier, "full") == 0, false, false};
+        .steps = neph_arena_allocate(arena, STEPS_MAX, sizeof(*plan->steps))};
+    struct plan_builder plan_builder = {params, arena, plan, strcmp(params->tier, "full") == 0,
+                                        false,  false};
     if (!plan->steps)
         return neph_fail_memory(diag);
-    if (!making.full && strcmp(params->tier, "quick") != 0)
+    if (!plan_builder.full && strcmp(params->tier, "quick") != 0)
         return neph_fail(diag, NEPH_ERR_USAGE, "there is no tier '%s': quick or full",
                          params->tier);
-    enum neph_status status = add_steps(&making, diag);
+    enum neph_status status = add_steps(&plan_builder, diag);
     if (!status && plan->count == 0) {
         status = neph_fail(diag, NEPH_ERR_USAGE, "no step of tier %s has --only in its name",
                            params->tier);
         neph_hint(diag, "`neph nightly --list` lists them");
     }
-    if (!status && making.too_many_words)
+    if (!status && plan_builder.too_many_words)
         status = neph_fail(diag, NEPH_ERR_USAGE,
                            "with so many settings a step has more than %d words",
                            NEPH_STEP_WORDS - 1);
-    if (!status && making.too_many_steps)
+    if (!status && plan_builder.too_many_steps)
         status = neph_fail(diag, NEPH_ERR_USAGE, "tier %s has more than %d steps", params->tier,
                            STEPS_MAX);
-    plan->identity = identity_of(arena, params->tier, plan);
+    plan->identity = format_plan_identity(arena, params->tier, plan);
     return status ? status : neph_arena_check(arena, diag);
 }
 
@@ -313,7 +326,8 @@ double neph_night_step_cost(const struct neph_night_step *step,
     return isfinite(history->cost_s) ? history->cost_s : step->guess_s;
 }
 
-static double worth_of(const struct neph_night_step *step, const struct neph_step_history *history)
+static double estimate_value_per_second(const struct neph_night_step *step,
+                                        const struct neph_step_history *history)
 {
     const int series = history->series > 0 ? history->series : step->guess_series;
     const double least_s = 0.1; /* shorter durations are dominated by noise */
@@ -329,8 +343,8 @@ int neph_night_plan_next(const struct neph_night_plan *plan,
         const bool fits = first || neph_night_step_cost(&plan->steps[i], &history[i]) <= left_s;
         if (done[i] || !fits)
             continue;
-        if (best < 0 ||
-            worth_of(&plan->steps[i], &history[i]) > worth_of(&plan->steps[best], &history[best]))
+        if (best < 0 || estimate_value_per_second(&plan->steps[i], &history[i]) >
+                            estimate_value_per_second(&plan->steps[best], &history[best]))
             best = i;
     }
     return best;

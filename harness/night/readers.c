@@ -80,14 +80,14 @@ static const json_t *find(const struct reading *reading, const char *path)
     return value;
 }
 
-static const char *text_of(const json_t *value)
+static const char *text_or_empty(const json_t *value)
 {
     const char *text = json_string_value(value);
     return text ? text : "";
 }
 
 /* Version and device of an engine, from the document's list of engines. */
-static const char *version_of(const struct reading *reading, const char *engine)
+static const char *find_engine_version(const struct reading *reading, const char *engine)
 {
     size_t i;
     const json_t *row;
@@ -107,9 +107,9 @@ static const char *fill_value(const struct reading *reading, const char *form, s
 {
     const char *bar = memchr(form, '|', length), *path = bar ? bar + 1 : form;
     const char *colon = memchr(form, ':', length), *word = memchr(form, '?', length);
-    const char *value = text_of(find(reading, path));
+    const char *value = text_or_empty(find(reading, path));
     if (colon && colon[1] == 'v')
-        value = version_of(reading, value);
+        value = find_engine_version(reading, value);
     if (!value[0])
         return word ? neph_arena_format(reading->arena, "%.*s", (int)(form + length - word - 1),
                                         word + 1)
@@ -143,7 +143,7 @@ static double measure_contrast(const struct reading *reading, const json_t *path
     double sum = 0.0, low = INFINITY, high = -INFINITY;
     size_t count = 0;
     (void)reading;
-    if (neph_exr_read(text_of(path), &image, NULL))
+    if (neph_exr_read(text_or_empty(path), &image, NULL))
         return NAN;
     for (int c = 0; c < image->channel_count; c++) {
         const struct neph_channel *channel = &image->channels[c];
@@ -198,7 +198,7 @@ static double relative_time(const struct reading *reading, const json_t *row)
     return neph_json_real(json_object_get(row, "frame_s"), "median") / unit_s;
 }
 
-static double number_of(const json_t *value)
+static double number_or_nan(const json_t *value)
 {
     return json_is_number(value) ? json_number_value(value) : NAN;
 }
@@ -210,7 +210,7 @@ static double error_at(const struct reading *reading, const char *path)
     return json_is_array(error) ? (json_number_value(json_array_get(error, 1)) -
                                    json_number_value(json_array_get(error, 0))) /
                                       (2.0 * neph_normal_critical(0.05))
-                                : number_of(error);
+                                : number_or_nan(error);
 }
 
 /* Stress test results contain no scene hash, so it is computed from the scene's current file. */
@@ -323,25 +323,26 @@ static const struct results {
 
 /* With the same seed and program every engine gives the same bits. Only path tracers draw other
  * samples when the program changes. */
-static const char *kind_of(const struct reading *reading, const struct number *number, double error)
+static const char *find_series_kind(const struct reading *reading, const struct number *number,
+                                    double error)
 {
     const char *word = number->kind      ? fill(reading, number->kind)
                        : isfinite(error) ? "drawn"
                                          : "fixed";
-    if (strcmp(word, NEPH_NIGHT_PICTURE) == 0 || neph_series_kind_of(word) < NEPH_SERIES_KINDS)
+    if (strcmp(word, NEPH_NIGHT_PICTURE) == 0 || neph_find_series_kind(word) < NEPH_SERIES_KINDS)
         return word;
     const struct neph_engine *engine = neph_engine_find(word);
-    return engine && neph_engine_draws(engine) ? "drawn" : "fixed";
+    return engine && neph_engine_is_random(engine) ? "drawn" : "fixed";
 }
 
-static const char *frame_of(const struct reading *reading, const struct results *of)
+static const char *fill_frame_key(const struct reading *reading, const struct results *of)
 {
     char key[NEPH_HASH_HEX_SIZE];
     const char *frame = fill(reading, of->frame);
     if (!strchr(frame, '/'))
         return frame;
-    neph_store_key_of(frame, key);
-    return neph_arena_text(reading->arena, key);
+    neph_store_key_from_path(frame, key);
+    return neph_arena_copy_text(reading->arena, key);
 }
 
 /* Add one number. A value that is not finite was not measured and is skipped. */
@@ -349,7 +350,7 @@ static void add(struct reading *reading, const struct results *of, const struct 
 {
     struct neph_night_numbers *numbers = reading->numbers;
     const json_t *found = find(reading, number->value);
-    const double value = number->measure ? number->measure(reading, found) : number_of(found),
+    const double value = number->measure ? number->measure(reading, found) : number_or_nan(found),
                  error = error_at(reading, number->error);
     if (!isfinite(value))
         return;
@@ -362,11 +363,11 @@ static void add(struct reading *reading, const struct results *of, const struct 
             reading->arena, "%s/%s/%s/%s%s%s", neph_night_suite_name(reading->suite),
             of->scene ? fill(reading, of->scene) : stress_scene(reading), fill(reading, of->engine),
             fill(reading, number->metric), number->truth ? "/" : "", fill(reading, number->truth)),
-        .kind = kind_of(reading, number, error),
+        .kind = find_series_kind(reading, number, error),
         .value = value,
         .standard_error = error,
         .environment = fill(reading, of->environment),
-        .frame = frame_of(reading, of)};
+        .frame = fill_frame_key(reading, of)};
     if (strcmp(m->kind, "timed") == 0)
         m->environment = neph_arena_format(reading->arena, "%s; on %s", m->environment,
                                            reading->host);
@@ -405,7 +406,7 @@ static enum neph_status visit(struct reading *reading, const struct results *of,
                                : neph_fail(diag, NEPH_ERR_ENGINE, "its JSON has no %s", name);
 }
 
-static const char *size_of(const struct reading *reading)
+static const char *format_frame_size(const struct reading *reading)
 {
     const json_t *document = reading->levels[0], *size = json_object_get(document, "size_px");
     const bool is_sweep = reading->suite == NEPH_NIGHT_SWEEP;
@@ -427,8 +428,8 @@ enum neph_status neph_night_read(enum neph_night_suite suite, const json_t *docu
     const json_t *physics = json_object_get(document, "physics"); /* embedded in a report */
     const json_t *within = suite == NEPH_NIGHT_PHYSICS && physics ? physics : document;
     *numbers = (struct neph_night_numbers){
-        .list = neph_arena_zeroed(arena, NUMBERS_MAX, sizeof(*numbers->list)),
-        .size = size_of(&reading)};
+        .list = neph_arena_allocate(arena, NUMBERS_MAX, sizeof(*numbers->list)),
+        .size = format_frame_size(&reading)};
     enum neph_status status = neph_arena_check(arena, diag);
     for (size_t i = 0; i < sizeof(results) / sizeof(results[0]) && !status; i++)
         if (results[i].suite == suite)

@@ -41,7 +41,7 @@ static void put_failing(FILE *text, const struct neph_failing *failing)
         return;
     fprintf(text, "failing %dx%d frames %d steps %d event %d truth %s engines %d presets %s\n",
             failing->width_px, failing->height_px, failing->frame_count, failing->steps,
-            failing->event_frame, neph_failing_truth_name(failing->truth), failing->engines,
+            failing->event_frame, neph_failing_reference_name(failing->truth), failing->engines,
             failing->presets ? failing->presets : "");
     for (int i = 0; i < failing->limit_count; i++)
         fprintf(text, "limit %s %s %.17g\n", neph_failing_measure_name(failing->limits[i].measure),
@@ -109,9 +109,9 @@ enum neph_status neph_scene_copy_keep(const char *store_folder, const char *name
     if (!status)
         status = neph_scene_terms(scene, terms, diag);
     if (!status) {
-        row->scene = neph_arena_text(arena, scene->name);
-        row->hash = neph_arena_text(arena, scene->hash);
-        row->terms = neph_arena_text(arena, terms);
+        row->scene = neph_arena_copy_text(arena, scene->name);
+        row->hash = neph_arena_copy_text(arena, scene->hash);
+        row->terms = neph_arena_copy_text(arena, terms);
         const char *path = neph_scene_copy_path(store_folder, row, arena);
         status = neph_arena_check(arena, diag);
         if (!status && !neph_path_exists(path))

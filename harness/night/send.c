@@ -45,7 +45,7 @@ static bool wants_gpu(void)
 static enum neph_status check(const struct neph_slurm_settings *settings, struct neph_diag *diag)
 {
     const char *index = getenv("NEPH_STORE_INDEX");
-    if (neph_index_place() != NEPH_INDEX_OF_HOST || index[0] != '/') {
+    if (neph_index_place() != NEPH_INDEX_ON_HOST || index[0] != '/') {
         neph_fail(
             diag, NEPH_ERR_USAGE,
             "several hosts would share one database of the store, which SQLite does not support");
@@ -89,7 +89,7 @@ static bool is_over(const struct sending *sending)
 static enum neph_status find_night(struct sending *sending, struct neph_diag *diag)
 {
     struct neph_night_work *work = sending->work;
-    const struct neph_history_night who = neph_night_who(work->night);
+    const struct neph_history_night run_identity = neph_night_identity(work->night);
     bool found = false;
     int left = 0;
     neph_night_jobs_finish(&work->jobs);
@@ -100,7 +100,8 @@ static enum neph_status find_night(struct sending *sending, struct neph_diag *di
     if (status)
         return status;
     sending->is_there = left > 0;
-    if (found && neph_night_jobs_is_of(&work->jobs, &who) && (left > 0 || !is_over(sending)))
+    if (found && neph_night_jobs_match(&work->jobs, &run_identity) &&
+        (left > 0 || !is_over(sending)))
         return NEPH_OK;
     if (left == 0)
         return forget(sending, diag);
@@ -126,7 +127,7 @@ static void remove_old_logs(const char *logs, struct neph_arena *arena)
 static enum neph_status begin(struct sending *sending, struct neph_diag *diag)
 {
     struct neph_night_work *work = sending->work;
-    const struct neph_history_night who = neph_night_who(work->night);
+    const struct neph_history_night run_identity = neph_night_identity(work->night);
     const bool is_new = work->jobs.night == 0;
     enum neph_status status = neph_night_begin(work, diag);
     memset(work->ran, 0, (size_t)work->night->plan.count * sizeof(*work->ran));
@@ -134,13 +135,13 @@ static enum neph_status begin(struct sending *sending, struct neph_diag *diag)
         return status;
     remove_old_logs(work->logs, &work->night->arena);
     return neph_night_jobs_begin(sending->output, &work->night->arena, work->night->id,
-                                 work->night->started_utc, &who, &work->jobs, diag);
+                                 work->night->started_utc, &run_identity, &work->jobs, diag);
 }
 
 /* ---- steps ----------------------------------------------------------------------------------- */
 
 /* Record the steps that have a result file by now. */
-static enum neph_status look_for_done(struct sending *sending, struct neph_diag *diag)
+static enum neph_status find_done_steps(struct sending *sending, struct neph_diag *diag)
 {
     struct neph_night_work *work = sending->work;
     enum neph_status status = NEPH_OK;
@@ -150,7 +151,7 @@ static enum neph_status look_for_done(struct sending *sending, struct neph_diag 
         bool found = false;
         if (work->ran[i])
             continue;
-        status = neph_night_jobs_look(&work->jobs, &work->night->plan.steps[i], &found, &record,
+        status = neph_night_jobs_load(&work->jobs, &work->night->plan.steps[i], &found, &record,
                                       &numbers, diag);
         if (status || !found)
             continue;
@@ -161,7 +162,8 @@ static enum neph_status look_for_done(struct sending *sending, struct neph_diag 
 }
 
 /* This command line with the options that make it a single job. */
-static const char *line(const struct sending *sending, const char *option, const char *value)
+static const char *format_job_line(const struct sending *sending, const char *option,
+                                   const char *value)
 {
     struct neph_arena *arena = &sending->work->night->arena;
     const char *const more[] = {"-q", "-o", sending->output, option, value, NULL};
@@ -178,7 +180,7 @@ static enum neph_status add_step(struct sending *sending, int index, struct neph
         .limit_s = neph_night_limit_s(work, index),
         .begin_by = sending->task_count > 0 ? (double)time(NULL) + late_s : INFINITY};
     sending->tasks[sending->task_count++] = (struct neph_slurm_task){
-        .line = line(sending, "--step", step->name),
+        .line = format_job_line(sending, "--step", step->name),
         .is_timed = step->suite == NEPH_NIGHT_SPEED,
         .wants_gpu = wants_gpu()};
     return neph_night_jobs_add(&work->jobs, step->name, &job, diag);
@@ -191,7 +193,7 @@ static enum neph_status choose_steps(struct sending *sending, struct neph_diag *
     const struct neph_night_plan *plan = &work->night->plan;
     const size_t count = (size_t)plan->count;
     bool *chosen = neph_arena_copy(&work->night->arena, work->ran, count * sizeof(*chosen));
-    sending->tasks = neph_arena_zeroed(&work->night->arena, count, sizeof(*sending->tasks));
+    sending->tasks = neph_arena_allocate(&work->night->arena, count, sizeof(*sending->tasks));
     enum neph_status status = neph_arena_check(&work->night->arena, diag);
     int index = 0;
     while (!status &&
@@ -221,7 +223,7 @@ static enum neph_status submit(struct sending *sending, struct neph_diag *diag)
         .logs = neph_arena_format(arena, "%s/nightly/logs", sending->output),
         .tasks = sending->tasks,
         .task_count = sending->task_count,
-        .last = {.line = line(sending, "--report", NULL), .wants_gpu = wants_gpu()}};
+        .last = {.line = format_job_line(sending, "--report", NULL), .wants_gpu = wants_gpu()}};
     if (!status)
         status = neph_arena_check(arena, diag);
     return status ? status : neph_slurm_submit(sending->settings, &batch, diag);
@@ -230,7 +232,7 @@ static enum neph_status submit(struct sending *sending, struct neph_diag *diag)
 /* ---- waiting --------------------------------------------------------------------------------- */
 
 /* Wait. False after Ctrl-C. */
-static bool rest(double seconds)
+static bool wait_seconds(double seconds)
 {
     struct pollfd signal = {.fd = neph_interrupt_fd(), .events = POLLIN};
     return poll(&signal, signal.fd < 0 ? 0 : 1, (int)(1000.0 * seconds)) == 0 &&
@@ -257,9 +259,9 @@ static enum neph_status wait_for_jobs(struct sending *sending, struct neph_diag 
     bool told = false;
     double wait_s = first_wait_s;
     while (!status && has_jobs(sending, &told)) {
-        if (!rest(wait_s))
+        if (!wait_seconds(wait_s))
             return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
-        status = look_for_done(sending, diag);
+        status = find_done_steps(sending, diag);
         wait_s = fmin(wait_s * growth, longest_wait_s);
     }
     return status;
@@ -291,25 +293,25 @@ static enum neph_status cancel(struct sending *sending, struct neph_diag *diag)
 
 /* ---- all ------------------------------------------------------------------------------------- */
 
-static enum neph_status hand_over(struct sending *sending, struct neph_diag *diag)
+static enum neph_status prepare_and_submit(struct sending *sending, struct neph_diag *diag)
 {
     enum neph_status status = find_night(sending, diag);
     if (!status && (sending->work->night->id == 0 || sending->work->jobs.night == 0))
         status = begin(sending, diag);
     if (!status)
-        status = look_for_done(sending, diag);
+        status = find_done_steps(sending, diag);
     if (!status && !sending->is_there)
         status = submit(sending, diag);
     return status;
 }
 
 /* The lock is released before waiting, because the report job needs it. */
-static enum neph_status hand_over_locked(struct sending *sending, struct neph_diag *diag)
+static enum neph_status prepare_and_submit_locked(struct sending *sending, struct neph_diag *diag)
 {
     int lock = -1;
     enum neph_status status = neph_night_lock(sending->work, false, &lock, diag);
     if (!status) {
-        status = hand_over(sending, diag);
+        status = prepare_and_submit(sending, diag);
         close(lock);
     }
     return status;
@@ -320,7 +322,7 @@ static enum neph_status send(struct sending *sending, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     do {
-        status = hand_over_locked(sending, diag);
+        status = prepare_and_submit_locked(sending, diag);
         if (!status)
             status = wait_for_jobs(sending, diag);
     } while (!status && sending->is_there && !is_over(sending));
@@ -339,7 +341,7 @@ static enum neph_status name_places(struct sending *sending, const char *const *
         return neph_fail(diag, NEPH_ERR_IO, "cannot find '%s': %s", sending->work->params->output,
                          strerror(errno));
     const char *const program[] = {sending->work->place.program_path, NULL};
-    sending->output = neph_arena_text(arena, real);
+    sending->output = neph_arena_copy_text(arena, real);
     sending->said = neph_arena_format(arena, "%s nightly %s", neph_slurm_line(arena, program),
                                       neph_slurm_line(arena, words));
     free(real);
@@ -376,7 +378,7 @@ enum neph_status neph_night_send(const struct neph_night_params *params,
 static enum neph_status run_step(struct neph_night_work *work, const char *name,
                                  struct neph_diag *diag)
 {
-    const struct neph_history_night who = neph_night_who(work->night);
+    const struct neph_history_night run_identity = neph_night_identity(work->night);
     const struct neph_night_step *step = neph_night_plan_find(&work->night->plan, name);
     bool found = false;
     if (!step)
@@ -384,7 +386,7 @@ static enum neph_status run_step(struct neph_night_work *work, const char *name,
     enum neph_status status = neph_night_jobs_read(work->params->output, &work->night->arena,
                                                    &work->jobs, &found, diag);
     if (!status)
-        status = neph_night_jobs_check(&work->jobs, &who, diag);
+        status = neph_night_jobs_check(&work->jobs, &run_identity, diag);
     return status ? status
                   : neph_night_jobs_run(&work->jobs, step, work->params->output, work->logs,
                                         &work->place, diag);

@@ -222,7 +222,7 @@ enum neph_status neph_step_run(const struct neph_step_place *place,
     if (neph_step_ends_night(status, &why, diag))
         return status;
     record->outcome = !status ? neph_step_done : status == NEPH_ERR_TIMEOUT ? "timeout" : "failed";
-    record->reason = status ? neph_arena_text(arena, why.message) : "";
+    record->reason = status ? neph_arena_copy_text(arena, why.message) : "";
     if (!status && is_timed && !steady)
         record->reason = neph_arena_format(arena,
                                            "the machine was busy (calibration %.3f s before, %.3f "

@@ -102,12 +102,12 @@ static enum neph_status read_outcome(struct neph_night_work *work, struct neph_d
         "SELECT outcome, reason FROM steps WHERE night = ? AND name = ? AND outcome != 'not run'",
         "is", work->night->id, work->night->plan.steps[step].name);
     if (neph_query_next(query))
-        neph_night_note(work, step, neph_arena_text(arena, neph_query_text(query, 0)),
-                        neph_arena_text(arena, neph_query_text(query, 1)));
+        neph_night_note(work, step, neph_arena_copy_text(arena, neph_query_text(query, 0)),
+                        neph_arena_copy_text(arena, neph_query_text(query, 1)));
     return neph_query_end(query, NEPH_OK);
 }
 
-struct neph_history_night neph_night_who(const struct neph_night *night)
+struct neph_history_night neph_night_identity(const struct neph_night *night)
 {
     return (struct neph_history_night){night->plan.identity, night->revision, night->program,
                                        night->host};
@@ -118,14 +118,14 @@ static enum neph_status begin_history(struct neph_night_work *work, struct neph_
                                       struct neph_diag *diag)
 {
     struct neph_night *night = work->night;
-    const struct neph_history_night who = neph_night_who(night);
+    const struct neph_history_night run_identity = neph_night_identity(night);
     const char *folder = neph_store_folder(work->store);
     if (work->jobs.night == 0)
-        return neph_history_begin(index, folder, &who, &night->id, &night->resumed, diag);
+        return neph_history_begin(index, folder, &run_identity, &night->id, &night->resumed, diag);
     night->id = work->jobs.night;
-    night->host = work->jobs.who.host;
-    return neph_history_adopt(index, folder, &work->jobs.who, night->id, work->jobs.started_utc,
-                              diag);
+    night->host = work->jobs.run_identity.host;
+    return neph_history_adopt(index, folder, &work->jobs.run_identity, night->id,
+                              work->jobs.started_utc, diag);
 }
 
 enum neph_status neph_night_begin(struct neph_night_work *work, struct neph_diag *diag)
@@ -183,10 +183,10 @@ static enum neph_status identify(struct neph_night_work *work, struct neph_diag 
     if (status)
         return status;
     neph_host_class(host);
-    work->place.program_path = neph_arena_text(&night->arena, path);
-    night->program = neph_arena_text(&night->arena, build);
-    night->host = work->place.host = neph_arena_text(&night->arena, host);
-    night->revision = neph_arena_text(&night->arena, work->params->revision);
+    work->place.program_path = neph_arena_copy_text(&night->arena, path);
+    night->program = neph_arena_copy_text(&night->arena, build);
+    night->host = work->place.host = neph_arena_copy_text(&night->arena, host);
+    night->revision = neph_arena_copy_text(&night->arena, work->params->revision);
     return neph_arena_check(&night->arena, diag);
 }
 
@@ -202,10 +202,10 @@ static enum neph_status make_plan(struct neph_night_work *work, struct neph_diag
     if (status)
         return status;
     const size_t count = (size_t)night->plan.count;
-    work->history = neph_arena_zeroed(&night->arena, count, sizeof(*work->history));
-    work->outcomes = neph_arena_zeroed(&night->arena, count, sizeof(*work->outcomes));
-    work->longest_s = neph_arena_zeroed(&night->arena, count, sizeof(*work->longest_s));
-    work->ran = neph_arena_zeroed(&night->arena, count, sizeof(*work->ran));
+    work->history = neph_arena_allocate(&night->arena, count, sizeof(*work->history));
+    work->outcomes = neph_arena_allocate(&night->arena, count, sizeof(*work->outcomes));
+    work->longest_s = neph_arena_allocate(&night->arena, count, sizeof(*work->longest_s));
+    work->ran = neph_arena_allocate(&night->arena, count, sizeof(*work->ran));
     night->outcomes = work->outcomes;
     status = neph_step_place_settle(&work->place, true, diag);
     return status ? status : neph_arena_check(&night->arena, diag);

@@ -78,7 +78,7 @@ enum neph_status neph_night_lock(const struct neph_night_work *work, bool waits,
  * number and its start time from night.json. */
 enum neph_status neph_night_begin(struct neph_night_work *work, struct neph_diag *diag);
 
-struct neph_history_night neph_night_who(const struct neph_night *night);
+struct neph_history_night neph_night_identity(const struct neph_night *night);
 
 /* The time limit of a step; a step that exceeds it is regarded as hanging. */
 double neph_night_limit_s(const struct neph_night_work *work, int step);

@@ -98,7 +98,7 @@ int neph_check_count(void)
     return (int)(sizeof(rows) / sizeof(rows[0]));
 }
 
-static enum neph_stage_truth truth_of(const struct row *row)
+static enum neph_stage_truth find_row_reference(const struct row *row)
 {
     return row->rung == FURNACE      ? NEPH_STAGE_TRUTH_FURNACE
            : row->rung == SINGLE     ? NEPH_STAGE_TRUTH_RAY
@@ -113,7 +113,7 @@ static struct neph_check_view look(const struct row *row, const char *name, doub
     return (struct neph_check_view){
         .stage = {.name = name,
                   .medium = row->medium,
-                  .truth = truth_of(row),
+                  .truth = find_row_reference(row),
                   .optical_depth = row->optical_depth,
                   .albedo = row->albedo,
                   .phase = row->phase,

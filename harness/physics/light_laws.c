@@ -33,7 +33,7 @@ const struct neph_light_law_case neph_light_law_cases[NEPH_LIGHT_LAWS] = {
 };
 static const double sun_cosine = 0.7, other_cosine = 0.35;
 
-static const char *name_of(enum neph_light_law law)
+static const char *find_law_name(enum neph_light_law law)
 {
     static const char *const names[] = {[NEPH_LAW_FURNACE] = "white furnace, ball",
                                         [NEPH_LAW_REFLECTED] = "reflected, slab",
@@ -45,7 +45,8 @@ static const char *name_of(enum neph_light_law law)
 
 /* ---- views ----------------------------------------------------------------------------------- */
 
-static struct neph_stage_params stage_of(const struct neph_light_law_case *of, const char *name)
+static struct neph_stage_params make_law_stage(const struct neph_light_law_case *of,
+                                               const char *name)
 {
     return (struct neph_stage_params){
         .name = name,
@@ -104,7 +105,7 @@ static int view_exchanged(const struct neph_stage_params *stage, struct neph_che
 int neph_light_law_views(const struct neph_light_law_case *of, const char *name,
                          struct neph_check_view views[NEPH_LIGHT_LAW_VIEWS_MAX])
 {
-    const struct neph_stage_params stage = stage_of(of, name);
+    const struct neph_stage_params stage = make_law_stage(of, name);
     switch (of->law) {
     case NEPH_LAW_FURNACE:
         return view_ball(&stage, views);
@@ -164,7 +165,7 @@ static enum neph_status solve_fluxes(const struct neph_light_law_case *of,
 
 /* Sum over views. The weight of a flux includes the sun's irradiance, the weight of a mean does
  * not. */
-static double sum_of(const struct neph_check_view *views, int count, const double *sums)
+static double sum_views(const struct neph_check_view *views, int count, const double *sums)
 {
     double sum = 0.0;
     for (int i = 0; i < count; i++)
@@ -188,18 +189,18 @@ enum neph_status neph_light_law_value(const struct neph_light_law_case *of,
     *truth = 1.0;
     switch (of->law) {
     case NEPH_LAW_FURNACE:
-        *value = sum_of(views, SUNS, sums) / taken;
+        *value = sum_views(views, SUNS, sums) / taken;
         break;
     case NEPH_LAW_RECIPROCITY:
-        *value = sum_of(views, 1, sums) / sum_of(views + 1, 1, sums + 1);
+        *value = sum_views(views, 1, sums) / sum_views(views + 1, 1, sums + 1);
         break;
     case NEPH_LAW_REFLECTED:
     case NEPH_LAW_TRANSMITTED:
         *truth = of->law == NEPH_LAW_REFLECTED ? fluxes.reflected : fluxes.transmitted;
-        *value = sum_of(views, NEPH_CHECK_FACES, sums);
+        *value = sum_views(views, NEPH_CHECK_FACES, sums);
         break;
     case NEPH_LAW_BALANCE: /* measured R and T with the reference's other terms */
-        *value = sum_of(views, 2 * NEPH_CHECK_FACES, sums) + 1.0 - fluxes.reflected -
+        *value = sum_views(views, 2 * NEPH_CHECK_FACES, sums) + 1.0 - fluxes.reflected -
                  fluxes.transmitted;
         break;
     case NEPH_LIGHT_LAW_COUNT:
@@ -252,7 +253,7 @@ static enum neph_status render(struct run *run, const struct neph_stage *stage,
     if (!status && !found) {
         neph_job_result_finish(&result);
         const struct neph_engine *engine = run->model.engine;
-        if (!run->job.sequence && !engine->remembers && !engine->stochastic)
+        if (!run->job.sequence && !engine->has_frame_history && !engine->stochastic)
             status = neph_job_open(&run->job, diag);
         if (!status)
             status = neph_job_run(&run->job, run->store, &result, diag);
@@ -343,7 +344,7 @@ static enum neph_status run_model(const char *words, int steps, int model,
     neph_job_close(&run.job);
     if (status && diag)
         *diag = why;
-    laws->looks[model] = neph_light_model_is_look(&run.model);
+    laws->looks[model] = neph_light_model_is_non_physical(&run.model);
     laws->once[model] = run.once;
     return status;
 }
@@ -383,7 +384,7 @@ static void fill(const struct neph_light_laws *laws, struct neph_table *table)
         neph_table_column(table, (struct neph_column){.title = title, .format = "%.4f"});
     }
     for (int i = 0; i < NEPH_LIGHT_LAWS; i++) {
-        neph_table_word(table, name_of(neph_light_law_cases[i].law));
+        neph_table_word(table, find_law_name(neph_light_law_cases[i].law));
         neph_table_number(table, neph_light_law_cases[i].optical_depth);
         neph_table_number(table, neph_light_law_cases[i].g);
         neph_table_number(table, neph_light_law_cases[i].albedo);
@@ -417,7 +418,7 @@ static void print(const void *laws, FILE *out)
 enum neph_status neph_light_laws_text(const struct neph_light_laws *laws, char **text,
                                       struct neph_diag *diag)
 {
-    return neph_written(print, laws, text, diag);
+    return neph_write_to_text(print, laws, text, diag);
 }
 
 json_t *neph_light_laws_json(const struct neph_light_laws *laws)

@@ -44,7 +44,7 @@ static void judge(struct neph_physics_row *row, double critical_z, struct neph_a
 }
 
 /* Reference engines and phase functions must agree; other engines are only reported. */
-static bool truth_holds(const struct neph_physics *physics)
+static bool is_reference_consistent(const struct neph_physics *physics)
 {
     bool holds = true;
     for (int i = 0; i < physics->phase_count; i++)
@@ -52,7 +52,7 @@ static bool truth_holds(const struct neph_physics *physics)
     for (int i = 0; i < physics->row_count; i++) {
         const struct neph_physics_row *row = &physics->rows[i];
         holds &= !neph_outcome_is_broken(row->outcome) &&
-                 (row->verdict != NEPH_PHYSICS_OFF || row->engine->rung > NEPH_RUNG_TRACER);
+                 (row->verdict != NEPH_PHYSICS_OFF || row->engine->rung > NEPH_LEVEL_TRACER);
     }
     return holds;
 }
@@ -69,7 +69,7 @@ static void judge_all(struct neph_physics *physics)
         judge(&physics->rows[i], physics->critical_z, &physics->arena);
     physics->phase_count = neph_phases_check(physics->phases);
     physics->passes = physics->row_count == physics->expected && physics->tests > 0 &&
-                      truth_holds(physics);
+                      is_reference_consistent(physics);
 }
 
 /* ---- participants and checks ----------------------------------------------------------------- */
@@ -95,7 +95,7 @@ static enum neph_status enrol(const struct neph_physics_params *params,
     *entrant = (struct neph_entrant){.participant = participant, .engine = engine};
     neph_engine_probe(engine, params->device, &entrant->info);
     entrant->settings = neph_settings_default(engine);
-    if (engine->rung == NEPH_RUNG_TRACER)
+    if (engine->rung == NEPH_LEVEL_TRACER)
         snprintf(paths, sizeof(paths), "samples=%d", params->samples);
     const char *const words[] = {paths, participant->settings[0], participant->settings[1]};
     enum neph_status status = NEPH_OK;
@@ -122,7 +122,7 @@ static bool has_check(const struct neph_check *check, const char *text)
 }
 
 /* The first text of --only that no check contains; NULL: none. */
-static const char *text_of_none(const struct neph_physics_params *params)
+static const char *find_unmatched_text(const struct neph_physics_params *params)
 {
     for (int t = 0; t < params->only_count; t++) {
         bool is_there = false;
@@ -153,10 +153,10 @@ static enum neph_status refuse_check(const char *text, struct neph_diag *diag)
 static enum neph_status choose(struct run *run, struct neph_diag *diag)
 {
     const struct neph_physics_params *params = run->params;
-    const char *unknown = text_of_none(params);
+    const char *unknown = find_unmatched_text(params);
     if (unknown)
         return refuse_check(unknown, diag);
-    run->checks = neph_arena_zeroed(&run->made->arena, (size_t)neph_check_count(), sizeof(int));
+    run->checks = neph_arena_allocate(&run->made->arena, (size_t)neph_check_count(), sizeof(int));
     if (!run->checks)
         return neph_fail_memory(diag);
     for (int i = 0; i < neph_check_count(); i++) {
@@ -174,7 +174,7 @@ static enum neph_status choose(struct run *run, struct neph_diag *diag)
 /* Checks that only transport of all orders can pass are limited to the engines that compute it. */
 static bool takes_part(const struct neph_entrant *entrant, const struct neph_check *check)
 {
-    return !check->truth_only || entrant->engine->rung <= NEPH_RUNG_TRACER;
+    return !check->truth_only || entrant->engine->rung <= NEPH_LEVEL_TRACER;
 }
 
 /* ---- the run --------------------------------------------------------------------------------- */
@@ -185,9 +185,9 @@ static struct neph_physics_check *add_check(struct run *run, const struct neph_s
 {
     struct neph_arena *arena = &run->made->arena;
     struct neph_physics_check *check = &run->made->checks[run->made->check_count++];
-    *check = (struct neph_physics_check){.name = neph_arena_text(arena, scenery->check.name),
+    *check = (struct neph_physics_check){.name = neph_arena_copy_text(arena, scenery->check.name),
                                          .rung = scenery->check.rung,
-                                         .what = neph_arena_text(arena, scenery->check.what)};
+                                         .what = neph_arena_copy_text(arena, scenery->check.what)};
     for (int v = 0; v < scenery->check.view_count; v++) {
         const struct neph_scenery_view *seen = &scenery->views[v];
         const double *truth = neph_arena_copy(arena, seen->truth, sizeof(seen->truth));
@@ -260,8 +260,9 @@ static enum neph_status prepare(struct run *run, bool is_worker, struct neph_dia
         neph_progress_expect(&run->progress, i, rows, 0.0);
         made->expected += rows;
     }
-    made->checks = neph_arena_zeroed(&made->arena, (size_t)run->check_count, sizeof(*made->checks));
-    made->rows = neph_arena_zeroed(&made->arena, (size_t)made->expected, sizeof(*made->rows));
+    made->checks = neph_arena_allocate(&made->arena, (size_t)run->check_count,
+                                       sizeof(*made->checks));
+    made->rows = neph_arena_allocate(&made->arena, (size_t)made->expected, sizeof(*made->rows));
     return status ? status : neph_arena_check(&made->arena, diag);
 }
 
@@ -273,14 +274,14 @@ static enum neph_status run_checks(struct neph_worker *worker, void *context,
     struct run *run = context;
     const bool is_worker = worker->index > 0;
     enum neph_status status = prepare(run, is_worker, diag);
-    for (int next; !status && (next = neph_worker_next(worker)) < run->check_count;) {
+    for (int next; !status && (next = neph_worker_take_job(worker)) < run->check_count;) {
         char message[32];
         const double start_s = neph_wall_s();
         const int number = is_worker ? run->check_count - 1 - next : next;
         status = run_check(run, run->checks[number], diag);
         snprintf(message, sizeof(message), "%d %.3f", run->checks[number], neph_wall_s() - start_s);
         if (!status)
-            neph_worker_tell(worker, message);
+            neph_worker_send_message(worker, message);
     }
     neph_progress_end(&run->progress);
     return status;

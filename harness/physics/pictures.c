@@ -172,8 +172,8 @@ static enum neph_status draw_check(struct neph_physics *physics, struct neph_phy
     return status;
 }
 
-enum neph_status neph_physics_pictures(struct neph_physics *physics, const char *folder,
-                                       struct neph_diag *diag)
+enum neph_status neph_physics_images(struct neph_physics *physics, const char *folder,
+                                     struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int c = 0; physics && c < physics->check_count && !status; c++)

@@ -18,7 +18,7 @@ void neph_physics_view_describe(const struct neph_check_view *view, const double
 
 /* Draw the images of the suite into images/physics/ of a report's folder, and store their names in
  * the views and rows of `physics`. Views with an image are skipped. NULL is allowed. */
-enum neph_status neph_physics_pictures(struct neph_physics *physics, const char *folder,
-                                       struct neph_diag *diag);
+enum neph_status neph_physics_images(struct neph_physics *physics, const char *folder,
+                                     struct neph_diag *diag);
 
 #endif

@@ -14,8 +14,8 @@ _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 /* ---- scenery --------------------------------------------------------------------------------- */
 
-static enum neph_status see(const struct neph_check_view *view, struct neph_scenery_view *seen,
-                            struct neph_diag *diag)
+static enum neph_status create_scenery_view(const struct neph_check_view *view,
+                                            struct neph_scenery_view *seen, struct neph_diag *diag)
 {
     seen->view = view;
     seen->pixel_count = view->width_px * view->height_px;
@@ -47,7 +47,7 @@ enum neph_status neph_scenery_enter(int index, struct neph_scenery *scenery, str
     neph_check_get(index, &scenery->check);
     enum neph_status status = NEPH_OK;
     for (int v = 0; v < scenery->check.view_count && !status; v++)
-        status = see(&scenery->check.views[v], &scenery->views[v], diag);
+        status = create_scenery_view(&scenery->check.views[v], &scenery->views[v], diag);
     if (status)
         neph_scenery_leave(scenery);
     return status;
@@ -70,8 +70,9 @@ static enum neph_status set_light(struct neph_scenery *scenery, enum neph_scatte
 /* ---- one frame ------------------------------------------------------------------------------- */
 
 /* The job of a view's frame; `study` sets the step (NULL: default). */
-static struct neph_job job_of(const struct neph_trial *trial, const struct neph_scenery_view *seen,
-                              const struct neph_study *study)
+static struct neph_job make_view_job(const struct neph_trial *trial,
+                                     const struct neph_scenery_view *seen,
+                                     const struct neph_study *study)
 {
     struct neph_job job = {.engine = trial->entrant->engine,
                            .info = &trial->entrant->info,
@@ -80,7 +81,7 @@ static struct neph_job job_of(const struct neph_trial *trial, const struct neph_
                                     .width_px = seen->view->width_px,
                                     .height_px = seen->view->height_px,
                                     .layers = NEPH_LAYER_RADIANCE,
-                                    .seed = neph_seed_of(&seen->stage->scene, 1),
+                                    .seed = neph_seed_for_scene(&seen->stage->scene, 1),
                                     .time_limit_s = trial->time_limit_s,
                                     .device = trial->device}};
     if (study)
@@ -180,24 +181,24 @@ static enum neph_status render_pass(const struct neph_trial *trial,
                                     struct neph_image **frame, struct neph_physics_row *row,
                                     struct neph_diag *diag)
 {
-    struct neph_job job = job_of(trial, seen, row->study);
+    struct neph_job job = make_view_job(trial, seen, row->study);
     struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
     struct neph_bakes_summary bakes;
     if (pass == 1 && trial->entrant->participant->refined)
         job.shot.settings = trial->entrant->refined;
     else if (pass == 1)
-        job.shot.seed = neph_seed_of(&seen->stage->scene, 2);
+        job.shot.seed = neph_seed_for_scene(&seen->stage->scene, 2);
     enum neph_status status = neph_job_run(&job, trial->store, &result, diag);
     row->outcome = result.outcome;
-    row->reason = neph_arena_text(trial->arena, result.reason);
-    row->settings = neph_arena_text(trial->arena, result.settings ? result.settings : "");
+    row->reason = neph_arena_copy_text(trial->arena, result.reason);
+    row->settings = neph_arena_copy_text(trial->arena, result.settings ? result.settings : "");
     row->wall_s += result.cost.wall_s;
     if (!status && result.frame_path)
         status = neph_exr_read(result.frame_path, frame, diag);
-    if (!status && *frame && !row->bakes && neph_bakes_of_frame(*frame, &bakes))
+    if (!status && *frame && !row->bakes && neph_bakes_from_frame(*frame, &bakes))
         row->bakes = neph_arena_copy(trial->arena, &bakes, sizeof(bakes));
     if (!status && *frame && pass == 0)
-        row->paths[view] = neph_arena_text(trial->arena, result.frame_path);
+        row->paths[view] = neph_arena_copy_text(trial->arena, result.frame_path);
     neph_job_result_finish(&result);
     return status;
 }
@@ -240,10 +241,10 @@ static enum neph_status choose_step(const struct neph_trial *trial,
     struct neph_study made;
     enum neph_outcome outcome;
     char reason[1600];
-    if (engine->rung != NEPH_RUNG_WITNESS || !engine->stochastic || !scenery->check.uneven ||
+    if (engine->rung != NEPH_LEVEL_EXTERNAL || !engine->stochastic || !scenery->check.uneven ||
         !trial->entrant->info.available || !neph_study_applies(engine, &seen->stage->scene))
         return NEPH_OK;
-    const struct neph_job job = job_of(trial, seen, NULL);
+    const struct neph_job job = make_view_job(trial, seen, NULL);
     if (!neph_engine_has_steps(engine, job.info, &job.shot.settings))
         return NEPH_OK;
     const enum neph_status status = neph_study_run(&job, trial->store, &made, &outcome, reason,
@@ -264,7 +265,7 @@ static enum neph_status try_all(const struct neph_trial *trial, struct neph_scen
     if (!status)
         status = try_views(trial, scenery, sums, row, diag);
     const struct neph_scene *scene = &scenery->views[0].stage->scene;
-    const bool is_whole = engine->rung <= NEPH_RUNG_TRACER || engine->look ||
+    const bool is_whole = engine->rung <= NEPH_LEVEL_TRACER || engine->look ||
                           scene->scattering != NEPH_SCATTERING_MULTIPLE;
     if (status || row->outcome != NEPH_OUTCOME_CANNOT || is_whole)
         return status;
@@ -279,7 +280,7 @@ static enum neph_status try_all(const struct neph_trial *trial, struct neph_scen
 }
 
 /* A deviation up to three times the known step error is attributed to the steps. */
-static bool is_of_steps(const struct neph_physics_row *row)
+static bool is_within_step_error(const struct neph_physics_row *row)
 {
     double steps = isnan(row->step_bound) ? 0.0 : row->step_bound;
     if (row->study) {
@@ -306,7 +307,7 @@ enum neph_status neph_trial_run(const struct neph_trial *trial, struct neph_scen
     const struct neph_participation part = {
         .lowered = row->lowered,
         .baked = row->bakes && row->bakes->worst.transmittance_max > 0.0,
-        .stepped = is_of_steps(row),
+        .stepped = is_within_step_error(row),
     };
     row->cause = neph_participant_cause(participant, &scenery->check, &part);
     return neph_arena_check(trial->arena, diag);

@@ -100,11 +100,12 @@ static enum neph_status compare_family(const struct field *field, bool with_shor
 }
 
 /* The number of engines with which engine `who` has the verdict. */
-static int count_verdicts(const int *verdicts, int count, int who, enum neph_pair_verdict verdict)
+static int count_verdicts(const int *verdicts, int count, int engine_index,
+                          enum neph_pair_verdict verdict)
 {
     int found = 0;
     for (int j = 0; j < count; j++)
-        found += j != who && verdicts[who * count + j] == (int)verdict;
+        found += j != engine_index && verdicts[engine_index * count + j] == (int)verdict;
     return found;
 }
 
@@ -146,9 +147,9 @@ static enum neph_status conclude(const struct field *field, struct neph_arena *a
     int verdicts[NEPH_ENGINE_COUNT * NEPH_ENGINE_COUNT] = {0};
     const char *names[NEPH_ENGINE_COUNT];
     const size_t pair_count = (size_t)field->count * (size_t)(field->count - 1) / 2;
-    struct neph_attribution *made = neph_arena_zeroed(arena, 1, sizeof(*made));
+    struct neph_attribution *made = neph_arena_allocate(arena, 1, sizeof(*made));
     if (made)
-        made->pairs = neph_arena_zeroed(arena, pair_count, sizeof(*made->pairs));
+        made->pairs = neph_arena_allocate(arena, pair_count, sizeof(*made->pairs));
     enum neph_status status = neph_arena_check(arena, diag);
     if (!status)
         status = compare_family(field, false, verdicts, made, diag);

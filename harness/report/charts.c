@@ -114,8 +114,8 @@ static struct neph_job make_job(const struct sweep *sweep, const struct neph_eng
     };
 }
 
-static struct neph_job job_of_point(const struct sweep *sweep, const struct measured *measured,
-                                    int index, int repeat)
+static struct neph_job make_point_job(const struct sweep *sweep, const struct measured *measured,
+                                      int index, int repeat)
 {
     return make_job(sweep, measured->engine, &measured->info, &measured->points[index].settings,
                     repeat);
@@ -172,7 +172,7 @@ static enum neph_status render_point(const struct sweep *sweep, struct measured 
                                      int index, struct neph_diag *diag)
 {
     struct point *point = &measured->points[index];
-    const struct neph_job job = job_of_point(sweep, measured, index, point->repeats);
+    const struct neph_job job = make_point_job(sweep, measured, index, point->repeats);
     struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
     enum neph_status status = neph_job_run(&job, sweep->store, &result, diag);
     if (!status && result.outcome == NEPH_OUTCOME_RENDERED) {
@@ -186,7 +186,7 @@ static enum neph_status render_point(const struct sweep *sweep, struct measured 
 
 /* Number of renders of a point. An engine with frames in flight is deterministic and timed
  * separately, so one render is enough. */
-static int renders_of(const struct series *series, int repeats)
+static int count_point_renders(const struct series *series, int repeats)
 {
     return neph_flight_applies(neph_engine_find(series->engine)) ? 1 : repeats;
 }
@@ -196,7 +196,8 @@ static enum neph_status render_points(const struct sweep *sweep, struct measured
                                       struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (int repeat = 0; repeat < renders_of(measured->series, sweep->repeats) && !status; repeat++)
+    for (int repeat = 0; repeat < count_point_renders(measured->series, sweep->repeats) && !status;
+         repeat++)
         for (int i = 0; i < measured->series->count && !status; i++) {
             char what[160];
             const double start_s = neph_wall_s();
@@ -221,7 +222,7 @@ static enum neph_status fly_points(const struct sweep *sweep, struct measured *m
     enum neph_status status = NEPH_OK;
     neph_progress_begin(sweep->progress, "times of a chart");
     for (int i = 0; i < count && !status; i++) {
-        const struct neph_job job = job_of_point(sweep, measured, i, 0);
+        const struct neph_job job = make_point_job(sweep, measured, i, 0);
         if (measured->points[i].repeats > 0)
             status = neph_speed_flight_open(&job, &flights[i], diag);
     }
@@ -230,9 +231,9 @@ static enum neph_status fly_points(const struct sweep *sweep, struct measured *m
             if (flights[i].job.engine)
                 status = neph_speed_flight_round(&flights[i], flight_round_s, diag);
     for (int i = 0; i < count; i++) {
-        const struct neph_job job = job_of_point(sweep, measured, i, 0);
+        const struct neph_job job = make_point_job(sweep, measured, i, 0);
         if (!status && flights[i].job.engine) {
-            measured->points[i].speed = neph_speed_of_flight(&flights[i]);
+            measured->points[i].speed = neph_speed_from_flight(&flights[i]);
             status = neph_speed_keep(sweep->times, &job, &measured->points[i].speed, diag);
         }
         neph_speed_flight_close(&flights[i]);
@@ -247,7 +248,7 @@ static enum neph_status time_flights(const struct sweep *sweep, struct measured 
 {
     bool all = true;
     for (int i = 0; i < measured->series->count; i++) {
-        const struct neph_job job = job_of_point(sweep, measured, i, 0);
+        const struct neph_job job = make_point_job(sweep, measured, i, 0);
         all = all && (measured->points[i].repeats == 0 ||
                       neph_speed_find(sweep->times, &job, &measured->points[i].speed));
     }
@@ -272,7 +273,7 @@ static double start_by_samples(const struct measured *measured)
         }
         mean_s[count++] /= point->repeats;
     }
-    return neph_rungs_start(samples, mean_s, least_s, count);
+    return neph_sample_levels_start_time(samples, mean_s, least_s, count);
 }
 
 /* Times of whole renders without start-up. The start-up follows from the render times when the
@@ -286,13 +287,13 @@ static enum neph_status time_renders(const struct sweep *sweep, struct measured 
     double process_s = NAN, in_render_s = NAN;
     if (least->repeats == 0 || most->repeats == 0)
         return NEPH_OK;
-    const struct neph_job job = job_of_point(sweep, measured, last, 0);
+    const struct neph_job job = make_point_job(sweep, measured, last, 0);
     const enum neph_status status = neph_speed_start(&job, most->render_s[0], sweep->store,
                                                      &process_s, &in_render_s, diag);
     if (is_by_samples)
         in_render_s = start_by_samples(measured);
     for (int i = 0; i <= last && !status; i++)
-        measured->points[i].speed = neph_speed_of_renders(
+        measured->points[i].speed = neph_speed_from_renders(
             measured->points[i].render_s, measured->points[i].repeats, process_s, in_render_s);
     return status;
 }
@@ -342,7 +343,7 @@ static void check_order(struct sweep *sweep, const struct measured *measured)
     int earlier;
     for (int i = 0; i < measured->series->count; i++)
         speeds[i] = measured->points[i].speed;
-    const int later = neph_speed_falls(speeds, measured->series->count, &earlier);
+    const int later = neph_speed_find_inversion(speeds, measured->series->count, &earlier);
     if (later < 0 || !measured->series->is_by_work)
         return;
     char text[256];
@@ -488,7 +489,7 @@ int neph_charts_step_count(const struct neph_charts_params *params)
         for (int k = 0; k < charts_table[i].series_count && is_wanted(params, &charts_table[i]);
              k++)
             count += charts_table[i].series[k].count *
-                     renders_of(&charts_table[i].series[k], params->repeats);
+                     count_point_renders(&charts_table[i].series[k], params->repeats);
     return count;
 }
 
@@ -502,7 +503,7 @@ enum neph_status neph_charts_run(const struct neph_charts_params *params, struct
                           .repeats = params->repeats,
                           .time_limit_s = params->time_limit_s,
                           .device = params->device};
-    *charts = neph_arena_zeroed(arena, CHART_COUNT, sizeof(**charts));
+    *charts = neph_arena_allocate(arena, CHART_COUNT, sizeof(**charts));
     enum neph_status status = neph_arena_check(arena, diag);
     for (size_t i = 0; i < CHART_COUNT && !status; i++) {
         if (!is_wanted(params, &charts_table[i]))

@@ -43,7 +43,7 @@ static enum neph_status cut(const struct neph_image *image, struct part part, st
     return NEPH_OK;
 }
 
-static int held_in(int value, int most)
+static int clamp_index(int value, int most)
 {
     return value < 0 ? 0 : value > most ? most : value;
 }
@@ -66,10 +66,10 @@ static struct part choose_part(const struct neph_image *a, const struct neph_ima
             most = i;
         }
     }
-    part.x = held_in((int)(most % (size_t)a->width_px) - part.width_px / 2,
-                     a->width_px - part.width_px);
-    part.y = held_in((int)(most / (size_t)a->width_px) - part.height_px / 2,
-                     a->height_px - part.height_px);
+    part.x = clamp_index((int)(most % (size_t)a->width_px) - part.width_px / 2,
+                         a->width_px - part.width_px);
+    part.y = clamp_index((int)(most / (size_t)a->width_px) - part.height_px / 2,
+                         a->height_px - part.height_px);
     return part;
 }
 
@@ -104,7 +104,7 @@ static enum neph_status add(struct drawing *drawing, const char *name, const cha
 }
 
 /* The colour scale of differences ends at a tenth of the display's white. */
-static double scale_of(const struct neph_comparison *asked)
+static double compute_difference_scale(const struct neph_comparison *asked)
 {
     return 0.1 * exp2(-asked->viewing.exposure_ev);
 }
@@ -134,7 +134,8 @@ static enum neph_status draw_side(const struct neph_compare_page *page, struct d
              : neighbour(drawing) < drawing->index ? "its frame before"
                                                    : "its next frame");
     if (!status)
-        status = add(drawing, name, what, &planes, &before, scale_of(drawing->asked), diag);
+        status = add(drawing, name, what, &planes, &before,
+                     compute_difference_scale(drawing->asked), diag);
     free_planes(&planes);
     free_planes(&before);
     return status;
@@ -203,7 +204,7 @@ enum neph_status neph_compare_frame_draw(const struct neph_compare_page *page, c
     *frame = json_pack("{s:i, s:o, s:o, s:[i,i,i,i], s:f, s:o}", "frame", index, "file",
                        neph_json_cleaned(test->paths[asked->warm_up_frames + index]), "value",
                        neph_json_number(value), "part", part->x, part->y, part->width_px,
-                       part->height_px, "difference_scale", scale_of(asked), "images",
-                       drawing.images);
+                       part->height_px, "difference_scale", compute_difference_scale(asked),
+                       "images", drawing.images);
     return *frame ? NEPH_OK : neph_fail_memory(diag);
 }

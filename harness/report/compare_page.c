@@ -133,7 +133,8 @@ struct series {
     int count;
 };
 
-static bool is_of(const struct neph_measurement *number, const struct neph_headline *headline)
+static bool is_headline_number(const struct neph_measurement *number,
+                               const struct neph_headline *headline)
 {
     return number->frame >= 0 && number->defined && strcmp(number->mask, "all") == 0 &&
            strcmp(number->metric->name, headline->metric) == 0 &&
@@ -148,7 +149,7 @@ static double *collect(const struct neph_compared *compared, const struct neph_h
     int count = 0;
     for (int i = 0; i < compared->numbers.count && values; i++) {
         const struct neph_measurement *number = &compared->numbers.list[i];
-        if (!is_of(number, headline) || count == compared->frame_count)
+        if (!is_headline_number(number, headline) || count == compared->frame_count)
             continue;
         values[count++] = number->value;
         *metric = number->metric;
@@ -209,7 +210,7 @@ static void finish_series(struct series *series, int count)
             free(series[i].values[s]);
 }
 
-static const char *name_of(const struct neph_compare_page *page, int side)
+static const char *find_side_name(const struct neph_compare_page *page, int side)
 {
     return page->names[side] ? page->names[side] : side == NEPH_PAGE_TEST ? "test" : "other";
 }
@@ -244,7 +245,7 @@ static json_t *points_json(const struct neph_compare_page *page, const struct se
     for (int s = 0; s < NEPH_PAGE_SIDES; s++)
         for (int f = 0; f < series->count && series->values[s]; f++)
             neph_json_add(&list, json_pack("{s:i, s:f, s:s}", "frame", f, "value",
-                                           series->values[s][f], "test", name_of(page, s)));
+                                           series->values[s][f], "test", find_side_name(page, s)));
     return list;
 }
 
@@ -327,7 +328,7 @@ static enum neph_status draw_maps(const struct neph_compare_page *page, const ch
         one.reference.numbers = one.test.numbers = NULL;
         one.second = (struct neph_sequence){.count = 0};
         one.warm_up_frames = 0;
-        one.by_position = one.plain = one.quiet = one.frozen_is_fine = true;
+        one.by_position = one.plain = one.quiet = one.allow_frozen_frames = true;
         one.with_movement = false;
         one.maps_directory = NULL;
         one.take_map = neph_compare_page_take;
@@ -410,7 +411,7 @@ static json_t *document_json(const struct neph_compare_page *page, const struct 
     const struct neph_compared *compared = page->compared[NEPH_PAGE_TEST];
     json_t *names = json_array();
     for (int s = 0; s < NEPH_PAGE_SIDES && page->tests[s]; s++)
-        neph_json_add(&names, json_string(name_of(page, s)));
+        neph_json_add(&names, json_string(find_side_name(page, s)));
     return json_pack(
         "{s:s, s:s, s:o, s:o, s:o, s:O, s:O, s:O, s:b, s:o, s:o, s:o}", "format", "neph-compare-1",
         "verb", page->verb, "names", names, "verdict", lines_json(page->verdict), "series",

@@ -66,7 +66,7 @@ struct planes {
     const float *reference[3], *reference_second[3], *test[3], *test_second[3];
 };
 
-static bool planes_of(const struct neph_image *image, const float *planes[3])
+static bool find_rgb_planes(const struct neph_image *image, const float *planes[3])
 {
     float *found[3];
     if (!image || !neph_image_rgb(image, NULL, found))
@@ -76,7 +76,7 @@ static bool planes_of(const struct neph_image *image, const float *planes[3])
     return true;
 }
 
-static double square_of(const float *a, const float *b, size_t pixel)
+static double square_difference(const float *a, const float *b, size_t pixel)
 {
     const double difference = (double)a[pixel] - (double)b[pixel];
     return difference * difference;
@@ -87,10 +87,11 @@ static void add_pixel(const struct planes *planes, bool with_noise, size_t pixel
 {
     double square = 0.0, noise = 0.0;
     for (int c = 0; c < 3; c++) {
-        square += square_of(planes->test[c], planes->reference[c], pixel);
+        square += square_difference(planes->test[c], planes->reference[c], pixel);
         if (with_noise)
-            noise += 0.5 * (square_of(planes->test[c], planes->test_second[c], pixel) +
-                            square_of(planes->reference[c], planes->reference_second[c], pixel));
+            noise += 0.5 *
+                     (square_difference(planes->test[c], planes->test_second[c], pixel) +
+                      square_difference(planes->reference[c], planes->reference_second[c], pixel));
     }
     if (!isfinite(square) || !isfinite(noise))
         return;
@@ -124,7 +125,8 @@ enum neph_status neph_error_parts(const struct neph_error_frames *frames,
     struct planes planes;
     struct sums sums = {.square = 0.0};
     *parts = (struct neph_error_parts){NAN, NAN, NAN, NAN};
-    if (!planes_of(reference, planes.reference) || !planes_of(frames->test, planes.test))
+    if (!find_rgb_planes(reference, planes.reference) ||
+        !find_rgb_planes(frames->test, planes.test))
         return NEPH_OK;
     const struct neph_image *const all[] = {frames->test, frames->test_second,
                                             frames->reference_second};
@@ -132,8 +134,8 @@ enum neph_status neph_error_parts(const struct neph_error_frames *frames,
         if (all[i] &&
             (all[i]->width_px != reference->width_px || all[i]->height_px != reference->height_px))
             return neph_fail(diag, NEPH_ERR_INTERNAL, "frames of one scene have different sizes");
-    const bool with_noise = planes_of(frames->test_second, planes.test_second) &&
-                            planes_of(frames->reference_second, planes.reference_second);
+    const bool with_noise = find_rgb_planes(frames->test_second, planes.test_second) &&
+                            find_rgb_planes(frames->reference_second, planes.reference_second);
     const size_t pixel_count = neph_image_pixel_count(reference);
     bool *at_edge = calloc(pixel_count, sizeof(*at_edge));
     if (!at_edge)

@@ -14,7 +14,7 @@
  * infinite. */
 enum { QUANTITIES_UNGATED = 2 };
 
-static int frame_of_engine(const struct neph_scene_result *result, const char *engine)
+static int find_engine_frame(const struct neph_scene_result *result, const char *engine)
 {
     for (int f = 0; f < result->frame_count; f++)
         if (strcmp(result->frames[f].engine->name, engine) == 0)
@@ -23,7 +23,7 @@ static int frame_of_engine(const struct neph_scene_result *result, const char *e
 }
 
 /* NaN when the frame has no such measurement. */
-static double value_of(const struct neph_frame_result *frame, const struct neph_gate *gate)
+static double find_gate_value(const struct neph_frame_result *frame, const struct neph_gate *gate)
 {
     const struct neph_measurement *number = neph_measurement_find(
         &frame->measurements, neph_gate_quantity_name(gate->quantity), gate->metric, gate->mask);
@@ -37,22 +37,22 @@ static void judge(const struct neph_gate *gate, const char *engine,
                   const struct neph_scene_result *scene, struct neph_arena *arena,
                   struct neph_gate_result *result)
 {
-    const int f = frame_of_engine(scene, engine);
+    const int f = find_engine_frame(scene, engine);
     const struct neph_frame_result *frame = f < 0 ? NULL : &scene->frames[f];
-    const double value = frame ? value_of(frame, gate) : NAN;
+    const double value = frame ? find_gate_value(frame, gate) : NAN;
     const bool owed = frame && frame->path && scene->truth >= 0 && f != scene->truth;
     const bool kept = fabs(value) <= gate->maximum;
     *result = (struct neph_gate_result){
-        .engine = neph_arena_text(arena, engine),
+        .engine = neph_arena_copy_text(arena, engine),
         .quantity = neph_gate_quantity_name(gate->quantity),
-        .metric = neph_arena_text(arena, gate->metric),
-        .mask = neph_arena_text(arena, gate->mask),
+        .metric = neph_arena_copy_text(arena, gate->metric),
+        .mask = neph_arena_copy_text(arena, gate->mask),
         .value = value,
         .maximum = gate->maximum,
         .verdict = kept                    ? NEPH_GATE_PASS
                    : !isnan(value) || owed ? NEPH_GATE_FAIL
                                            : NEPH_GATE_NOT_MEASURED,
-        .reason = neph_arena_text(arena, gate->reason),
+        .reason = neph_arena_copy_text(arena, gate->reason),
         .line = gate->line,
     };
     if (isnan(value) || kept || !frame->note[0])
@@ -120,8 +120,8 @@ static void judge_ungated(const struct neph_frame_result *frame, struct neph_sce
             scene->gates[scene->gate_count++] = (struct neph_gate_result){
                 .engine = frame->engine->name,
                 .quantity = quantity,
-                .metric = neph_arena_text(arena, found->metric->name),
-                .mask = neph_arena_text(arena, found->mask),
+                .metric = neph_arena_copy_text(arena, found->metric->name),
+                .mask = neph_arena_copy_text(arena, found->mask),
                 .value = found->value,
                 .maximum = maximum,
                 .verdict = NEPH_GATE_FAIL,
@@ -136,7 +136,7 @@ static void judge_further(const struct neph_scene *scene, const struct neph_engi
 {
     const struct neph_gates *gates = neph_scene_gates(scene);
     for (int g = 0; g < gates->count && engine->first; g++)
-        if (neph_engine_is(engine, gates->list[g].engine))
+        if (neph_engine_is_kind(engine, gates->list[g].engine))
             judge(&gates->list[g], engine->name, result, arena,
                   &result->gates[result->gate_count++]);
 }
@@ -146,7 +146,7 @@ void neph_gates_judge(const struct neph_scene *scene, struct neph_arena *arena,
 {
     const struct neph_gates *gates = neph_scene_gates(scene);
     const int most = gates->count + (gates->count + QUANTITIES_UNGATED) * result->frame_count;
-    result->gates = neph_arena_zeroed(arena, (size_t)most, sizeof(*result->gates));
+    result->gates = neph_arena_allocate(arena, (size_t)most, sizeof(*result->gates));
     result->gate_count = result->gates ? gates->count : 0;
     for (int g = 0; g < result->gate_count; g++)
         judge(&gates->list[g], gates->list[g].engine, result, arena, &result->gates[g]);

@@ -16,10 +16,10 @@ static bool is_veiled(const struct neph_shot *shot, const struct neph_engine *en
 {
     const struct neph_march_veils veils = {
         neph_shot_choice(shot, engine, "sky") != 0,
-        neph_fog_for_march(neph_shot_choice(shot, engine, "fog"))};
+        neph_march_fog_choose(neph_shot_choice(shot, engine, "fog"))};
     char reason[256];
     return (veils.sky || veils.fog.is_look) &&
-           neph_march_rest(shot->scene, veils, rest, reason, sizeof(reason));
+           neph_march_remove_veils(shot->scene, veils, rest, reason, sizeof(reason));
 }
 
 bool neph_marched_scene_init(const struct neph_shot *shot, const struct neph_engine *engine,

@@ -44,7 +44,7 @@ const char *const *neph_over_time_metrics(void)
 int neph_over_time_step_count(void)
 {
     int count = 0;
-    while (count < PRESETS && neph_preset_of_use(neph_rt_presets, NEPH_RT_REPORT, count))
+    while (count < PRESETS && neph_preset_find_by_use(neph_rt_presets, NEPH_RT_REPORT, count))
         count++;
     return 1 + count;
 }
@@ -93,11 +93,11 @@ static enum neph_status take_preset(const struct work *work, const struct neph_j
     viewing.exposure_ev = neph_scene_display(work->scene)->exposure_ev;
     viewing.frame_rate_hz = work->scene->frame_rate_hz;
     viewing.pixels_per_degree = pixels_per_degree;
-    const struct neph_reading readings[] = {
+    const struct neph_measurement_set readings[] = {
         {"flicker", NEPH_REFERENCE_AVERAGED, extractors, .viewing = viewing},
         {"flicker_centre", NEPH_REFERENCE_CENTRE, extractors, .viewing = viewing},
     };
-    const struct neph_take take = {
+    const struct neph_capture take = {
         .job = *job,
         .frame_count = FRAMES,
         .reference = &work->reference,
@@ -107,12 +107,12 @@ static enum neph_status take_preset(const struct work *work, const struct neph_j
         .map_file = map_file,
         .all_masks = true,
     };
-    return neph_take_run(&take, work->store, folder, record, diag);
+    return neph_capture_run(&take, work->store, folder, record, diag);
 }
 
 /* ---- rows of the report ---------------------------------------------------------------------- */
 
-static bool is(const json_t *item, const char *key, const char *text)
+static bool has_json_text(const json_t *item, const char *key, const char *text)
 {
     return strcmp(neph_json_text(item, key), text) == 0;
 }
@@ -134,10 +134,10 @@ static json_t *shown_measurements(const json_t *document, const json_t *centre)
     json_t *shown = json_array();
     for (size_t m = 0; m < sizeof(masks) / sizeof(masks[0]); m++)
         for (int k = 0; metrics[k]; k++) {
-            const json_t *found = neph_take_find(document, metrics[k], masks[m]);
+            const json_t *found = neph_capture_find_value(document, metrics[k], masks[m]);
             if (found)
-                neph_json_add(&shown,
-                              shown_number(found, neph_take_find(centre, metrics[k], masks[m])));
+                neph_json_add(&shown, shown_number(found, neph_capture_find_value(
+                                                              centre, metrics[k], masks[m])));
         }
     return shown;
 }
@@ -149,15 +149,16 @@ static json_t *shown_findings(const json_t *document)
     json_t *shown = json_array();
     for (size_t i = 0; i < json_array_size(all); i++) {
         const json_t *item = json_array_get(all, i);
-        if (is(item, "quantity", "radiance") && is(item, "finding", "flicker") &&
-            (is(item, "mask", "all") || is(item, "mask", "depth_edge")))
+        if (has_json_text(item, "quantity", "radiance") &&
+            has_json_text(item, "finding", "flicker") &&
+            (has_json_text(item, "mask", "all") || has_json_text(item, "mask", "depth_edge")))
             neph_json_add(&shown, json_incref((json_t *)item));
     }
     return shown;
 }
 
 /* True for an error that only concerns the engine; the run continues, and `*outcome` is set. */
-static bool is_news(enum neph_status status, enum neph_outcome *outcome)
+static bool is_missing_engine(enum neph_status status, enum neph_outcome *outcome)
 {
     static const struct {
         enum neph_status status;
@@ -182,12 +183,12 @@ static enum neph_status fill_row(const struct work *work, const struct neph_job 
     json_t *record = NULL, *document = NULL, *centre = NULL;
     enum neph_status status = take_preset(work, job, &folder, &record, diag);
     if (!status)
-        status = neph_take_document(folder, "flicker", &document, diag);
+        status = neph_capture_document(folder, "flicker", &document, diag);
     if (!status)
-        status = neph_take_document(folder, "flicker_centre", &centre, diag);
+        status = neph_capture_document(folder, "flicker_centre", &centre, diag);
     if (!status) {
         row->render_s = json_number_value(json_object_get(record, "render_s"));
-        row->folder = neph_arena_text(work->arena, folder);
+        row->folder = neph_arena_copy_text(work->arena, folder);
         row->measurements = shown_measurements(document, centre);
         row->findings = shown_findings(document);
     }
@@ -210,7 +211,7 @@ static enum neph_status add_preset(const struct work *work, const char *preset,
     *row = (struct neph_over_time_row){.preset = preset,
                                        .outcome = NEPH_OUTCOME_RENDERED,
                                        .reason = "",
-                                       .settings = neph_arena_text(work->arena, settings)};
+                                       .settings = neph_arena_copy_text(work->arena, settings)};
     free(settings);
     if (!status)
         status = fill_row(work, &job, row, &why);
@@ -218,8 +219,8 @@ static enum neph_status add_preset(const struct work *work, const char *preset,
         status = neph_speed_measure(&job, NULL, 0, timed_s, work->store, work->times, &row->speed,
                                     &why);
     work->made->row_count++;
-    if (is_news(status, &row->outcome)) {
-        row->reason = neph_arena_text(work->arena, why.message);
+    if (is_missing_engine(status, &row->outcome)) {
+        row->reason = neph_arena_copy_text(work->arena, why.message);
         return NEPH_OK;
     }
     if (status && diag)
@@ -234,7 +235,7 @@ static enum neph_status run_presets(struct work *work, struct neph_diag *diag)
     enum neph_status status = NEPH_OK;
     const struct neph_preset *preset;
     for (int i = 0; i < PRESETS && !status &&
-                    (preset = neph_preset_of_use(neph_rt_presets, NEPH_RT_REPORT, i));
+                    (preset = neph_preset_find_by_use(neph_rt_presets, NEPH_RT_REPORT, i));
          i++) {
         struct neph_over_time_row *row = &work->made->rows[i];
         char what[128];
@@ -255,18 +256,19 @@ static void describe(struct work *work, const char *reason)
     const struct neph_reference *reference = &work->reference;
     struct neph_over_time *made = work->made;
     const bool is_there = reference->text != NULL;
-    made->scene = neph_arena_text(work->arena, work->scene->name);
-    made->title = neph_arena_text(work->arena, work->scene->title);
-    made->physics = neph_arena_text(work->arena, work->scene->description);
+    made->scene = neph_arena_copy_text(work->arena, work->scene->name);
+    made->title = neph_arena_copy_text(work->arena, work->scene->title);
+    made->physics = neph_arena_copy_text(work->arena, work->scene->description);
     made->width_px = width_px;
     made->height_px = height_px;
     made->frame_count = FRAMES;
     made->rate_hz = work->scene->frame_rate_hz;
     made->exposure_ev = neph_scene_display(work->scene)->exposure_ev;
-    made->reference.reason = neph_arena_text(work->arena, reason);
-    made->reference.settings = neph_arena_text(work->arena, is_there ? reference->settings : "");
-    made->reference.text = neph_arena_text(work->arena,
-                                           is_there ? reference->text : "march, 16 rays a pixel");
+    made->reference.reason = neph_arena_copy_text(work->arena, reason);
+    made->reference.settings = neph_arena_copy_text(work->arena,
+                                                    is_there ? reference->settings : "");
+    made->reference.text = neph_arena_copy_text(work->arena, is_there ? reference->text
+                                                                      : "march, 16 rays a pixel");
     made->reference.cpu_s = is_there ? reference->cost.cpu_s : NAN;
 }
 
@@ -288,13 +290,13 @@ static enum neph_status run_sequence(struct work *work, struct neph_over_time **
     const enum neph_status status = made_job ? made_job
                                              : neph_reference_make(&job, FRAMES, work->store,
                                                                    &unseen, &work->reference, &why);
-    if (status && !is_news(status, &outcome)) {
+    if (status && !is_missing_engine(status, &outcome)) {
         if (diag)
             *diag = why;
         return status;
     }
     neph_progress_step(work->progress, what, neph_outcome_name(outcome), neph_wall_s() - start_s);
-    work->made = neph_arena_zeroed(work->arena, 1, sizeof(*work->made));
+    work->made = neph_arena_allocate(work->arena, 1, sizeof(*work->made));
     if (!work->made)
         return neph_fail_memory(diag);
     work->made->reference.outcome = outcome;
@@ -348,7 +350,7 @@ static enum neph_status copy_row(struct neph_over_time_row *row, const char *sce
     enum neph_status status = NEPH_OK;
     if (!row->folder || row->map)
         return NEPH_OK;
-    for (int i = 0; i < NEPH_TAKE_PICTURES && !status; i++) {
+    for (int i = 0; i < NEPH_CAPTURE_IMAGES && !status; i++) {
         char file[32];
         snprintf(file, sizeof(file), "flip_%d.png", i);
         row->pictures[i] = neph_arena_format(arena, "images/over_time/%s_%s_%d.png", scene,
@@ -361,9 +363,8 @@ static enum neph_status copy_row(struct neph_over_time_row *row, const char *sce
                                           neph_path_in(report_folder, row->map).text, diag);
 }
 
-enum neph_status neph_over_time_pictures(struct neph_over_time *over_time,
-                                         const char *report_folder, struct neph_arena *arena,
-                                         struct neph_diag *diag)
+enum neph_status neph_over_time_images(struct neph_over_time *over_time, const char *report_folder,
+                                       struct neph_arena *arena, struct neph_diag *diag)
 {
     if (!over_time)
         return NEPH_OK;
@@ -384,7 +385,7 @@ static json_t *list_or_empty(json_t *list)
 static json_t *row_json(const struct neph_over_time_row *row)
 {
     json_t *pictures = json_array();
-    for (int i = 0; i < NEPH_TAKE_PICTURES && row->pictures[i]; i++)
+    for (int i = 0; i < NEPH_CAPTURE_IMAGES && row->pictures[i]; i++)
         neph_json_add(&pictures, json_string(row->pictures[i]));
     return json_pack("{s:s, s:s, s:s, s:s, s:s?, s:o, s:s?, s:o, s:o, s:o, s:s?, s:o}", "engine",
                      "realtime", "preset", row->preset, "status", neph_outcome_name(row->outcome),

@@ -25,7 +25,7 @@ struct neph_over_time_row {
     json_t *measurements;    /* the shown measurements, each with its value against centre rays;
                                 owned, NULL: none */
     json_t *findings;        /* owned, NULL: none */
-    const char *pictures[NEPH_TAKE_PICTURES], *map; /* paths inside the report; NULL: none, or not
+    const char *pictures[NEPH_CAPTURE_IMAGES], *map; /* paths inside the report; NULL: none, or not
                                                        yet */
 };
 
@@ -60,9 +60,8 @@ bool neph_over_time_passes(const struct neph_over_time *over_time);
 
 /* Copy missing images from the store into images/over_time/ of a report's folder. NULL is
  * allowed. */
-enum neph_status neph_over_time_pictures(struct neph_over_time *over_time,
-                                         const char *report_folder, struct neph_arena *arena,
-                                         struct neph_diag *diag);
+enum neph_status neph_over_time_images(struct neph_over_time *over_time, const char *report_folder,
+                                       struct neph_arena *arena, struct neph_diag *diag);
 
 /* The names of the shown metrics, NULL-terminated. */
 const char *const *neph_over_time_metrics(void);

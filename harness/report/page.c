@@ -92,7 +92,7 @@ static enum neph_status write_index(const char *source, const char *folder,
                                 &size, diag);
     const struct index index = {parts, shell, words};
     if (!status)
-        status = neph_written(print_index, &index, &text, diag);
+        status = neph_write_to_text(print_index, &index, &text, diag);
     if (!status)
         status = neph_file_write(neph_path_in(folder, "index.html").text, text, strlen(text), diag);
     free(shell);
@@ -185,7 +185,7 @@ enum neph_status neph_page_write_data(const char *folder, const char *variable,
     char *readable = json_dumps(document, JSON_INDENT(1)), *text = NULL;
     const struct script script = {variable, json_dumps(document, JSON_COMPACT)};
     enum neph_status status = readable && script.json
-                                  ? neph_written(write_script, &script, &text, diag)
+                                  ? neph_write_to_text(write_script, &script, &text, diag)
                                   : neph_fail_memory(diag);
     if (!status)
         status = neph_file_write(neph_path_in(folder, "data.json").text, readable, strlen(readable),

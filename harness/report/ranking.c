@@ -127,21 +127,21 @@ static struct place find_place(const struct neph_ranked *ranked)
 }
 
 /* A share as text; a share below 1 is not rounded to 100 %. */
-static const char *percent(double share, struct neph_arena *arena)
+static const char *format_percent(double share, struct neph_arena *arena)
 {
     if (share > 0.995 && share < 1.0)
         return "over 99\u00a0%";
     return neph_arena_format(arena, "%.0f\u00a0%%", 100.0 * fmin(share, 1.0));
 }
 
-static const char *where(const struct neph_ranked *ranked, struct neph_arena *arena)
+static const char *describe_place(const struct neph_ranked *ranked, struct neph_arena *arena)
 {
     const struct place place = find_place(ranked);
     if (!is_concentrated(&place))
         return "Where: spread over the frame.";
     return neph_arena_format(arena, "Where: %s of the squared error lies %s (%s of the pixels).",
-                             percent(place.error_share, arena), place.words,
-                             percent(place.pixel_share, arena));
+                             format_percent(place.error_share, arena), place.words,
+                             format_percent(place.pixel_share, arena));
 }
 
 /* ---- cause of an error ----------------------------------------------------------------------- */
@@ -163,16 +163,16 @@ static const char *find_part(const struct neph_ranked *ranked, struct neph_arena
     if (is_radiance && parts->noise_share >= least_share)
         return neph_arena_format(arena,
                                  "noise is %s of the squared error, and more samples lower it",
-                                 percent(parts->noise_share, arena));
+                                 format_percent(parts->noise_share, arena));
     const double bias = defined_value(ranked, "rel_bias");
     if (is_radiance && parts->offset_share >= least_share && isfinite(bias))
         return neph_arena_format(
             arena, "one offset of the whole frame, %+.2g\u00a0%%, is %s of the squared error",
-            100.0 * bias, percent(parts->offset_share, arena));
+            100.0 * bias, format_percent(parts->offset_share, arena));
     if (shift_share >= least_share)
         return neph_arena_format(arena,
                                  "a shift by up to one pixel explains %s of the squared error",
-                                 percent(shift_share, arena));
+                                 format_percent(shift_share, arena));
     return NULL;
 }
 
@@ -215,7 +215,7 @@ static const char *find_step(const struct neph_ranked *ranked, struct neph_arena
     return NULL;
 }
 
-static const char *why(const struct neph_ranked *ranked, struct neph_arena *arena)
+static const char *describe_cause(const struct neph_ranked *ranked, struct neph_arena *arena)
 {
     const char *clauses[] = {find_part(ranked, arena), compare_with_model(ranked, arena),
                              find_step(ranked, arena)};
@@ -236,8 +236,9 @@ static const char *why(const struct neph_ranked *ranked, struct neph_arena *aren
 const char *neph_ranked_cause(const struct neph_ranked *ranked, struct neph_arena *arena)
 {
     const char *note = ranked->frame->note;
-    return neph_arena_format(arena, "%s %s%s%s%s", where(ranked, arena), why(ranked, arena),
-                             note[0] ? " Note of the run: " : "", note, note[0] ? "." : "");
+    return neph_arena_format(arena, "%s %s%s%s%s", describe_place(ranked, arena),
+                             describe_cause(ranked, arena), note[0] ? " Note of the run: " : "",
+                             note, note[0] ? "." : "");
 }
 
 /* ---- as JSON --------------------------------------------------------------------------------- */
@@ -262,7 +263,7 @@ json_t *neph_ranking_json(const struct neph_validation *validation)
     int most = 0;
     for (int s = 0; s < validation->scene_count; s++)
         most += validation->scenes[s].frame_count;
-    struct neph_ranked *list = neph_arena_zeroed(&arena, (size_t)most + 1, sizeof(*list));
+    struct neph_ranked *list = neph_arena_allocate(&arena, (size_t)most + 1, sizeof(*list));
     const int count = list ? neph_ranking(validation, list, most) : 0;
     json_t *ranking = json_array();
     for (int i = 0; i < count; i++)

@@ -36,56 +36,58 @@ struct neph_report {
 /* ---- images of scenes ------------------------------------------------------------------------ */
 
 /* The images of one scene, at its exposure. */
-struct gallery {
+struct scene_images {
     const char *folder; /* of the report */
     struct neph_scene_result *scene;
     struct neph_arena *arena;
     const struct neph_image *truth; /* NULL: no difference maps */
 };
 
-static enum neph_status draw_beauty(const struct gallery *gallery, const struct neph_image *image,
-                                    struct neph_frame_result *frame, struct neph_diag *diag)
+static enum neph_status draw_beauty(const struct scene_images *scene_images,
+                                    const struct neph_image *image, struct neph_frame_result *frame,
+                                    struct neph_diag *diag)
 {
     float *rgb[3];
     if (!neph_image_rgb(image, NULL, rgb))
         return NEPH_OK;
-    frame->picture = neph_arena_format(gallery->arena, "images/%s/%s.png", gallery->scene->name,
-                                       frame->engine->name);
+    frame->picture = neph_arena_format(scene_images->arena, "images/%s/%s.png",
+                                       scene_images->scene->name, frame->engine->name);
     return neph_display_png(
-        neph_arena_format(gallery->arena, "%s/%s", gallery->folder, frame->picture),
+        neph_arena_format(scene_images->arena, "%s/%s", scene_images->folder, frame->picture),
         image->width_px, image->height_px, (const float *const[]){rgb[0], rgb[1], rgb[2]},
-        gallery->scene->viewing.exposure_ev, diag);
+        scene_images->scene->viewing.exposure_ev, diag);
 }
 
-static enum neph_status draw_difference(const struct gallery *gallery,
+static enum neph_status draw_difference(const struct scene_images *scene_images,
                                         const struct neph_image *image, enum neph_shown which,
                                         struct neph_frame_result *frame, struct neph_diag *diag)
 {
     const char *layer = which == NEPH_SHOWN_RADIANCE ? NULL : neph_shown_name(which);
     float *test[3], *truth[3];
-    if (!gallery->truth || !neph_image_rgb(image, layer, test) ||
-        !neph_image_rgb(gallery->truth, layer, truth))
+    if (!scene_images->truth || !neph_image_rgb(image, layer, test) ||
+        !neph_image_rgb(scene_images->truth, layer, truth))
         return NEPH_OK;
-    const char *name = neph_arena_format(gallery->arena, "images/%s/%s_difference_%s.png",
-                                         gallery->scene->name, frame->engine->name,
+    const char *name = neph_arena_format(scene_images->arena, "images/%s/%s_difference_%s.png",
+                                         scene_images->scene->name, frame->engine->name,
                                          neph_shown_name(which));
     frame->differences[which] = name;
-    return neph_difference_png(neph_arena_format(gallery->arena, "%s/%s", gallery->folder, name),
-                               image->width_px, image->height_px,
-                               (const float *const[]){truth[0], truth[1], truth[2]},
-                               (const float *const[]){test[0], test[1], test[2]},
-                               gallery->scene->difference_scales[which], diag);
+    return neph_difference_png(
+        neph_arena_format(scene_images->arena, "%s/%s", scene_images->folder, name),
+        image->width_px, image->height_px, (const float *const[]){truth[0], truth[1], truth[2]},
+        (const float *const[]){test[0], test[1], test[2]},
+        scene_images->scene->difference_scales[which], diag);
 }
 
-static enum neph_status draw_frame(const struct gallery *gallery, struct neph_frame_result *frame,
-                                   bool is_truth, struct neph_diag *diag)
+static enum neph_status draw_frame(const struct scene_images *scene_images,
+                                   struct neph_frame_result *frame, bool is_truth,
+                                   struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
     enum neph_status status = neph_exr_read(frame->path, &image, diag);
     if (!status)
-        status = draw_beauty(gallery, image, frame, diag);
+        status = draw_beauty(scene_images, image, frame, diag);
     for (int d = 0; d < NEPH_SHOWN_COUNT && !status && !is_truth; d++)
-        status = draw_difference(gallery, image, (enum neph_shown)d, frame, diag);
+        status = draw_difference(scene_images, image, (enum neph_shown)d, frame, diag);
     neph_image_destroy(image);
     return status;
 }
@@ -97,11 +99,11 @@ static enum neph_status draw_frames(const char *folder, struct neph_scene_result
     enum neph_status status = NEPH_OK;
     if (scene->truth >= 0)
         status = neph_exr_read(scene->frames[scene->truth].path, &truth, diag);
-    const struct gallery gallery = {
+    const struct scene_images scene_images = {
         .folder = folder, .scene = scene, .arena = arena, .truth = truth};
     for (int f = 0; f < scene->frame_count && !status; f++)
         if (scene->frames[f].path)
-            status = draw_frame(&gallery, &scene->frames[f], f == scene->truth, diag);
+            status = draw_frame(&scene_images, &scene->frames[f], f == scene->truth, diag);
     neph_image_destroy(truth);
     return status;
 }
@@ -231,9 +233,9 @@ static enum neph_status draw(struct neph_report *report, struct neph_validation 
     for (int s = 0; s < validation->scene_count && !status; s++)
         status = draw_scene(report, &validation->scenes[s], validation, diag);
     if (!status)
-        status = neph_physics_pictures(validation->physics, folder, diag);
+        status = neph_physics_images(validation->physics, folder, diag);
     if (!status)
-        status = neph_over_time_pictures(validation->over_time, folder, arena, diag);
+        status = neph_over_time_images(validation->over_time, folder, arena, diag);
     for (int c = 0; c < validation->chart_count && !status; c++)
         status = draw_chart(folder, &validation->charts[c], arena, diag);
     validation->interactive = report->is_interactive;

@@ -44,7 +44,7 @@ static bool is_part(const char *name)
     return false;
 }
 
-static bool holds_parts_alone(const char *folder)
+static bool has_only_report_parts(const char *folder)
 {
     DIR *directory = opendir(folder);
     bool alone = directory != NULL;
@@ -65,7 +65,7 @@ static bool has_data(const char *folder)
 
 static bool is_old_report(const char *folder)
 {
-    return holds_parts_alone(folder) && has_data(folder);
+    return has_only_report_parts(folder) && has_data(folder);
 }
 
 static const struct neph_owned_kind report_kind = {
@@ -73,7 +73,7 @@ static const struct neph_owned_kind report_kind = {
 
 /* ---- opening --------------------------------------------------------------------------------- */
 
-static char *parent_of(const char *path)
+static char *copy_parent_path(const char *path)
 {
     const char *slash = strrchr(path, '/');
     if (!slash)
@@ -87,7 +87,7 @@ static enum neph_status find_place(const char *folder, struct neph_report_folder
     opened->place = realpath(folder, NULL);
     if (!opened->place)
         opened->place = strdup(folder); /* not there yet */
-    opened->parent = opened->place ? parent_of(opened->place) : NULL;
+    opened->parent = opened->place ? copy_parent_path(opened->place) : NULL;
     return opened->parent ? NEPH_OK : neph_fail_memory(diag);
 }
 

@@ -21,7 +21,7 @@ struct view {
     int width_px, height_px;
 };
 
-static struct neph_pixel_ray ray_of(const struct view *view, int x, int y)
+static struct neph_pixel_ray make_view_ray(const struct view *view, int x, int y)
 {
     return neph_camera_ray(&view->camera, view->width_px, view->height_px, x, y);
 }
@@ -64,7 +64,7 @@ static struct neph_rgb fog_optical_depth(const struct neph_scene *scene,
 }
 
 /* Limited to 80: a float transmittance cannot represent larger optical depths. */
-static double optical_depth_of(float transmittance)
+static double compute_optical_depth(float transmittance)
 {
     return fmin(-log((double)transmittance), 80.0);
 }
@@ -89,16 +89,16 @@ static enum neph_status add_media(const struct view *view, struct neph_image *im
     for (int y = 0; !status && (fog || cloud) && y < view->height_px; y++)
         for (int x = 0; x < view->width_px; x++) {
             const size_t i = (size_t)y * (size_t)view->width_px + (size_t)x;
-            const struct neph_pixel_ray ray = ray_of(view, x, y);
+            const struct neph_pixel_ray ray = make_view_ray(view, x, y);
             const double cosine = neph_vec3_dot(ray.direction, view->camera.forward);
             const struct neph_rgb of_fog = fog_optical_depth(view->scene, &ray,
                                                              (double)depth_m[i] / cosine);
             if (fog)
                 fog[i] = is_seen(of_fog.r, of_fog.g, of_fog.b) ? 1.0f : 0.0f;
             if (cloud)
-                cloud[i] = is_seen(optical_depth_of(transmittance[0][i]) - of_fog.r,
-                                   optical_depth_of(transmittance[1][i]) - of_fog.g,
-                                   optical_depth_of(transmittance[2][i]) - of_fog.b)
+                cloud[i] = is_seen(compute_optical_depth(transmittance[0][i]) - of_fog.r,
+                                   compute_optical_depth(transmittance[1][i]) - of_fog.g,
+                                   compute_optical_depth(transmittance[2][i]) - of_fog.b)
                                ? 1.0f
                                : 0.0f;
         }
@@ -125,7 +125,7 @@ static enum neph_status add_thin(const struct view *view, struct neph_image *ima
     enum neph_status status = any ? add_mask(image, "mask.thin", &thin, diag) : NEPH_OK;
     for (int y = 0; thin && y < view->height_px; y++)
         for (int x = 0; x < view->width_px; x++) {
-            const struct neph_pixel_ray ray = ray_of(view, x, y);
+            const struct neph_pixel_ray ray = make_view_ray(view, x, y);
             const struct neph_hit hit = neph_scene_hit(view->scene, ray.origin_m, ray.direction);
             if (hit.solid && hit.solid->thin)
                 mark_around(view, x, y, thin);
@@ -143,7 +143,7 @@ static enum neph_status add_sun(const struct view *view, struct neph_image *imag
     enum neph_status status = sun->present ? add_mask(image, "mask.sun", &samples, diag) : NEPH_OK;
     for (int y = 0; samples && y < view->height_px; y++)
         for (int x = 0; x < view->width_px; x++) {
-            const struct neph_pixel_ray ray = ray_of(view, x, y);
+            const struct neph_pixel_ray ray = make_view_ray(view, x, y);
             const bool near = neph_vec3_dot(ray.direction, sun->direction) >= least_cosine;
             if (near && !neph_scene_hit(view->scene, ray.origin_m, ray.direction).solid)
                 samples[(size_t)y * (size_t)view->width_px + (size_t)x] = 1.0f;
@@ -190,7 +190,7 @@ static void follow_point(const struct view *view, const struct neph_camera *befo
     motion_px[1] = (float)(0.5 * view->height_px - up_px - (y + 0.5));
 }
 
-static const struct neph_mover *mover_of(const struct neph_scene *scene, int solid)
+static const struct neph_mover *find_solid_mover(const struct neph_scene *scene, int solid)
 {
     for (int i = 0; i < scene->mover_count; i++)
         if (solid >= scene->movers[i].first &&
@@ -207,17 +207,17 @@ static void follow_solids(const struct neph_scene *scene, const struct view *vie
     for (int y = 0; y < view->height_px && scene->mover_count > 0; y++)
         for (int x = 0; x < view->width_px; x++) {
             const size_t i = (size_t)y * (size_t)view->width_px + (size_t)x;
-            const struct neph_pixel_ray ray = ray_of(view, x, y);
+            const struct neph_pixel_ray ray = make_view_ray(view, x, y);
             const struct neph_hit hit = neph_scene_hit(view->scene, ray.origin_m, ray.direction);
             const struct neph_mover *mover =
-                hit.solid ? mover_of(scene, (int)(hit.solid - view->scene->solids)) : NULL;
+                hit.solid ? find_solid_mover(scene, (int)(hit.solid - view->scene->solids)) : NULL;
             if (!mover)
                 continue;
             const struct neph_placing here = neph_mover_placing(scene, mover, frame);
             const struct neph_placing there = neph_mover_placing(scene, mover, frame - 1);
             const struct neph_vec3 point_m = neph_vec3_along(ray.origin_m, ray.direction, hit.t_m);
             float motion_px[2];
-            follow_point(view, &before, neph_placed_before_m(&here, &there, point_m), x, y,
+            follow_point(view, &before, neph_find_earlier_place_m(&here, &there, point_m), x, y,
                          motion_px, &before_m[i]);
             x_px[i] = motion_px[0];
             y_px[i] = motion_px[1];
@@ -248,8 +248,8 @@ static enum neph_status add_motion(const struct neph_scene *scene, const struct 
         mark_without_past(image, x_px, y_px);
         return NEPH_OK;
     }
-    status = neph_motion_of_depth(&now, &before, view->width_px, view->height_px, depth_m,
-                                  NEPH_MOTION_EYE_DEPTH, x_px, y_px, before_m, diag);
+    status = neph_motion_from_depth(&now, &before, view->width_px, view->height_px, depth_m,
+                                    NEPH_MOTION_EYE_DEPTH, x_px, y_px, before_m, diag);
     if (!status)
         follow_solids(scene, view, frame, x_px, y_px, before_m);
     return status;

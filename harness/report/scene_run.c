@@ -37,7 +37,7 @@ static bool has_second_seed(const struct neph_engine *engine)
 static bool is_listed(const struct neph_engine *engine, const char *const *names)
 {
     for (; names && *names; names++)
-        if (neph_engine_is(engine, *names))
+        if (neph_engine_is_kind(engine, *names))
             return true;
     return false;
 }
@@ -77,7 +77,7 @@ static enum neph_status apply_settings(struct neph_job *job, const char *const *
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < count && !status; i++) {
-        const char *assignment = neph_settings_for(job->engine, texts[i]);
+        const char *assignment = neph_settings_match_engine(job->engine, texts[i]);
         if (assignment)
             status = neph_settings_set(job->engine, &job->shot.settings, assignment, diag);
     }
@@ -112,7 +112,7 @@ static enum neph_status make_job(const struct neph_scene_run *run, int index,
                                  struct neph_diag *diag)
 {
     const struct neph_engine *engine = run->field->engines[index];
-    const int seed = 1 + second + (neph_engine_draws(engine) ? 2 * (run->params->seed - 1) : 0);
+    const int seed = 1 + second + (neph_engine_is_random(engine) ? 2 * (run->params->seed - 1) : 0);
     *job = (struct neph_job){
         .engine = engine,
         .info = &run->field->infos[index],
@@ -121,14 +121,14 @@ static enum neph_status make_job(const struct neph_scene_run *run, int index,
                  .width_px = run->params->width_px,
                  .height_px = run->params->height_px,
                  .layers = NEPH_LAYERS_ALL,
-                 .seed = neph_seed_of(scene, seed),
+                 .seed = neph_seed_for_scene(scene, seed),
                  .device = run->params->device},
     };
     return apply_plan(run, job, diag);
 }
 
 /* True when the user has set the step. */
-static bool has_own_step(const struct neph_job *job)
+static bool has_depth_step(const struct neph_job *job)
 {
     const struct neph_settings standard = neph_settings_default(job->engine);
     const char *step = job->engine->step.option;
@@ -144,9 +144,9 @@ static enum neph_status choose_step(const struct neph_scene_run *run, struct nep
                                     struct neph_diag *diag)
 {
     *chosen = *is_late = false;
-    if (job->engine->rung != NEPH_RUNG_WITNESS || !job->info->available ||
+    if (job->engine->rung != NEPH_LEVEL_EXTERNAL || !job->info->available ||
         !neph_study_applies(job->engine, job->shot.scene) ||
-        !neph_engine_has_steps(job->engine, job->info, &job->shot.settings) || has_own_step(job))
+        !neph_engine_has_steps(job->engine, job->info, &job->shot.settings) || has_depth_step(job))
         return NEPH_OK;
     enum neph_status status = neph_studies_find(job, study, chosen, diag);
     if (!status && !*chosen) {
@@ -164,7 +164,7 @@ static enum neph_status choose_step(const struct neph_scene_run *run, struct nep
 }
 
 /* Warn of steps with a large optical depth, which leave no visible artefact. */
-static void warn_of_steps(const struct neph_job *job, double depth)
+static void warn_about_steps(const struct neph_job *job, double depth)
 {
     char *warning = neph_step_depth_warning(depth, job->engine);
     if (warning)
@@ -190,7 +190,7 @@ static struct step begin_step(const struct neph_scene_run *run, const struct nep
     return step;
 }
 
-static uint64_t bit_of(const struct step *step)
+static uint64_t step_bit(const struct step *step)
 {
     return UINT64_C(1) << step->kind;
 }
@@ -200,7 +200,7 @@ static void end_step(const struct neph_scene_run *run, const struct step *step,
                      const struct neph_job_result *result)
 {
     const double seconds = neph_wall_s() - step->start_s;
-    const bool is_counted = result->reused && (run->told.steps & bit_of(step));
+    const bool is_counted = result->reused && (run->told.steps & step_bit(step));
     if (run->tell && result->frame_path)
         run->tell(run, step->what, result->reused, seconds);
     if (!is_counted)
@@ -212,19 +212,19 @@ static void end_step(const struct neph_scene_run *run, const struct step *step,
 static enum neph_status render(const struct neph_scene_run *run, struct neph_job *job,
                                struct neph_job_result *result, struct neph_diag *diag)
 {
-    if (job->engine->rung != NEPH_RUNG_WITNESS)
+    if (job->engine->rung != NEPH_LEVEL_EXTERNAL)
         return neph_job_run(job, run->store, result, diag);
     return run->tell ? neph_budget_try(job, run->params->budget_s, run->store, result, diag)
                      : neph_budget_run(job, run->params->budget_s, run->store, result, diag);
 }
 
 /* The note of a frame: missing samples, or the non-physical fog model that its settings select. */
-static const char *note_of(const struct neph_scene_run *run, const struct neph_job *job,
-                           const struct neph_job_result *result)
+static const char *format_frame_note(const struct neph_scene_run *run, const struct neph_job *job,
+                                     const struct neph_job_result *result)
 {
     const char *look = job->engine->look ? NULL
-                                         : neph_look_of_fog(job->engine, &job->shot.settings);
-    return neph_arena_text(run->arena, look && !result->note[0] ? look : result->note);
+                                         : neph_fog_model_note(job->engine, &job->shot.settings);
+    return neph_arena_copy_text(run->arena, look && !result->note[0] ? look : result->note);
 }
 
 static void take_result(const struct neph_scene_run *run, const struct neph_job *job,
@@ -233,16 +233,16 @@ static void take_result(const struct neph_scene_run *run, const struct neph_job 
     *frame = (struct neph_frame_result){
         .engine = job->engine,
         .outcome = result->outcome,
-        .reason = neph_arena_text(run->arena, result->reason),
-        .note = note_of(run, job, result),
-        .is_look = neph_is_look(job->engine, &job->shot.settings),
-        .settings = neph_arena_text(run->arena, result->settings),
+        .reason = neph_arena_copy_text(run->arena, result->reason),
+        .note = format_frame_note(run, job, result),
+        .is_look = neph_is_non_physical(job->engine, &job->shot.settings),
+        .settings = neph_arena_copy_text(run->arena, result->settings),
         .cost = result->cost,
         .job = *job,
         .noise = NAN,
         .seed = job->shot.seed,
         .step_optical_depth = neph_step_depth(&job->shot, job->engine),
-        .path = neph_arena_text(run->arena, result->frame_path),
+        .path = neph_arena_copy_text(run->arena, result->frame_path),
     };
     frame->job.shot.scene = NULL; /* the scene is freed before the result */
 }
@@ -267,11 +267,11 @@ static enum neph_status run_frame(const struct neph_scene_run *run, int index,
     *chosen = job.shot.settings;
     if (!status) {
         take_result(run, &job, &result, frame);
-        frame->reused = result.reused && !(run->told.made & bit_of(&step));
+        frame->reused = result.reused && !(run->told.made & step_bit(&step));
         if (is_studied)
             frame->study = neph_arena_copy(run->arena, &study, sizeof(study));
         if (!run->tell)
-            warn_of_steps(&job, frame->step_optical_depth);
+            warn_about_steps(&job, frame->step_optical_depth);
         end_step(run, &step, &result);
     }
     neph_job_result_finish(&result);
@@ -292,7 +292,7 @@ static enum neph_status run_second_seed(const struct neph_scene_run *run, int in
     if (!status)
         status = neph_job_run(&job, run->store, &result, diag);
     if (!status) {
-        frame->second_path = neph_arena_text(run->arena, result.frame_path);
+        frame->second_path = neph_arena_copy_text(run->arena, result.frame_path);
         frame->second_cost = result.cost;
         if (run->tell && result.outcome == NEPH_OUTCOME_TIMEOUT)
             frame->outcome = NEPH_OUTCOME_TIMEOUT; /* the worker reports it as late */
@@ -355,7 +355,7 @@ static enum neph_status attribute(const struct neph_scene_run *run,
 static int find_truth(const struct neph_scene_result *result)
 {
     for (int f = 0; f < result->frame_count; f++)
-        if (result->frames[f].path && result->frames[f].engine->rung <= NEPH_RUNG_TRACER)
+        if (result->frames[f].path && result->frames[f].engine->rung <= NEPH_LEVEL_TRACER)
             return f;
     return -1;
 }
@@ -369,9 +369,9 @@ static enum neph_status measure_noise(const struct neph_image *image,
     if (frame->second_path)
         status = neph_exr_read(frame->second_path, &second, diag);
     if (second)
-        frame->noise = neph_noise_of_two(image, second);
+        frame->noise = neph_noise_from_two_seeds(image, second);
     else if (frame->engine->stochastic)
-        frame->noise = neph_noise_of_frame(image);
+        frame->noise = neph_noise_from_variance(image);
     neph_image_destroy(second);
     return status;
 }
@@ -413,7 +413,7 @@ static enum neph_status measure_frame(const struct neph_scene_run *run, const st
     if (!image)
         return status;
     struct neph_bakes_summary bakes;
-    if (neph_bakes_of_frame(image, &bakes))
+    if (neph_bakes_from_frame(image, &bakes))
         frame->bakes = neph_arena_copy(run->arena, &bakes, sizeof(bakes));
     status = measure_noise(image, frame, diag);
     if (!status)
@@ -453,11 +453,11 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
                      struct neph_scene_result *result)
 {
     const bool has_size = run->plan && run->plan->width_px > 0;
-    result->name = neph_arena_text(run->arena, scene->name);
-    result->title = neph_arena_text(run->arena, scene->title);
-    result->physics = neph_arena_text(run->arena, scene->description);
-    result->hash = neph_arena_text(run->arena, scene->hash);
-    result->file = neph_arena_text(run->arena, scene->path);
+    result->name = neph_arena_copy_text(run->arena, scene->name);
+    result->title = neph_arena_copy_text(run->arena, scene->title);
+    result->physics = neph_arena_copy_text(run->arena, scene->description);
+    result->hash = neph_arena_copy_text(run->arena, scene->hash);
+    result->file = neph_arena_copy_text(run->arena, scene->path);
     result->width_px = has_size ? run->plan->width_px : run->params->width_px;
     result->height_px = has_size ? run->plan->height_px : run->params->height_px;
     result->viewing = NEPH_VIEWING_DEFAULTS;
@@ -474,7 +474,8 @@ static bool is_left_out(const struct neph_scene_run *run, int index,
     return run->field->is_reference_only[index] && find_truth(result) >= 0;
 }
 
-static void leave_out(const struct neph_scene_run *run, int index, struct neph_scene_result *result)
+static void add_absent_frame(const struct neph_scene_run *run, int index,
+                             struct neph_scene_result *result)
 {
     neph_progress_expect(run->progress, KIND_FRAME + index, -1, 0.0);
     if (has_second_seed(run->field->engines[index]))
@@ -487,14 +488,14 @@ static enum neph_status render_all(const struct neph_scene_run *run, const struc
 {
     struct frame_job jobs[NEPH_FIELD_MAX];
     const size_t count = (size_t)run->field->count;
-    result->frames = neph_arena_zeroed(run->arena, count, sizeof(*result->frames));
+    result->frames = neph_arena_allocate(run->arena, count, sizeof(*result->frames));
     enum neph_status status = neph_arena_check(run->arena, diag);
     for (int i = 0; i < run->field->count && !status; i++) {
         const int f = result->frame_count;
         if (!takes_part(run, i))
             continue;
         if (is_left_out(run, i, result)) {
-            leave_out(run, i, result);
+            add_absent_frame(run, i, result);
             continue;
         }
         jobs[f].index = i;

@@ -48,7 +48,7 @@ struct neph_validate_params {
 enum { NEPH_SCENE_RUN_KINDS = 2 * NEPH_FIELD_MAX };
 
 /* Progress steps of a scene that worker processes have reported, as bit sets over their kinds. */
-struct neph_scene_told {
+struct neph_scene_steps_done {
     uint64_t steps; /* steps with a frame in the store */
     uint64_t made;  /* those that a worker rendered in this run */
 };
@@ -64,9 +64,9 @@ struct neph_scene_run {
     const struct neph_scene_plan *plan; /* of the current scene; NULL: no deviations */
     /* In a worker: called after each step with a frame in the store; otherwise NULL. */
     void (*tell)(const struct neph_scene_run *run, const char *step, bool reused, double seconds);
-    const struct neph_worker *worker; /* for `tell`: the worker */
-    int scene;                        /* for `tell`: index of its scene */
-    struct neph_scene_told told;      /* reported by workers for the current scene; already counted
+    const struct neph_worker *worker;  /* for `tell`: the worker */
+    int scene;                         /* for `tell`: index of its scene */
+    struct neph_scene_steps_done told; /* reported by workers for the current scene; already counted
                                          as progress */
 };
 

@@ -11,7 +11,7 @@ static const double flight_s = 1.5, renders_s = 6.0;
  * frames are faster than the first one. */
 static bool takes_too_long(const struct neph_frame_result *frame)
 {
-    return neph_flight_applies(frame->engine) && !frame->engine->remembers &&
+    return neph_flight_applies(frame->engine) && !frame->engine->has_frame_history &&
            frame->cost.render_s > renders_s;
 }
 
@@ -21,7 +21,7 @@ static bool takes_too_long(const struct neph_frame_result *frame)
 static int known_times(const struct neph_frame_result *frame, double known_s[2])
 {
     int count = 0;
-    if (frame->engine->rung == NEPH_RUNG_WITNESS)
+    if (frame->engine->rung == NEPH_LEVEL_EXTERNAL)
         known_s[count++] = frame->cost.render_s;
     if (frame->second_path)
         known_s[count++] = frame->second_cost.render_s;

@@ -68,7 +68,7 @@ static struct neph_vec3 point_on(const struct way *way, double t_m)
 
 /* ---- marched interval of a ray ---- ---------------------------------------------------------- */
 
-static double most_of(struct neph_rgb color)
+static double largest_channel(struct neph_rgb color)
 {
     return fmax(color.r, fmax(color.g, color.b));
 }
@@ -98,7 +98,7 @@ static void include_layer(const struct neph_fog_layer *layer, struct neph_rgb co
                           double *opaque_m)
 {
     const double k_y = way->direction.y, y_m = way->origin_m.y + inside.t0_m * k_y;
-    const double thin = thin_depth / most_of(color);
+    const double thin = thin_depth / largest_channel(color);
     if (layer->extinction_per_m == 0.0)
         return;
     const double start_m = layer->falloff_per_m * k_y < 0.0
@@ -118,7 +118,7 @@ static void include_layer(const struct neph_fog_layer *layer, struct neph_rgb co
 
 /* As scene_stretch() of renderer/shaders/scene.glsl; media other than fogs contribute their
  * bounds. */
-static struct stretch stretch_of(const struct neph_scene *scene, const struct way *way)
+static struct stretch find_marched_interval(const struct neph_scene *scene, const struct way *way)
 {
     struct stretch hull = {INFINITY, 0.0};
     double opaque_m = way->length_m;
@@ -156,7 +156,7 @@ static struct neph_rgb depth_on(const struct march *march, const struct way *way
                                 int steps)
 {
     struct neph_rgb sum = {0, 0, 0};
-    const struct stretch stretch = is_marched ? stretch_of(march->scene, way)
+    const struct stretch stretch = is_marched ? find_marched_interval(march->scene, way)
                                               : (struct stretch){0.0, way->length_m};
     for (int m = 0; m < march->scene->medium_count; m++) {
         const struct neph_medium *medium = &march->scene->media[m];
@@ -243,7 +243,7 @@ static struct neph_rgb sunlight(const struct march *march, const struct way *way
 {
     const struct neph_sun *sun = &march->scene->sun;
     struct neph_rgb sum = {0, 0, 0};
-    if (!sun->present || !neph_scene_sees_sun(march->scene, point_m))
+    if (!sun->present || !neph_scene_is_sun_visible(march->scene, point_m))
         return sum;
     const double cosine = neph_vec3_dot(way->direction, sun->direction);
     const struct neph_rgb depth = light_depth(march, point_m, sun->direction, INFINITY);
@@ -288,7 +288,7 @@ static struct neph_rgb lamp_part(const struct march *march, const struct way *wa
     const double inverse_square = atan2(height_m * length_m, height_m * height_m + s0_m * s1_m) /
                                   (height_m * length_m);
     const double falloff = neph_light_falloff(light, neph_vec3_scale(lit.direction, -1.0));
-    if (falloff == 0.0 || !neph_scene_sees(march->scene, point_m, light->position_m))
+    if (falloff == 0.0 || !neph_scene_is_visible(march->scene, point_m, light->position_m))
         return (struct neph_rgb){0, 0, 0};
     const struct neph_rgb arriving = neph_rgb_mul(
         neph_rgb_scale(light->intensity_w_per_sr, falloff * inverse_square),
@@ -298,8 +298,8 @@ static struct neph_rgb lamp_part(const struct march *march, const struct way *wa
                                             neph_vec3_dot(way->direction, lit.direction), 1.0));
 }
 
-/* As lamp_place() and lamp_step_light() of renderer/shaders/march_lamp_steps.glsl. */
-static double lamp_place(double slope)
+/* As equiangular_position() and lamp_step_light() of renderer/shaders/march_lamp_steps.glsl. */
+static double equiangular_position(double slope)
 {
     const double end = 1e9;
     return asinh(fmax(-end, fmin(slope, end)));
@@ -313,8 +313,8 @@ static struct neph_rgb lamp_light(const struct march *march, const struct way *w
     const double away_m = neph_vec3_length(way_m);
     const double height_m = fmax(neph_vec3_length(neph_vec3_along(way_m, way->direction, -foot_m)),
                                  1e-6 * away_m + 1e-12);
-    const double end_m = t1_m - foot_m, first = lamp_place((t0_m - foot_m) / height_m);
-    const double extent = lamp_place(end_m / height_m) - first;
+    const double end_m = t1_m - foot_m, first = equiangular_position((t0_m - foot_m) / height_m);
+    const double extent = equiangular_position(end_m / height_m) - first;
     const double part = M_PI / 8.0 * fmin(1.0, 64.0 / march->steps);
     const int parts = 1 + (int)(extent / part);
     struct neph_rgb sum = {0, 0, 0}, depth = {0, 0, 0};
@@ -346,7 +346,7 @@ static double step_start_m(const struct march *march, const struct stretch *stre
 static struct neph_rgb ray_light(const struct march *march, const struct way *way)
 {
     struct neph_rgb light = {0, 0, 0}, depth = {0, 0, 0};
-    const struct stretch stretch = stretch_of(march->scene, way);
+    const struct stretch stretch = find_marched_interval(march->scene, way);
     if (!(stretch.t0_m < stretch.t1_m) || !isfinite(stretch.t1_m))
         return light;
     const bool scatters = march->scene->scattering != NEPH_SCATTERING_NONE;
@@ -371,8 +371,8 @@ static struct neph_rgb ray_light(const struct march *march, const struct way *wa
 
 /* Ray i of `count` rays through pixels. Rows are spread evenly, because level rays along the
  * horizon have the longest steps; columns follow the golden ratio. */
-static struct neph_pixel_ray ray_of_frame(const struct neph_shot *shot,
-                                          const struct neph_camera *camera, int i, int count)
+static struct neph_pixel_ray choose_frame_ray(const struct neph_shot *shot,
+                                              const struct neph_camera *camera, int i, int count)
 {
     const double golden = 0.61803398874989485, across = i * golden - floor(i * golden);
     return neph_camera_ray(camera, shot->width_px, shot->height_px, (int)(across * shot->width_px),
@@ -400,7 +400,8 @@ struct twice {
 static void march_twice(int i, void *context)
 {
     struct twice *twice = context;
-    const struct neph_pixel_ray seen = ray_of_frame(twice->shot, &twice->camera, i, twice->rays);
+    const struct neph_pixel_ray seen = choose_frame_ray(twice->shot, &twice->camera, i,
+                                                        twice->rays);
     const struct way way = {
         seen.origin_m, seen.direction,
         neph_scene_hit(twice->coarse->scene, seen.origin_m, seen.direction).t_m};
@@ -410,7 +411,7 @@ static void march_twice(int i, void *context)
 
 /* The bias divided by the light of the media; NAN after an interruption. More steps allow fewer
  * rays. */
-static double bias_of_media(const struct neph_shot *shot, const struct march *march)
+static double estimate_media_bias(const struct neph_shot *shot, const struct march *march)
 {
     struct march finer = *march;
     finer.steps *= 2;
@@ -433,7 +434,7 @@ static double bias_of_media(const struct neph_shot *shot, const struct march *ma
     return order_factor * difference / sum;
 }
 
-static double sum_of(const struct neph_image *frame, const char *layer)
+static double sum_layer(const struct neph_image *frame, const char *layer)
 {
     float *planes[3];
     double sum = 0.0;
@@ -453,8 +454,8 @@ static double setting_or(const struct neph_shot *shot, const struct neph_engine 
 
 /* Read the parameters of a march from an engine's settings. False: the lighting model has no
  * estimate, or the engine has no equal steps. */
-static bool march_of(const struct neph_shot *shot, const struct neph_engine *engine,
-                     const struct neph_scene *scene, struct march *march)
+static bool read_march_settings(const struct neph_shot *shot, const struct neph_engine *engine,
+                                const struct neph_scene *scene, struct march *march)
 {
     static const struct {
         const char *engine;
@@ -489,8 +490,9 @@ double neph_step_bias(const struct neph_shot *shot, const struct neph_engine *en
     double bias = NAN;
     if (!neph_marched_scene_init(shot, engine, &marched))
         return NAN;
-    if (march_of(shot, engine, marched.scene, &march) && !is_costly(&march))
-        bias = bias_of_media(shot, &march) * sum_of(frame, "volume") / sum_of(frame, NULL);
+    if (read_march_settings(shot, engine, marched.scene, &march) && !is_costly(&march))
+        bias = estimate_media_bias(shot, &march) * sum_layer(frame, "volume") /
+               sum_layer(frame, NULL);
     neph_marched_scene_finish(&marched);
     return isfinite(bias) ? bias : NAN;
 }
@@ -498,7 +500,7 @@ double neph_step_bias(const struct neph_shot *shot, const struct neph_engine *en
 char *neph_step_bias_omission(const struct neph_shot *shot, const struct neph_engine *engine)
 {
     struct march march;
-    if (!march_of(shot, engine, shot->scene, &march) || !is_costly(&march))
+    if (!read_march_settings(shot, engine, shot->scene, &march) || !is_costly(&march))
         return NULL;
     if (march.marches_sun)
         return neph_format("step bias not estimated: steps times sun_steps is %.0f, at most %.0f "

@@ -47,8 +47,8 @@ static double brightest(struct neph_rgb color)
 
 /* The largest optical depth of a step on an interval, for media first .. last. Stops at an optical
  * depth of 4: only e^-4 of the light from beyond arrives, so long steps are harmless there. */
-static double most_on(const struct ray *ray, int first, int last, double t0_m, double t1_m,
-                      int steps)
+static double find_deepest_step(const struct ray *ray, int first, int last, double t0_m,
+                                double t1_m, int steps)
 {
     const int places = steps < PLACES_MAX ? steps : PLACES_MAX;
     const double faint_depth = 4.0;
@@ -78,7 +78,7 @@ static double opaque_end_m(const struct ray *ray, const struct neph_medium *medi
     return end_m;
 }
 
-static double shared_steps(const struct ray *ray, int steps)
+static double find_deepest_shared_step(const struct ray *ray, int steps)
 {
     double low_m = INFINITY, high_m = -INFINITY, opaque_m = INFINITY, t0_m, t1_m;
     for (int m = 0; m < ray->scene->medium_count; m++)
@@ -88,16 +88,17 @@ static double shared_steps(const struct ray *ray, int steps)
             opaque_m = fmin(opaque_m, opaque_end_m(ray, &ray->scene->media[m], t0_m));
         }
     high_m = fmin(high_m, opaque_m);
-    return low_m < high_m ? most_on(ray, 0, ray->scene->medium_count - 1, low_m, high_m, steps)
-                          : 0.0;
+    return low_m < high_m
+               ? find_deepest_step(ray, 0, ray->scene->medium_count - 1, low_m, high_m, steps)
+               : 0.0;
 }
 
-static double own_steps(const struct ray *ray, int steps)
+static double find_deepest_medium_step(const struct ray *ray, int steps)
 {
     double most = 0.0, t0_m, t1_m;
     for (int m = 0; m < ray->scene->medium_count; m++)
         if (clip(ray, m, &t0_m, &t1_m))
-            most = fmax(most, most_on(ray, m, m, t0_m, t1_m, steps));
+            most = fmax(most, find_deepest_step(ray, m, m, t0_m, t1_m, steps));
     return most;
 }
 
@@ -113,7 +114,7 @@ struct frame {
 };
 
 /* The rays go through pixel centres of the frame, so that its aspect ratio counts. */
-static void look_along_row(int row, void *context)
+static void measure_row_depth(int row, void *context)
 {
     struct frame *frame = context;
     const int width_px = frame->shot->width_px, height_px = frame->shot->height_px;
@@ -127,14 +128,15 @@ static void look_along_row(int row, void *context)
                           .origin_m = seen.origin_m,
                           .direction = seen.direction};
         ray.end_m = neph_scene_hit(frame->scene, ray.origin_m, ray.direction).t_m;
-        frame->most[row] = fmax(frame->most[row], frame->shared ? shared_steps(&ray, frame->steps)
-                                                                : own_steps(&ray, frame->steps));
+        frame->most[row] = fmax(frame->most[row],
+                                frame->shared ? find_deepest_shared_step(&ray, frame->steps)
+                                              : find_deepest_medium_step(&ray, frame->steps));
     }
 }
 
 /* NAN after an interruption. */
-static double most_of_frame(const struct neph_shot *shot, const struct neph_scene *scene,
-                            bool shared, int steps)
+static double measure_frame_depth(const struct neph_shot *shot, const struct neph_scene *scene,
+                                  bool shared, int steps)
 {
     struct frame frame = {.shot = shot,
                           .scene = scene,
@@ -144,21 +146,21 @@ static double most_of_frame(const struct neph_shot *shot, const struct neph_scen
     double most = 0.0, cut_error;
     for (int m = 0; m < scene->medium_count; m++)
         frame.containers[m] = neph_medium_container(scene, &scene->media[m], &cut_error);
-    if (neph_parallel_rows(ROWS, look_along_row, &frame, NULL))
+    if (neph_parallel_rows(ROWS, measure_row_depth, &frame, NULL))
         return NAN;
     for (int row = 0; row < ROWS; row++)
         most = fmax(most, frame.most[row]);
     return most;
 }
 
-static double most_of_shot(const struct neph_shot *shot, const struct neph_engine *engine,
-                           bool shared)
+static double measure_shot_depth(const struct neph_shot *shot, const struct neph_engine *engine,
+                                 bool shared)
 {
     const int steps = (int)neph_setting(engine, &shot->settings, engine->step.option);
     struct neph_marched_scene marched;
     if (!neph_marched_scene_init(shot, engine, &marched))
         return NAN;
-    const double most = most_of_frame(shot, marched.scene, shared, steps);
+    const double most = measure_frame_depth(shot, marched.scene, shared, steps);
     neph_marched_scene_finish(&marched);
     return most;
 }
@@ -167,7 +169,7 @@ double neph_step_depth(const struct neph_shot *shot, const struct neph_engine *e
 {
     for (size_t i = 0; engine->step.option && i < sizeof(marchers) / sizeof(marchers[0]); i++)
         if (strcmp(engine->step.option, marchers[i].option) == 0)
-            return most_of_shot(shot, engine, marchers[i].shared);
+            return measure_shot_depth(shot, engine, marchers[i].shared);
     return NAN;
 }
 

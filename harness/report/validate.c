@@ -37,7 +37,7 @@ struct run {
 
 /* Progress of a scene as reported by the workers. */
 struct told {
-    struct neph_scene_told steps;
+    struct neph_scene_steps_done steps;
     bool is_over, is_late; /* the scene is rendered; some frames must be tried again */
 };
 
@@ -54,14 +54,14 @@ static bool names_engine(const struct neph_validate_params *params,
  * that `tracer` renders in seconds. */
 static bool can_be_reference(const struct neph_engine *engine)
 {
-    return engine->rung <= NEPH_RUNG_TRACER && !neph_engine_is(engine, "oracle");
+    return engine->rung <= NEPH_LEVEL_TRACER && !neph_engine_is_kind(engine, "oracle");
 }
 
 static enum neph_status choose_engines(const struct neph_validate_params *params,
                                        struct neph_run_engines *field, struct neph_diag *diag)
 {
     int known;
-    const struct neph_engine *const *engines = neph_engines_and_guests(&known);
+    const struct neph_engine *const *engines = neph_engines_with_user_engines(&known);
     for (int i = 0; i < params->engine_count; i++)
         if (!neph_engine_find(params->engines[i])) {
             neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'", params->engines[i]);
@@ -72,7 +72,7 @@ static enum neph_status choose_engines(const struct neph_validate_params *params
         const bool is_named = names_engine(params, engines[i]);
         const bool is_reference = params->only_engines && can_be_reference(engines[i]);
         const bool is_usual = params->engine_count == 0 && !engines[i]->shortcut_of &&
-                              !engines[i]->is_guest;
+                              !engines[i]->is_user_engine;
         if (!is_named && !is_reference && !is_usual)
             continue;
         const enum neph_status status = neph_engine_check_size(engines[i], params->width_px,
@@ -96,7 +96,7 @@ static enum neph_status apply_setting(const char *text, struct neph_run_engines 
                                       struct neph_diag *diag)
 {
     for (int i = 0; i < field->count; i++) {
-        const char *assignment = neph_settings_for(field->engines[i], text);
+        const char *assignment = neph_settings_match_engine(field->engines[i], text);
         if (assignment)
             return neph_settings_set(field->engines[i], &field->settings[i], assignment, diag);
     }
@@ -114,9 +114,9 @@ static enum neph_status begin(struct run *run, struct neph_diag *diag)
     made->title = "Nephelometer validation";
     made->width_px = params->width_px;
     made->height_px = params->height_px;
-    made->scenes = neph_arena_zeroed(&made->arena, count, sizeof(*made->scenes));
-    made->absent = neph_arena_zeroed(&made->arena, count, sizeof(*made->absent));
-    run->told = neph_arena_zeroed(&made->arena, count, sizeof(*run->told));
+    made->scenes = neph_arena_allocate(&made->arena, count, sizeof(*made->scenes));
+    made->absent = neph_arena_allocate(&made->arena, count, sizeof(*made->absent));
+    run->told = neph_arena_allocate(&made->arena, count, sizeof(*run->told));
     run->scenes = (struct neph_scene_run){.params = params,
                                           .field = &made->field,
                                           .store = run->store,
@@ -180,14 +180,14 @@ static enum neph_status show(struct run *run, struct neph_diag *diag)
 }
 
 /* Record a scene with missing data as absent and remove its progress steps. Clears `diag`. */
-static void leave_out(struct run *run, const char *name, struct neph_diag *diag)
+static void add_absent_scene(struct run *run, const char *name, struct neph_diag *diag)
 {
     struct neph_arena *arena = &run->made->arena;
     char *clean = neph_text_clean_copy(name);
     run->made->absent[run->made->absent_count++] = (struct neph_absent_scene){
-        .scene = neph_arena_text(arena, clean ? clean : ""),
-        .reason = neph_arena_text(arena, diag->message),
-        .hint = neph_arena_text(arena, diag->hint)};
+        .scene = neph_arena_copy_text(arena, clean ? clean : ""),
+        .reason = neph_arena_copy_text(arena, diag->message),
+        .hint = neph_arena_copy_text(arena, diag->hint)};
     free(clean);
     *diag = (struct neph_diag){.line = 0};
     if (run->params->times)
@@ -206,7 +206,7 @@ static enum neph_status run_scene(struct run *run, struct neph_diag *diag)
     enum neph_status status = neph_data_load_scene(name, &scene, diag);
     if (status == NEPH_ERR_NOT_FOUND && run->params->skip_absent) {
         run->next++;
-        leave_out(run, name, diag);
+        add_absent_scene(run, name, diag);
         return NEPH_OK;
     }
     run->scenes.told = run->told[run->next].steps;
@@ -268,13 +268,13 @@ static enum neph_status run_all(struct run *run, struct neph_diag *diag)
 
 /* Report a step to the main process as "SCENE KIND REUSED SECONDS NAME"; the end of a scene is
  * reported as "SCENE over LATE". */
-static void tell_step(const struct neph_scene_run *scenes, const char *what, bool reused,
-                      double seconds)
+static void report_step(const struct neph_scene_run *scenes, const char *what, bool reused,
+                        double seconds)
 {
     char text[512];
     snprintf(text, sizeof(text), "%d %d %d %.3f %s", scenes->scene, scenes->progress->kind, reused,
              seconds, what);
-    neph_worker_tell(scenes->worker, text);
+    neph_worker_send_message(scenes->worker, text);
 }
 
 /* Handle a worker's report: count the step as progress. Finished scenes get their results in the
@@ -318,7 +318,7 @@ static void render_scene(struct run *run, int index)
         status = neph_scene_render(&run->scenes, scene, &result, &is_late, &why);
     is_late |= status && status != NEPH_ERR_NOT_FOUND; /* a missing scene needs no repetition */
     snprintf(text, sizeof(text), "%d over %d", index, is_late);
-    neph_worker_tell(run->scenes.worker, text);
+    neph_worker_send_message(run->scenes.worker, text);
     neph_scene_result_finish(&result);
     neph_scene_destroy(scene);
 }
@@ -333,9 +333,10 @@ static enum neph_status work(struct neph_worker *worker, void *context, struct n
         return run_all(run, diag);
     }
     run->progress.quiet = true;
-    run->scenes.tell = tell_step;
+    run->scenes.tell = report_step;
     run->scenes.worker = worker;
-    for (int i; !neph_interrupted() && (i = neph_worker_next(worker)) < run->params->scene_count;)
+    for (int i;
+         !neph_interrupted() && (i = neph_worker_take_job(worker)) < run->params->scene_count;)
         render_scene(run, i);
     return NEPH_OK;
 }

@@ -31,7 +31,7 @@ static json_t *frame_json(const struct neph_frame_result *frame)
     json_t *json = json_pack(
         "{s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:I, s:o, s:s?, s:s?, s:s?, "
         "s:{s:s?, s:s?}, s:o, s:o, s:b, s:o}",
-        "engine", engine->name, "rung", neph_rung_name(engine->rung), "status",
+        "engine", engine->name, "rung", neph_reference_level_name(engine->rung), "status",
         neph_outcome_name(frame->outcome), "reason", frame->reason, "note", frame->note, "settings",
         frame->settings, "reused", frame->reused, "render_s", frame->cost.render_s, "wall_s",
         frame->cost.wall_s, "cpu_s", frame->cost.cpu_s, "peak_memory_bytes",
@@ -61,7 +61,8 @@ static json_t *truth_json(const struct neph_scene_result *scene)
     if (scene->truth < 0)
         return json_null();
     const struct neph_engine *engine = scene->frames[scene->truth].engine;
-    return json_pack("{s:s, s:s}", "engine", engine->name, "rung", neph_rung_name(engine->rung));
+    return json_pack("{s:s, s:s}", "engine", engine->name, "rung",
+                     neph_reference_level_name(engine->rung));
 }
 
 static json_t *scene_json(const struct neph_scene_result *scene)
@@ -88,11 +89,11 @@ static json_t *scene_json(const struct neph_scene_result *scene)
 static json_t *engine_json(const struct neph_engine *engine, const struct neph_engine_info *info)
 {
     return json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s, s:s, s:s}", "name",
-                     engine->name, "summary", engine->summary, "rung", neph_rung_name(engine->rung),
-                     "bias", engine->bias, "available", info->available, "broken", info->broken,
-                     "version", info->version, "device", info->device, "missing", info->missing,
-                     "install_line", info->install_line, "can", info->can, "warning",
-                     info->warning);
+                     engine->name, "summary", engine->summary, "rung",
+                     neph_reference_level_name(engine->rung), "bias", engine->bias, "available",
+                     info->available, "broken", info->broken, "version", info->version, "device",
+                     info->device, "missing", info->missing, "install_line", info->install_line,
+                     "can", info->can, "warning", info->warning);
 }
 
 /* The members that are lists. */
@@ -130,7 +131,7 @@ static json_t *verdict_json(const struct neph_validation *validation)
 {
     char *text = NULL;
     struct neph_diag diag = {.line = 0};
-    neph_written(write_verdict, validation, &text, &diag);
+    neph_write_to_text(write_verdict, validation, &text, &diag);
     json_t *json = text ? json_string(text) : NULL;
     free(text);
     return json;

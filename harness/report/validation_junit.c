@@ -12,15 +12,15 @@ _Static_assert(NEPH_GATE_VERDICT_COUNT == 3, "a new kind");
 _Static_assert(NEPH_PHYSICS_VERDICT_COUNT == 3, "a new kind");
 
 /* An engine that does not model a scene, or is not installed, is skipped, not failed. */
-static enum neph_junit_result result_of(enum neph_outcome outcome)
+static enum neph_junit_result find_junit_result(enum neph_outcome outcome)
 {
     if (outcome == NEPH_OUTCOME_RENDERED)
         return NEPH_JUNIT_PASSED;
     return neph_outcome_is_broken(outcome) ? NEPH_JUNIT_FAILED : NEPH_JUNIT_SKIPPED;
 }
 
-static const char *name_of_factor(struct neph_arena *arena, const char *engine,
-                                  const char *quantity)
+static const char *format_factor_case(struct neph_arena *arena, const char *engine,
+                                      const char *quantity)
 {
     return neph_arena_format(arena, "%s %s within a factor of two of the reference", engine,
                              quantity);
@@ -39,7 +39,7 @@ static void add_gate(const struct neph_gate_result *gate, const char *group,
                                          gate->metric, gate->mask);
     const char *message = "";
     if (gate->line == 0)
-        name = name_of_factor(arena, gate->engine, gate->quantity);
+        name = format_factor_case(arena, gate->engine, gate->quantity);
     if (gate->verdict == NEPH_GATE_FAIL)
         message =
             isnan(gate->value)
@@ -63,7 +63,7 @@ static void add_means(const struct neph_scene_result *scene, int index, const ch
         return;
     for (size_t q = 0; q < sizeof(quantities) / sizeof(quantities[0]); q++)
         if (!neph_scene_is_gated(scene, engine, quantities[q]))
-            neph_junit_add(junit, group, name_of_factor(&junit->arena, engine, quantities[q]),
+            neph_junit_add(junit, group, format_factor_case(&junit->arena, engine, quantities[q]),
                            frame->note[0] ? NEPH_JUNIT_SKIPPED : NEPH_JUNIT_PASSED, frame->note);
 }
 
@@ -83,23 +83,24 @@ static void add_scene(const struct neph_scene_result *scene, struct neph_junit *
         const struct neph_frame_result *frame = &scene->frames[f];
         neph_junit_add(junit, group,
                        neph_arena_format(&junit->arena, "%s renders", frame->engine->name),
-                       result_of(frame->outcome), frame->reason);
-        neph_junit_locate(junit, scene->file, 1);
+                       find_junit_result(frame->outcome), frame->reason);
+        neph_junit_set_location(junit, scene->file, 1);
         add_means(scene, f, group, junit);
     }
     for (int g = 0; g < scene->gate_count; g++) {
         if (!has_engine(scene, scene->gates[g].engine))
             continue;
         add_gate(&scene->gates[g], group, junit);
-        neph_junit_locate(junit, scene->file, scene->gates[g].line > 0 ? scene->gates[g].line : 1);
+        neph_junit_set_location(junit, scene->file,
+                                scene->gates[g].line > 0 ? scene->gates[g].line : 1);
     }
 }
 
 /* A deviation fails only reference engines; for other engines the suite reports its size. */
 static void add_row(const struct neph_physics_row *row, struct neph_junit *junit)
 {
-    const bool claims_truth = row->engine->rung <= NEPH_RUNG_TRACER;
-    enum neph_junit_result result = result_of(row->outcome);
+    const bool claims_truth = row->engine->rung <= NEPH_LEVEL_TRACER;
+    enum neph_junit_result result = find_junit_result(row->outcome);
     if (result == NEPH_JUNIT_PASSED && row->verdict == NEPH_PHYSICS_NOT_MEASURED)
         result = NEPH_JUNIT_SKIPPED;
     if (result == NEPH_JUNIT_PASSED && row->verdict == NEPH_PHYSICS_OFF)
@@ -121,12 +122,12 @@ static void add_phase(const struct neph_phase_finding *finding, struct neph_juni
 static void add_sequence(const struct neph_over_time *sequence, struct neph_junit *junit)
 {
     const char *group = neph_arena_format(&junit->arena, "validate sequence %s", sequence->scene);
-    neph_junit_add(junit, group, "reference renders", result_of(sequence->reference.outcome),
-                   sequence->reference.reason);
+    neph_junit_add(junit, group, "reference renders",
+                   find_junit_result(sequence->reference.outcome), sequence->reference.reason);
     for (int i = 0; i < sequence->row_count; i++)
         neph_junit_add(junit, group,
                        neph_arena_format(&junit->arena, "%s renders", sequence->rows[i].preset),
-                       result_of(sequence->rows[i].outcome), sequence->rows[i].reason);
+                       find_junit_result(sequence->rows[i].outcome), sequence->rows[i].reason);
 }
 
 void neph_validation_junit(const struct neph_validation *validation, struct neph_junit *junit)

@@ -41,8 +41,8 @@ static bool find_map(const char *name, struct overlay *overlay)
     return false;
 }
 
-static enum neph_status find_map_of_radiance(const char *name, struct overlay *overlay,
-                                             struct neph_diag *diag)
+static enum neph_status find_radiance_map(const char *name, struct overlay *overlay,
+                                          struct neph_diag *diag)
 {
     if (find_map(name, overlay) && overlay->extractor->quantities & NEPH_RADIANCE)
         return NEPH_OK;
@@ -57,7 +57,7 @@ enum neph_status neph_viewer_check_overlays(const struct neph_viewer *view, stru
     struct overlay overlay;
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < view->overlay_count && !status; i++)
-        status = find_map_of_radiance(view->overlays[i], &overlay, diag);
+        status = find_radiance_map(view->overlays[i], &overlay, diag);
     return status;
 }
 
@@ -65,8 +65,7 @@ static enum neph_status find_maps(struct maps *maps, struct neph_diag *diag)
 {
     for (int i = 0; i < maps->view->overlay_count; i++) {
         struct overlay *overlay = &maps->overlays[maps->count];
-        const enum neph_status status = find_map_of_radiance(maps->view->overlays[i], overlay,
-                                                             diag);
+        const enum neph_status status = find_radiance_map(maps->view->overlays[i], overlay, diag);
         if (status)
             return status;
         overlay->sets = json_array();
@@ -116,8 +115,8 @@ static enum neph_status take_map(void *context, const struct neph_map *map,
 }
 
 /* Borrows the sequences of the view. */
-static struct neph_comparison comparison_of(struct maps *maps, int set, bool is_picture,
-                                            double frame_rate_hz)
+static struct neph_comparison make_set_comparison(struct maps *maps, int set, bool is_picture,
+                                                  double frame_rate_hz)
 {
     static const struct neph_meter_number none[] = {{NULL, NULL}};
     const struct neph_viewer *view = maps->view;
@@ -133,7 +132,7 @@ static struct neph_comparison comparison_of(struct maps *maps, int set, bool is_
         .warm_up_frames = is_sequence ? view->warm_up_frames : 0,
         .negative_allowed = SIZE_MAX,
         .by_position = view->by_position,
-        .frozen_is_fine = true,
+        .allow_frozen_frames = true,
         .plain = true,
         .quiet = view->quiet,
     };
@@ -152,8 +151,8 @@ static void add_obstacle(json_t **not_taken, int set, const char *name, const ch
 }
 
 /* List the reasons for missing maps, as the comparison gives them. */
-static void tell_missing(const struct maps *maps, const struct neph_compared *compared, int set,
-                         json_t **not_taken)
+static void add_missing_maps(const struct maps *maps, const struct neph_compared *compared, int set,
+                             json_t **not_taken)
 {
     for (int i = 0; i < maps->count; i++)
         for (int n = 0; n < compared->not_taken_count; n++) {
@@ -167,12 +166,13 @@ static void tell_missing(const struct maps *maps, const struct neph_compared *co
 static enum neph_status compare(struct maps *maps, int set, bool is_picture, double frame_rate_hz,
                                 json_t **not_taken, struct neph_diag *diag)
 {
-    const struct neph_comparison comparison = comparison_of(maps, set, is_picture, frame_rate_hz);
+    const struct neph_comparison comparison = make_set_comparison(maps, set, is_picture,
+                                                                  frame_rate_hz);
     struct neph_compared compared = {.asked = NULL};
     maps->set = set;
     const enum neph_status status = neph_comparison_run(&comparison, false, &compared, diag);
     if (!status)
-        tell_missing(maps, &compared, set, not_taken);
+        add_missing_maps(maps, &compared, set, not_taken);
     neph_compared_finish(&compared);
     return status;
 }

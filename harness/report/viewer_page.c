@@ -30,7 +30,7 @@ static const struct neph_page_parts parts = {
 /* ---- common properties of the frames --------------------------------------------------------- */
 
 /* The state of a page while it is written. */
-struct shop {
+struct page_state {
     const struct neph_viewer *view;
     const char *folder;
     struct neph_viewer_made made;
@@ -74,13 +74,14 @@ static enum neph_status check_counts(const struct neph_viewer *view, int *frame_
     return NEPH_OK;
 }
 
-static void take_first(struct shop *shop, const char *path, const struct neph_image *image)
+static void take_first(struct page_state *page_state, const char *path,
+                       const struct neph_image *image)
 {
-    shop->first_path = path;
-    shop->made.width_px = image->width_px;
-    shop->made.height_px = image->height_px;
-    shop->is_picture = neph_image_attribute(image, "encoding") != NULL;
-    shop->frame_rate_hz = shop->view->viewing.frame_rate_hz;
+    page_state->first_path = path;
+    page_state->made.width_px = image->width_px;
+    page_state->made.height_px = image->height_px;
+    page_state->is_picture = neph_image_attribute(image, "encoding") != NULL;
+    page_state->frame_rate_hz = page_state->view->viewing.frame_rate_hz;
 }
 
 static enum neph_status check_radiance(const char *path, const struct neph_image *image,
@@ -100,35 +101,37 @@ static enum neph_status check_radiance(const char *path, const struct neph_image
 }
 
 /* Take the frame rate of the first frame that states one, unless the user set another. */
-static void take_frame_rate(struct shop *shop, const struct neph_image *image)
+static void take_frame_rate(struct page_state *page_state, const struct neph_image *image)
 {
     const double rate_hz = neph_frame_rate_hz(image);
-    if (shop->view->own_frame_rate && !shop->has_frame_rate && !isnan(rate_hz)) {
-        shop->frame_rate_hz = rate_hz;
-        shop->has_frame_rate = true;
+    if (page_state->view->own_frame_rate && !page_state->has_frame_rate && !isnan(rate_hz)) {
+        page_state->frame_rate_hz = rate_hz;
+        page_state->has_frame_rate = true;
     }
 }
 
 /* Check that a frame has the size and the kind of the first frame. */
-static enum neph_status check_frame(struct shop *shop, const char *path,
+static enum neph_status check_frame(struct page_state *page_state, const char *path,
                                     const struct neph_image *image, struct neph_diag *diag)
 {
-    if (!shop->first_path)
-        take_first(shop, path, image);
-    take_frame_rate(shop, image);
+    if (!page_state->first_path)
+        take_first(page_state, path, image);
+    take_frame_rate(page_state, image);
     const bool is_picture = neph_image_attribute(image, "encoding") != NULL;
-    if (image->width_px != shop->made.width_px || image->height_px != shop->made.height_px)
+    if (image->width_px != page_state->made.width_px ||
+        image->height_px != page_state->made.height_px)
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "'%s' has %dx%d pixels, '%s' %dx%d: frames of a page are laid over each "
                          "other",
-                         path, image->width_px, image->height_px, shop->first_path,
-                         shop->made.width_px, shop->made.height_px);
-    if (is_picture != shop->is_picture)
+                         path, image->width_px, image->height_px, page_state->first_path,
+                         page_state->made.width_px, page_state->made.height_px);
+    if (is_picture != page_state->is_picture)
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "'%s' is a display image, '%s' is linear data: they have no common scale",
-                         is_picture ? path : shop->first_path,
-                         is_picture ? shop->first_path : path);
-    const enum neph_status status = neph_frame_form_check(&shop->form, path, image, false, diag);
+                         is_picture ? path : page_state->first_path,
+                         is_picture ? page_state->first_path : path);
+    const enum neph_status status = neph_frame_form_check(&page_state->form, path, image, false,
+                                                          diag);
     return status ? status : check_radiance(path, image, diag);
 }
 
@@ -138,35 +141,37 @@ static const char take_less[] = "take fewer frames (a pattern, --warm-up), --qua
 
 /* ---- floats ---------------------------------------------------------------------------------- */
 
-static enum neph_status write_text(struct shop *shop, const char *key, const char *text,
+static enum neph_status write_text(struct page_state *page_state, const char *key, const char *text,
                                    struct neph_diag *diag)
 {
     char *script = neph_format("NEPH_VIEW_PLANES(\"%s\", \"%s\");\n", key, text);
     const size_t length = script ? strlen(script) : 0;
     enum neph_status status = script ? NEPH_OK : neph_fail_memory(diag);
-    shop->made.bytes += length;
-    if (!status && (double)shop->made.bytes > shop->view->limit_bytes) {
+    page_state->made.bytes += length;
+    if (!status && (double)page_state->made.bytes > page_state->view->limit_bytes) {
         status = neph_fail(diag, NEPH_ERR_INPUT, "the page would be larger than %.3g MB",
-                           shop->view->limit_bytes / 1e6);
+                           page_state->view->limit_bytes / 1e6);
         neph_hint(diag, "take fewer frames (a pattern, --warm-up), only --quantity radiance, "
                         "--overlay none, or a higher --page-limit");
     }
     if (!status)
         status = neph_file_write_unsynced(
-            neph_path_format("%s/frames/%s.js", shop->folder, key).text, script, length, diag);
+            neph_path_format("%s/frames/%s.js", page_state->folder, key).text, script, length,
+            diag);
     free(script);
     return status;
 }
 
 /* Write a script that passes planes to the page under a key. */
-static enum neph_status ship_planes(struct shop *shop, const char *key, const float *const *planes,
-                                    int plane_count, size_t count, struct neph_diag *diag)
+static enum neph_status ship_planes(struct page_state *page_state, const char *key,
+                                    const float *const *planes, int plane_count, size_t count,
+                                    struct neph_diag *diag)
 {
     char *text = NULL;
     size_t length = 0;
     enum neph_status status = neph_packed_floats(planes, plane_count, count, &text, &length, diag);
     if (!status)
-        status = write_text(shop, key, text, diag);
+        status = write_text(page_state, key, text, diag);
     free(text);
     return status;
 }
@@ -175,23 +180,24 @@ static enum neph_status ship_planes(struct shop *shop, const char *key, const fl
 static enum neph_status ship(void *shop_, const char *key, const float *const *planes,
                              int plane_count, struct neph_diag *diag)
 {
-    struct shop *shop = shop_;
-    return ship_planes(shop, key, planes, plane_count,
-                       (size_t)shop->made.width_px * (size_t)shop->made.height_px, diag);
+    struct page_state *page_state = shop_;
+    return ship_planes(page_state, key, planes, plane_count,
+                       (size_t)page_state->made.width_px * (size_t)page_state->made.height_px,
+                       diag);
 }
 
 /* Write the requested quantities of a frame. `found` is the set of quantities in the first frame of
  * its set; later frames must have them as well. */
-static enum neph_status ship_frame(struct shop *shop, int set, int frame, const char *path,
-                                   const struct neph_image *image, unsigned *found,
-                                   struct neph_diag *diag)
+static enum neph_status ship_frame(struct page_state *page_state, int set, int frame,
+                                   const char *path, const struct neph_image *image,
+                                   unsigned *found, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int q = 0; q < neph_quantity_count() && !status; q++) {
         const struct neph_quantity *quantity = neph_quantity_at(q);
         const float *planes[3];
         char key[64];
-        const unsigned wanted = shop->view->quantities;
+        const unsigned wanted = page_state->view->quantities;
         const bool has = (wanted == 0 || (wanted & (unsigned)quantity->bit)) &&
                          neph_quantity_planes(quantity, image, planes);
         if (frame == 0 && has)
@@ -203,22 +209,22 @@ static enum neph_status ship_frame(struct shop *shop, int set, int frame, const 
                              "'%s' has no %s, and the first frame of its sequence has", path,
                              quantity->name);
         snprintf(key, sizeof(key), "%d_%d_%s", set, frame, quantity->name);
-        status = ship(shop, key, planes, quantity->plane_count, diag);
+        status = ship(page_state, key, planes, quantity->plane_count, diag);
     }
     return status;
 }
 
-static enum neph_status ship_file(struct shop *shop, int set, int frame, const char *path,
-                                  unsigned *found, struct neph_diag *diag)
+static enum neph_status ship_file(struct page_state *page_state, int set, int frame,
+                                  const char *path, unsigned *found, struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
     enum neph_status status =
         neph_interrupted() ? neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted")
-                           : neph_frame_read(path, shop->view->layer, SIZE_MAX, &image, diag);
+                           : neph_frame_read(path, page_state->view->layer, SIZE_MAX, &image, diag);
     if (!status)
-        status = check_frame(shop, path, image, diag);
+        status = check_frame(page_state, path, image, diag);
     if (!status)
-        status = ship_frame(shop, set, frame, path, image, found, diag);
+        status = ship_frame(page_state, set, frame, path, image, found, diag);
     neph_image_destroy(image);
     return status;
 }
@@ -226,23 +232,25 @@ static enum neph_status ship_file(struct shop *shop, int set, int frame, const c
 /* Refuse a page that will exceed its limit after its first frames. The frames of a sequence have
  * similar sizes, so the estimate multiplies the last frame's size by the number of frames left; 0.8
  * allows for their noise. */
-static enum neph_status check_ahead(struct shop *shop, struct neph_diag *diag)
+static enum neph_status check_ahead(struct page_state *page_state, struct neph_diag *diag)
 {
     static const double sure = 0.8;
-    const double ahead = sure * (double)shop->frame_bytes * shop->ahead_count;
-    if ((double)shop->made.bytes + ahead <= shop->view->limit_bytes)
+    const double ahead = sure * (double)page_state->frame_bytes * page_state->ahead_count;
+    if ((double)page_state->made.bytes + ahead <= page_state->view->limit_bytes)
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_INPUT,
               "the page would be larger than %.3g MB: about %.3g MB, by its first frames",
-              shop->view->limit_bytes / 1e6,
-              ((double)shop->made.bytes + (double)shop->frame_bytes * shop->ahead_count) / 1e6);
+              page_state->view->limit_bytes / 1e6,
+              ((double)page_state->made.bytes +
+               (double)page_state->frame_bytes * page_state->ahead_count) /
+                  1e6);
     neph_hint(diag, "%s", take_less);
     return NEPH_ERR_INPUT;
 }
 
-static int frames_of(const struct shop *shop, int set)
+static int count_set_frames(const struct page_state *page_state, int set)
 {
-    return shop->view->sets[set].frames.count > 1 ? shop->made.frame_count : 1;
+    return page_state->view->sets[set].frames.count > 1 ? page_state->made.frame_count : 1;
 }
 
 /* ---- sets ------------------------------------------------------------------------------------ */
@@ -265,28 +273,28 @@ static json_t *set_json(const struct neph_viewer_set *set, int first, int count,
                      "quantities", quantities_json(found));
 }
 
-static enum neph_status ship_sets(struct shop *shop, struct neph_diag *diag)
+static enum neph_status ship_sets(struct page_state *page_state, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    shop->sets = json_array();
-    for (int s = 0; s < shop->view->set_count && !status; s++) {
-        const struct neph_viewer_set *set = &shop->view->sets[s];
-        const int count = frames_of(shop, s);
-        const int first = count > 1 ? shop->view->warm_up_frames : 0;
+    page_state->sets = json_array();
+    for (int s = 0; s < page_state->view->set_count && !status; s++) {
+        const struct neph_viewer_set *set = &page_state->view->sets[s];
+        const int count = count_set_frames(page_state, s);
+        const int first = count > 1 ? page_state->view->warm_up_frames : 0;
         unsigned found = 0;
         for (int i = 0; i < count && !status; i++) {
             const char *path = set->frames.paths[first + i];
-            const size_t before = shop->made.bytes;
-            neph_progress_begin(&shop->progress, path);
-            status = ship_file(shop, s, i, path, &found, diag);
-            neph_progress_tick(&shop->progress, path);
-            shop->frame_bytes = shop->made.bytes - before;
-            shop->ahead_count--;
+            const size_t before = page_state->made.bytes;
+            neph_progress_begin(&page_state->progress, path);
+            status = ship_file(page_state, s, i, path, &found, diag);
+            neph_progress_tick(&page_state->progress, path);
+            page_state->frame_bytes = page_state->made.bytes - before;
+            page_state->ahead_count--;
             if (!status)
-                status = check_ahead(shop, diag);
+                status = check_ahead(page_state, diag);
         }
         if (!status)
-            neph_json_add(&shop->sets, set_json(set, first, count, found));
+            neph_json_add(&page_state->sets, set_json(set, first, count, found));
     }
     return status;
 }
@@ -309,7 +317,8 @@ static json_t *colours_json(const struct neph_display_legend *legend)
                      colour_json(legend->not_a_number));
 }
 
-static double scale_of(const struct neph_viewer *view, const struct neph_quantity *quantity)
+static double choose_difference_scale(const struct neph_viewer *view,
+                                      const struct neph_quantity *quantity)
 {
     if (quantity->bit == NEPH_TRANSMITTANCE)
         return share_scale;
@@ -324,9 +333,10 @@ static json_t *quantity_list_json(const struct neph_viewer *view)
     json_t *list = json_array();
     for (int q = 0; q < neph_quantity_count(); q++) {
         const struct neph_quantity *quantity = neph_quantity_at(q);
-        neph_json_add(&list, json_pack("{s:s, s:s, s:i, s:f}", "name", quantity->name, "unit",
-                                       quantity->unit, "planes", quantity->plane_count,
-                                       "difference_scale", scale_of(view, quantity)));
+        neph_json_add(&list,
+                      json_pack("{s:s, s:s, s:i, s:f}", "name", quantity->name, "unit",
+                                quantity->unit, "planes", quantity->plane_count, "difference_scale",
+                                choose_difference_scale(view, quantity)));
     }
     return list;
 }
@@ -360,29 +370,29 @@ static enum neph_status bake_cube(const struct neph_viewer *view, struct neph_di
 }
 
 /* Write the baked view; null when there is none. */
-static enum neph_status ship_cube(struct shop *shop, const struct neph_display_cube *cube,
-                                  struct neph_diag *diag)
+static enum neph_status ship_cube(struct page_state *page_state,
+                                  const struct neph_display_cube *cube, struct neph_diag *diag)
 {
-    shop->cube = json_null();
+    page_state->cube = json_null();
     if (!cube->nodes[0])
         return NEPH_OK;
-    if (shop->is_picture)
+    if (page_state->is_picture)
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "these are display images: --ocio shows linear data");
     const size_t node_count = (size_t)NEPH_DISPLAY_CUBE_SIDE * NEPH_DISPLAY_CUBE_SIDE *
                               NEPH_DISPLAY_CUBE_SIDE;
-    const enum neph_status status = ship_planes(shop, "cube", (const float *const *)cube->nodes, 3,
-                                                node_count, diag);
-    shop->cube = json_pack("{s:o, s:i, s:f, s:f, s:f, s:f, s:i}", "name",
-                           neph_json_cleaned(cube->name), "side", NEPH_DISPLAY_CUBE_SIDE, "knee",
-                           cube->knee, "top", cube->top, "error_mean", cube->error_mean,
-                           "error_max", cube->error_max, "not_numbers", cube->not_numbers);
+    const enum neph_status status = ship_planes(
+        page_state, "cube", (const float *const *)cube->nodes, 3, node_count, diag);
+    page_state->cube = json_pack(
+        "{s:o, s:i, s:f, s:f, s:f, s:f, s:i}", "name", neph_json_cleaned(cube->name), "side",
+        NEPH_DISPLAY_CUBE_SIDE, "knee", cube->knee, "top", cube->top, "error_mean",
+        cube->error_mean, "error_max", cube->error_max, "not_numbers", cube->not_numbers);
     return status;
 }
 
-static json_t *document_json(const struct shop *shop)
+static json_t *document_json(const struct page_state *page_state)
 {
-    const struct neph_viewer *view = shop->view;
+    const struct neph_viewer *view = page_state->view;
     const struct neph_sequence *numbered = NULL;
     char now[32];
     neph_utc_now(now);
@@ -392,50 +402,50 @@ static json_t *document_json(const struct shop *shop)
     json_t *document = json_pack(
         "{s:s, s:s, s:s, s:s, s:[i, i], s:i, s:f, s:f, s:b, s:o, s:O, s:O, s:O, s:O, s:o, s:o}",
         "format", "neph-view-1", "title", view->title, "created_utc", now, "neph_version",
-        NEPH_VERSION, "size_px", shop->made.width_px, shop->made.height_px, "frames",
-        shop->made.frame_count, "rate_hz", shop->frame_rate_hz, "exposure_ev",
-        view->viewing.exposure_ev, "is_picture", shop->is_picture, "quantities",
-        quantity_list_json(view), "sets", shop->sets, "overlays", shop->overlays, "not_taken",
-        shop->not_taken, "display_codes", shop->codes, "differences",
+        NEPH_VERSION, "size_px", page_state->made.width_px, page_state->made.height_px, "frames",
+        page_state->made.frame_count, "rate_hz", page_state->frame_rate_hz, "exposure_ev",
+        view->viewing.exposure_ev, "is_picture", page_state->is_picture, "quantities",
+        quantity_list_json(view), "sets", page_state->sets, "overlays", page_state->overlays,
+        "not_taken", page_state->not_taken, "display_codes", page_state->codes, "differences",
         colours_json(neph_display_difference_legend()), "amounts",
         colours_json(neph_display_amount_legend()));
     neph_json_set(&document, "first_number",
                   numbered ? json_integer(numbered->numbers[0] + view->warm_up_frames)
                            : json_integer(view->warm_up_frames));
-    neph_json_set(&document, "bytes", json_integer((json_int_t)shop->made.bytes));
-    neph_json_set(&document, "cube", json_incref(shop->cube));
+    neph_json_set(&document, "bytes", json_integer((json_int_t)page_state->made.bytes));
+    neph_json_set(&document, "cube", json_incref(page_state->cube));
     return document;
 }
 
 enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *folder,
                                    struct neph_viewer_made *made, struct neph_diag *diag)
 {
-    struct shop shop = {
+    struct page_state page_state = {
         .view = view, .folder = folder, .overlays = json_array(), .not_taken = json_array()};
     struct neph_display_cube baked = {.nodes = {NULL}};
-    enum neph_status status = check_counts(view, &shop.made.frame_count, diag);
+    enum neph_status status = check_counts(view, &page_state.made.frame_count, diag);
     if (!status)
         status = neph_viewer_check_overlays(view, diag);
     if (!status)
         status = bake_cube(view, &baked, diag);
     int total = 0;
     for (int s = 0; s < view->set_count; s++)
-        total += frames_of(&shop, s);
-    shop.ahead_count = total;
-    shop.progress = neph_progress_start(view->quiet || total < 4, total);
+        total += count_set_frames(&page_state, s);
+    page_state.ahead_count = total;
+    page_state.progress = neph_progress_start(view->quiet || total < 4, total);
     if (!status)
         status = neph_page_start(folder, &parts, NULL, diag);
     if (!status)
-        status = ship_sets(&shop, diag);
-    neph_progress_end(&shop.progress);
+        status = ship_sets(&page_state, diag);
+    neph_progress_end(&page_state.progress);
     if (!status)
-        status = neph_viewer_maps(view, shop.is_picture, shop.frame_rate_hz, ship, &shop,
-                                  &shop.overlays, &shop.not_taken, diag);
+        status = neph_viewer_maps(view, page_state.is_picture, page_state.frame_rate_hz, ship,
+                                  &page_state, &page_state.overlays, &page_state.not_taken, diag);
     if (!status)
-        status = bake_display(&shop.codes, diag);
+        status = bake_display(&page_state.codes, diag);
     if (!status)
-        status = ship_cube(&shop, &baked, diag);
-    json_t *document = status ? NULL : document_json(&shop);
+        status = ship_cube(&page_state, &baked, diag);
+    json_t *document = status ? NULL : document_json(&page_state);
     if (!status)
         status = neph_json_check(document, diag);
     if (!status)
@@ -443,13 +453,14 @@ enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *f
     if (!status)
         status = neph_file_system_sync(folder, diag);
     if (!status)
-        *made = shop.made;
+        *made = page_state.made;
     json_decref(document);
-    json_t *const parts_made[] = {shop.sets, shop.overlays, shop.not_taken, shop.codes, shop.cube};
+    json_t *const parts_made[] = {page_state.sets, page_state.overlays, page_state.not_taken,
+                                  page_state.codes, page_state.cube};
     for (size_t i = 0; i < sizeof(parts_made) / sizeof(parts_made[0]); i++)
         json_decref(parts_made[i]);
     neph_display_cube_finish(&baked);
-    neph_frame_form_finish(&shop.form);
+    neph_frame_form_finish(&page_state.form);
     return status;
 }
 

@@ -13,9 +13,9 @@
 
 enum { SEEDS = NEPH_NOISE_SEEDS, REFERENCE_SEED = 1001 };
 
-/* The 97.5 % quantile of Student's distribution, NEPH_BENCHMARK_RUNGS - 1 degrees of freedom. */
+/* The 97.5 % quantile of Student's distribution, NEPH_BENCHMARK_LEVELS - 1 degrees of freedom. */
 static const double student_95 = 3.182;
-_Static_assert(NEPH_BENCHMARK_RUNGS == 4, "student_95");
+_Static_assert(NEPH_BENCHMARK_LEVELS == 4, "student_95");
 
 bool neph_benchmark_applies(const struct neph_engine *engine, char *reason, size_t reason_size)
 {
@@ -47,51 +47,54 @@ static enum neph_status render_reference(struct neph_benchmark *benchmark, int s
         return status;
     const struct neph_noisy_frame *r = &reference->frames[0], *s = &reference->frames[1];
     reference->square = neph_noisy_cross(r, NULL, s, NULL);
-    reference->mean = 0.5 * (neph_noisy_mean(r) + neph_noisy_mean(s));
+    reference->mean = 0.5 * (neph_noisy_compute_mean(r) + neph_noisy_compute_mean(s));
     if (!(reference->square > 0.0))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "the scene is black: there is no noise");
     benchmark->reference_samples = samples;
-    benchmark->reference_noise = sqrt(0.5 * neph_noisy_noise2(reference->frames) /
+    benchmark->reference_noise = sqrt(0.5 * neph_noisy_compute_noise2(reference->frames) /
                                       reference->square);
     return NEPH_OK;
 }
 
 /* --- the sample levels -------------------------------------------------------------------- */
 
-struct climb {
-    struct neph_rungs ladder;
+struct level_series {
+    struct neph_sample_levels ladder;
     double start_s;
-    double least_s[NEPH_BENCHMARK_RUNGS];       /* of a whole render */
-    double means[NEPH_BENCHMARK_RUNGS * SEEDS]; /* relative to the reference's mean */
+    double least_s[NEPH_BENCHMARK_LEVELS];       /* of a whole render */
+    double means[NEPH_BENCHMARK_LEVELS * SEEDS]; /* relative to the reference's mean */
 };
 
-static enum neph_status climb_rung(const struct neph_job *job, int rung,
-                                   const struct reference *reference, struct climb *climb,
-                                   struct neph_rmse_rung *result, struct neph_diag *diag)
+static enum neph_status measure_level(const struct neph_job *job, int rung,
+                                      const struct reference *reference,
+                                      struct level_series *level_series,
+                                      struct neph_rmse_level *result, struct neph_diag *diag)
 {
     struct neph_noisy_frame frames[SEEDS] = {{.image = NULL}};
     enum neph_status status = NEPH_OK;
-    *result = (struct neph_rmse_rung){.samples = climb->ladder.samples[rung]};
-    climb->least_s[rung] = INFINITY;
+    *result = (struct neph_rmse_level){.samples = level_series->ladder.samples[rung]};
+    level_series->least_s[rung] = INFINITY;
     for (int s = 0; s < SEEDS && !status; s++) {
         status = neph_noisy_render(job, result->samples, (uint64_t)(2 + rung * SEEDS + s),
                                    &frames[s], diag);
         if (status)
             break;
-        result->render_s += frames[s].render_s / SEEDS; /* minus the start time: leave_start_out()
+        result->render_s += frames[s].render_s /
+                            SEEDS; /* minus the start time: subtract_start_time()
                                                            */
-        climb->least_s[rung] = fmin(climb->least_s[rung], frames[s].render_s);
+        level_series->least_s[rung] = fmin(level_series->least_s[rung], frames[s].render_s);
         result->error2 += neph_noisy_cross(&frames[s], &reference->frames[0], &frames[s],
                                            &reference->frames[1]) /
                           (reference->square * SEEDS);
-        climb->means[rung * SEEDS + s] = neph_noisy_mean(&frames[s]) / reference->mean - 1.0;
+        level_series->means[rung * SEEDS + s] =
+            neph_noisy_compute_mean(&frames[s]) / reference->mean - 1.0;
     }
     if (!status) {
-        result->noise2 = neph_noisy_noise2(frames) / reference->square;
+        result->noise2 = neph_noisy_compute_noise2(frames) / reference->square;
         result->bias2 = neph_noisy_cross(&frames[0], &reference->frames[0], &frames[1],
                                          &reference->frames[1]) /
                         reference->square;
-        neph_rungs_learn(job, rung, result->noise2, &climb->ladder);
+        neph_sample_levels_refine(job, rung, result->noise2, &level_series->ladder);
     }
     for (int s = 0; s < SEEDS; s++)
         neph_noisy_finish(&frames[s]);
@@ -101,7 +104,8 @@ static enum neph_status climb_rung(const struct neph_job *job, int rung,
 /* --- the result --------------------------------------------------------------------------- */
 
 /* The mean with the interval of Student's t distribution. */
-static struct neph_benchmark_value mean_of(const double *values, int count, double student)
+static struct neph_benchmark_value compute_mean_with_interval(const double *values, int count,
+                                                              double student)
 {
     double mean = 0.0, square = 0.0;
     for (int i = 0; i < count; i++)
@@ -112,91 +116,97 @@ static struct neph_benchmark_value mean_of(const double *values, int count, doub
     return (struct neph_benchmark_value){mean, mean - half, mean + half};
 }
 
-static struct neph_benchmark_value exp_of(struct neph_benchmark_value v)
+static struct neph_benchmark_value exponentiate_value(struct neph_benchmark_value v)
 {
     return (struct neph_benchmark_value){exp(v.value), exp(v.low), exp(v.high)};
 }
 
-static double log_cost(const struct neph_rmse_rung *rung)
+static double log_cost(const struct neph_rmse_level *rung)
 {
     return log(fmax(rung->noise2 * rung->render_s, 1e-300));
 }
 
 /* Subtracts the start time from the render times. The planned start time may have been measured on
  * a busy machine, so the smaller of it and the levels' own estimate is taken. */
-static void leave_start_out(struct climb *climb, struct neph_rmse_rung *rungs)
+static void subtract_start_time(struct level_series *level_series, struct neph_rmse_level *rungs)
 {
-    int samples[NEPH_BENCHMARK_RUNGS];
-    double mean_s[NEPH_BENCHMARK_RUNGS];
-    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
+    int samples[NEPH_BENCHMARK_LEVELS];
+    double mean_s[NEPH_BENCHMARK_LEVELS];
+    for (int k = 0; k < NEPH_BENCHMARK_LEVELS; k++) {
         samples[k] = rungs[k].samples;
         mean_s[k] = rungs[k].render_s;
     }
-    climb->start_s = fmin(climb->start_s,
-                          neph_rungs_start(samples, mean_s, climb->least_s, NEPH_BENCHMARK_RUNGS));
-    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
-        rungs[k].render_s -= climb->start_s;
+    level_series->start_s = fmin(
+        level_series->start_s, neph_sample_levels_start_time(samples, mean_s, level_series->least_s,
+                                                             NEPH_BENCHMARK_LEVELS));
+    for (int k = 0; k < NEPH_BENCHMARK_LEVELS; k++)
+        rungs[k].render_s -= level_series->start_s;
 }
 
 /* Engines are compared level by level: both renders of a level ran next to each other, so other
  * load on the machine slowed both. */
-static void conclude(struct neph_benchmark *benchmark, struct climb *climbs)
+static void compute_results(struct neph_benchmark *benchmark,
+                            struct level_series *level_series_list)
 {
     const double student_95_of_seeds = 2.365; /* 2 * 4 - 1 degrees of freedom */
     for (int e = 0; e < benchmark->engine_count; e++)
-        leave_start_out(&climbs[e], benchmark->engines[e].rungs);
+        subtract_start_time(&level_series_list[e], benchmark->engines[e].rungs);
     for (int e = 0; e < benchmark->engine_count; e++) {
         struct neph_benchmark_engine *engine = &benchmark->engines[e];
-        double costs[NEPH_BENCHMARK_RUNGS], times[NEPH_BENCHMARK_RUNGS];
-        for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
+        double costs[NEPH_BENCHMARK_LEVELS], times[NEPH_BENCHMARK_LEVELS];
+        for (int k = 0; k < NEPH_BENCHMARK_LEVELS; k++) {
             costs[k] = log_cost(&engine->rungs[k]);
             times[k] = costs[k] - log_cost(&benchmark->engines[0].rungs[k]);
         }
-        engine->start_s = climbs[e].start_s;
-        engine->cost_s = exp_of(mean_of(costs, NEPH_BENCHMARK_RUNGS, student_95));
-        engine->times = exp_of(mean_of(times, NEPH_BENCHMARK_RUNGS, student_95));
-        engine->bias = mean_of(climbs[e].means, NEPH_BENCHMARK_RUNGS * SEEDS, student_95_of_seeds);
-        engine->law = neph_rmse_law_of(engine->rungs, NEPH_BENCHMARK_RUNGS);
+        engine->start_s = level_series_list[e].start_s;
+        engine->cost_s = exponentiate_value(
+            compute_mean_with_interval(costs, NEPH_BENCHMARK_LEVELS, student_95));
+        engine->times = exponentiate_value(
+            compute_mean_with_interval(times, NEPH_BENCHMARK_LEVELS, student_95));
+        engine->bias = compute_mean_with_interval(
+            level_series_list[e].means, NEPH_BENCHMARK_LEVELS * SEEDS, student_95_of_seeds);
+        engine->law = neph_rmse_law_fit(engine->rungs, NEPH_BENCHMARK_LEVELS);
         for (int i = 0; i < NEPH_BENCHMARK_RMSES; i++)
-            engine->rmse_times[i] = neph_rmse_time_to(engine->rungs, NEPH_BENCHMARK_RUNGS,
+            engine->rmse_times[i] = neph_rmse_time_to(engine->rungs, NEPH_BENCHMARK_LEVELS,
                                                       benchmark->rmses[i]);
     }
 }
 
 /* Groups of progress steps with similar durations: 0 is the reference, then one for each engine and
  * level. */
-static int kind_of(int engine, int rung)
+static int progress_kind_for_level(int engine, int rung)
 {
-    return 1 + engine * NEPH_BENCHMARK_RUNGS + rung;
+    return 1 + engine * NEPH_BENCHMARK_LEVELS + rung;
 }
 
 /* Updates the expected durations from the samples of each level and the last known time per sample.
  */
-static void expect_rungs(int engine, int from, const struct neph_rungs *ladder,
-                         struct neph_progress *progress)
+static void expect_level_times(int engine, int from, const struct neph_sample_levels *ladder,
+                               struct neph_progress *progress)
 {
-    for (int k = from; k < NEPH_BENCHMARK_RUNGS; k++)
-        progress->kinds[kind_of(engine, k)].guess_s =
+    for (int k = from; k < NEPH_BENCHMARK_LEVELS; k++)
+        progress->kinds[progress_kind_for_level(engine, k)].guess_s =
             SEEDS * (ladder->start_s + ladder->samples[k] * ladder->per_sample_s);
 }
 
-static enum neph_status climb_all(struct neph_benchmark *benchmark,
-                                  const struct reference *reference, struct climb *climbs,
-                                  struct neph_progress *progress, struct neph_diag *diag)
+static enum neph_status measure_all_levels(struct neph_benchmark *benchmark,
+                                           const struct reference *reference,
+                                           struct level_series *level_series_list,
+                                           struct neph_progress *progress, struct neph_diag *diag)
 {
-    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
+    for (int k = 0; k < NEPH_BENCHMARK_LEVELS; k++)
         for (int e = 0; e < benchmark->engine_count; e++) {
             struct neph_benchmark_engine *engine = &benchmark->engines[e];
             char what[128];
             snprintf(what, sizeof(what), "%s, %d samples", engine->job.engine->name,
-                     climbs[e].ladder.samples[k]);
-            progress->kind = kind_of(e, k);
+                     level_series_list[e].ladder.samples[k]);
+            progress->kind = progress_kind_for_level(e, k);
             neph_progress_begin(progress, what);
-            const enum neph_status status = climb_rung(&engine->job, k, reference, &climbs[e],
-                                                       &engine->rungs[k], diag);
+            const enum neph_status status = measure_level(
+                &engine->job, k, reference, &level_series_list[e], &engine->rungs[k], diag);
             if (status)
                 return status;
-            expect_rungs(e, k + 1, &climbs[e].ladder, progress);
+            expect_level_times(e, k + 1, &level_series_list[e].ladder, progress);
             neph_progress_step(progress, what, "rendered", SEEDS * engine->rungs[k].render_s);
         }
     return NEPH_OK;
@@ -204,19 +214,22 @@ static enum neph_status climb_all(struct neph_benchmark *benchmark,
 
 /* The reference has four times the samples of the tracer's last level, so its noise is small beside
  * the noise of every level. The product estimators remove the rest of it. */
-static enum neph_status prepare(struct neph_benchmark *benchmark, struct climb *climbs,
-                                struct reference *reference, struct neph_progress *progress,
-                                struct neph_diag *diag)
+static enum neph_status prepare_benchmark(struct neph_benchmark *benchmark,
+                                          struct level_series *level_series_list,
+                                          struct reference *reference,
+                                          struct neph_progress *progress, struct neph_diag *diag)
 {
-    const struct neph_rungs_aim aim = benchmark->aim;
-    const struct neph_rungs_aim of_reference = {4.0 * aim.rung_s, 0.5 * aim.error};
-    struct neph_rungs ladder;
-    enum neph_status status = neph_rungs_plan(&benchmark->reference, of_reference, &ladder, diag);
-    const int samples = ladder.samples[NEPH_BENCHMARK_RUNGS - 1];
+    const struct neph_sample_levels_target aim = benchmark->aim;
+    const struct neph_sample_levels_target of_reference = {4.0 * aim.rung_s, 0.5 * aim.error};
+    struct neph_sample_levels ladder;
+    enum neph_status status = neph_sample_levels_plan(&benchmark->reference, of_reference, &ladder,
+                                                      diag);
+    const int samples = ladder.samples[NEPH_BENCHMARK_LEVELS - 1];
     for (int e = 0; e < benchmark->engine_count && !status; e++) {
-        status = neph_rungs_plan(&benchmark->engines[e].job, aim, &climbs[e].ladder, diag);
-        climbs[e].start_s = climbs[e].ladder.start_s;
-        expect_rungs(e, 0, &climbs[e].ladder, progress);
+        status = neph_sample_levels_plan(&benchmark->engines[e].job, aim,
+                                         &level_series_list[e].ladder, diag);
+        level_series_list[e].start_s = level_series_list[e].ladder.start_s;
+        expect_level_times(e, 0, &level_series_list[e].ladder, progress);
     }
     return status ? status : render_reference(benchmark, samples, reference, diag);
 }
@@ -224,26 +237,27 @@ static enum neph_status prepare(struct neph_benchmark *benchmark, struct climb *
 enum neph_status neph_benchmark_run(struct neph_benchmark *benchmark, bool quiet,
                                     struct neph_diag *diag)
 {
-    struct climb climbs[NEPH_BENCHMARK_ENGINES_MAX];
+    struct level_series level_series_list[NEPH_BENCHMARK_ENGINES_MAX];
     struct reference reference = {.square = 0.0};
     struct neph_progress progress = neph_progress_start(quiet, 1);
     for (int e = 0; e < benchmark->engine_count; e++)
-        for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
-            neph_progress_expect(&progress, kind_of(e, k), 1, 0.0);
+        for (int k = 0; k < NEPH_BENCHMARK_LEVELS; k++)
+            neph_progress_expect(&progress, progress_kind_for_level(e, k), 1, 0.0);
     benchmark->rmses[1] = benchmark->aim.error > 0.0 ? benchmark->aim.error : 0.01;
     benchmark->rmses[0] = 3.0 * benchmark->rmses[1];
     neph_progress_begin(&progress, "reference");
-    enum neph_status status = prepare(benchmark, climbs, &reference, &progress, diag);
+    enum neph_status status = prepare_benchmark(benchmark, level_series_list, &reference, &progress,
+                                                diag);
     if (!status) {
         neph_progress_step(&progress, "reference", "rendered",
                            SEEDS * reference.frames[0].render_s);
-        status = climb_all(benchmark, &reference, climbs, &progress, diag);
+        status = measure_all_levels(benchmark, &reference, level_series_list, &progress, diag);
     }
     neph_progress_end(&progress);
     for (int s = 0; s < SEEDS; s++)
         neph_noisy_finish(&reference.frames[s]);
     if (!status)
-        conclude(benchmark, climbs);
+        compute_results(benchmark, level_series_list);
     return status;
 }
 
@@ -276,8 +290,8 @@ static json_t *rmse_times_json(const struct neph_benchmark_engine *engine)
 static json_t *engine_json(const struct neph_benchmark_engine *engine)
 {
     json_t *rungs = json_array();
-    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
-        const struct neph_rmse_rung *rung = &engine->rungs[k];
+    for (int k = 0; k < NEPH_BENCHMARK_LEVELS; k++) {
+        const struct neph_rmse_level *rung = &engine->rungs[k];
         neph_json_add(&rungs,
                       json_pack("{s:i, s:f, s:o, s:f, s:f, s:f}", "samples", rung->samples,
                                 "render_s", rung->render_s, "paths_per_s",

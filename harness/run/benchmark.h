@@ -4,7 +4,7 @@
  *
  * The squared noise of a Monte Carlo renderer falls as cost / time. The ratio of two engines' costs
  * is therefore the ratio of their render times at equal noise, at any noise level. All engines
- * render NEPH_RUNGS sample counts in one run on the same cores, in turns, each count with two seeds
+ * render NEPH_SAMPLE_LEVELS sample counts in one run on the same cores, in turns, each count with two seeds
  * a and b. With r and s, two independent reference frames of the tracer:
  *
  *   noise^2 = mean (a - b)^2 / 2
@@ -30,38 +30,40 @@
  *   one;
  * - by error: the last level has a slightly smaller error than a given one, and the first level
  *   slightly more than three times the given error. */
-enum { NEPH_RUNGS = 4 };
+enum { NEPH_SAMPLE_LEVELS = 4 };
 
 /* One of the two values is set, the other is 0. */
-struct neph_rungs_aim {
+struct neph_sample_levels_target {
     double rung_s; /* time of the last level */
     double error;  /* relative RMSE */
 };
 
-struct neph_rungs {
-    struct neph_rungs_aim aim;
-    int samples[NEPH_RUNGS]; /* by error: the levels ahead are estimates */
-    double start_s;          /* of a render, without the time of its samples */
+struct neph_sample_levels {
+    struct neph_sample_levels_target aim;
+    int samples[NEPH_SAMPLE_LEVELS]; /* by error: the levels ahead are estimates */
+    double start_s;                  /* of a render, without the time of its samples */
     double per_sample_s;
 };
 
 /* Chooses the sample counts. Renders with few samples to measure the job's start time, its time per
  * sample and, by error, its noise. */
-enum neph_status neph_rungs_plan(const struct neph_job *job, struct neph_rungs_aim aim,
-                                 struct neph_rungs *rungs, struct neph_diag *diag);
+enum neph_status neph_sample_levels_plan(const struct neph_job *job,
+                                         struct neph_sample_levels_target aim,
+                                         struct neph_sample_levels *rungs, struct neph_diag *diag);
 
 /* By error: corrects the sample counts of the levels after `rung` with the squared relative noise
  * that `rung` had. By time: does nothing. */
-void neph_rungs_learn(const struct neph_job *job, int rung, double noise2,
-                      struct neph_rungs *rungs);
+void neph_sample_levels_refine(const struct neph_job *job, int rung, double noise2,
+                               struct neph_sample_levels *rungs);
 
 /* The start time of a render: compiling kernels, reading grids. Computed from `count` ascending
  * sample counts with their mean and least render times: a render takes at least the start time plus
  * the time of its samples. */
-double neph_rungs_start(const int *samples, const double *mean_s, const double *least_s, int count);
+double neph_sample_levels_start_time(const int *samples, const double *mean_s,
+                                     const double *least_s, int count);
 
 enum {
-    NEPH_BENCHMARK_RUNGS = NEPH_RUNGS,
+    NEPH_BENCHMARK_LEVELS = NEPH_SAMPLE_LEVELS,
     NEPH_BENCHMARK_ENGINES_MAX = 4,
     NEPH_BENCHMARK_RMSES = 2
 };
@@ -75,7 +77,7 @@ struct neph_benchmark_engine {
     struct neph_job job; /* its engine, settings and shot */
     const char *preset;  /* the settings' origin (neph_settings_origin), from the caller */
     double start_s;      /* start time of a render; the start of Blender is not included */
-    struct neph_rmse_rung rungs[NEPH_BENCHMARK_RUNGS]; /* render_s: mean of the two seeds, without
+    struct neph_rmse_level rungs[NEPH_BENCHMARK_LEVELS]; /* render_s: mean of the two seeds, without
                                                           the start time */
     struct neph_benchmark_value cost_s; /* noise2 * render_s: the time to a relative noise of 1 */
     struct neph_benchmark_value times;  /* cost relative to the first engine's cost */
@@ -86,8 +88,8 @@ struct neph_benchmark_engine {
 };
 
 struct neph_benchmark {
-    struct neph_rungs_aim aim;          /* of each engine's sample counts; from the caller */
-    double rmses[NEPH_BENCHMARK_RMSES]; /* relative errors to which times are given, descending */
+    struct neph_sample_levels_target aim; /* of each engine's sample counts; from the caller */
+    double rmses[NEPH_BENCHMARK_RMSES];   /* relative errors to which times are given, descending */
     int engine_count;
     struct neph_benchmark_engine engines[NEPH_BENCHMARK_ENGINES_MAX];
     struct neph_job reference;

@@ -14,9 +14,9 @@ enum { NAME_SIZE = 96, TEXT_SIZE = 400 };
 
 /* "cycles (Blender 3.4.1)" for an external renderer; the project's engines are named without a
  * version. */
-static const char *name_of(const struct neph_job *job, char text[NAME_SIZE])
+static const char *format_engine_name(const struct neph_job *job, char text[NAME_SIZE])
 {
-    if (job->engine->rung == NEPH_RUNG_WITNESS)
+    if (job->engine->rung == NEPH_LEVEL_EXTERNAL)
         snprintf(text, NAME_SIZE, "%s (%.60s)", job->engine->name, job->info->version);
     else
         snprintf(text, NAME_SIZE, "%s", job->engine->name);
@@ -34,14 +34,14 @@ static void answer_pair(const struct neph_benchmark_engine *base,
     const bool is_faster = times.high<1.0, is_slower = times.low> 1.0;
     if (is_faster)
         neph_answer_add(answer, "%s: %.3g times%s as fast as %s for the same noise",
-                        name_of(&other->job, first), 1.0 / times.value,
+                        format_engine_name(&other->job, first), 1.0 / times.value,
                         neph_answer_interval(1.0 / times.high, 1.0 / times.low, interval),
-                        name_of(&base->job, second));
+                        format_engine_name(&base->job, second));
     else
         neph_answer_add(answer, "%s%s: %.3g times%s as fast as %s for the same noise",
-                        is_slower ? "" : "not told apart: ", name_of(&base->job, first),
+                        is_slower ? "" : "not told apart: ", format_engine_name(&base->job, first),
                         times.value, neph_answer_interval(times.low, times.high, interval),
-                        name_of(&other->job, second));
+                        format_engine_name(&other->job, second));
 }
 
 /* "1 % of error in 12 s" */
@@ -70,8 +70,8 @@ static void answer_engine(const struct neph_benchmark_engine *engine, struct nep
     const bool is_zero = bias.low <= 0.0 && bias.high >= 0.0;
     for (int i = 0; i < NEPH_BENCHMARK_RMSES; i++)
         append_time(&engine->rmse_times[i], text);
-    neph_answer_add(answer, "%s: bias %+.2f %%%s%s; start %.2f s%s", name_of(&engine->job, name),
-                    100.0 * bias.value,
+    neph_answer_add(answer, "%s: bias %+.2f %%%s%s; start %.2f s%s",
+                    format_engine_name(&engine->job, name), 100.0 * bias.value,
                     neph_answer_interval(100.0 * bias.low, 100.0 * bias.high, interval),
                     is_zero ? ", not told apart from 0" : "", engine->start_s, text);
 }
@@ -81,7 +81,7 @@ static void answer_single(const struct neph_benchmark_engine *engine, struct nep
 {
     char name[NAME_SIZE], interval[NEPH_ANSWER_INTERVAL_SIZE];
     const double percent = 1e4; /* (1 / 0.01)^2: noise^2 * time is the time to a noise of 1 */
-    neph_answer_add(answer, "%s: 1 %% of noise in %.3g s%s", name_of(&engine->job, name),
+    neph_answer_add(answer, "%s: 1 %% of noise in %.3g s%s", format_engine_name(&engine->job, name),
                     percent * engine->cost_s.value,
                     neph_answer_interval(percent * engine->cost_s.low,
                                          percent * engine->cost_s.high, interval));
@@ -106,7 +106,8 @@ void neph_benchmark_answer(const struct neph_benchmark *benchmark, struct neph_a
 /* ---- frames in flight ------------------------------------------------------------------------ */
 
 /* The device's own time where it has timestamps, else wall-clock time. */
-static const struct neph_spread *time_of(const struct neph_benchmark_frames_engine *engine)
+static const struct neph_spread *
+select_frame_time(const struct neph_benchmark_frames_engine *engine)
 {
     return isfinite(engine->gpu_s.median) ? &engine->gpu_s : &engine->frame_s;
 }
@@ -125,11 +126,11 @@ static void answer_frames_engine(const struct neph_benchmark_frames_engine *engi
                                  const char *rest, struct neph_answer *answer)
 {
     char name[NAME_SIZE];
-    const struct neph_spread *time = time_of(engine);
+    const struct neph_spread *time = select_frame_time(engine);
     neph_answer_add(answer,
                     "%s: %.3g ms a frame (10 %% to 90 %%: %.3g to %.3g), %.3g frames a second, "
                     "error %.3g %% against %s%s",
-                    name_of(&engine->job, name), 1e3 * time->median, 1e3 * time->low,
+                    format_engine_name(&engine->job, name), 1e3 * time->median, 1e3 * time->low,
                     1e3 * time->high, 1.0 / engine->mean_s, 100.0 * engine->error,
                     engine->reference->name, rest);
 }
@@ -140,14 +141,16 @@ static void answer_frames_pair(const struct neph_benchmark_frames_engine *a,
                                struct neph_answer *answer)
 {
     char first[NAME_SIZE], second[NAME_SIZE];
-    const bool is_swapped = time_of(b)->median < time_of(a)->median;
+    const bool is_swapped = select_frame_time(b)->median < select_frame_time(a)->median;
     const struct neph_benchmark_frames_engine *fast = is_swapped ? b : a,
                                               *slow = is_swapped ? a : b;
-    neph_answer_add(answer, "%s%s: %.3g times as fast as %s, %.3g ms a frame against %.3g ms",
-                    time_of(fast)->high < time_of(slow)->low ? "" : "not told apart: ",
-                    name_of(&fast->job, first), time_of(slow)->median / time_of(fast)->median,
-                    name_of(&slow->job, second), 1e3 * time_of(fast)->median,
-                    1e3 * time_of(slow)->median);
+    neph_answer_add(
+        answer, "%s%s: %.3g times as fast as %s, %.3g ms a frame against %.3g ms",
+        select_frame_time(fast)->high < select_frame_time(slow)->low ? "" : "not told apart: ",
+        format_engine_name(&fast->job, first),
+        select_frame_time(slow)->median / select_frame_time(fast)->median,
+        format_engine_name(&slow->job, second), 1e3 * select_frame_time(fast)->median,
+        1e3 * select_frame_time(slow)->median);
 }
 
 void neph_benchmark_frames_answer(const struct neph_benchmark_frames *benchmark,

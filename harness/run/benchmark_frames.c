@@ -45,15 +45,17 @@ static bool is_on(const struct neph_job *job, const char *option)
 /* --- times of frames and passes ----------------------------------------------------------- */
 
 /* Median and range of one double of the frames' costs, given by its offset in the struct. */
-static struct neph_spread spread_at(const struct neph_flown *flown, size_t offset, double *room)
+static struct neph_spread spread_at(const struct neph_flight_results *flown, size_t offset,
+                                    double *room)
 {
     for (int i = 0; i < flown->count; i++)
         memcpy(&room[i], (const char *)&flown->costs[i] + offset, sizeof(room[i]));
-    return neph_spread_of(room, flown->count);
+    return neph_spread_compute(room, flown->count);
 }
 
 /* The first frame in which a pass ran; NULL: it never ran. */
-static const struct neph_flight_cost *first_with(const struct neph_flown *flown, int pass)
+static const struct neph_flight_cost *find_first_run(const struct neph_flight_results *flown,
+                                                     int pass)
 {
     for (int i = 0; i < flown->count; i++)
         if (flown->costs[i].passes[pass].gpu_s != 0.0)
@@ -61,10 +63,10 @@ static const struct neph_flight_cost *first_with(const struct neph_flown *flown,
     return NULL;
 }
 
-static void conclude_pass(const struct neph_flown *flown, int pass, double *room,
-                          struct neph_benchmark_frames_engine *engine)
+static void add_pass_result(const struct neph_flight_results *flown, int pass, double *room,
+                            struct neph_benchmark_frames_engine *engine)
 {
-    const struct neph_flight_cost *first = first_with(flown, pass);
+    const struct neph_flight_cost *first = find_first_run(flown, pass);
     if (first)
         engine->passes[engine->pass_count++] = (struct neph_benchmark_pass){
             .name = first->passes[pass].name,
@@ -76,7 +78,7 @@ static void conclude_pass(const struct neph_flown *flown, int pass, double *room
 }
 
 /* The first of these frames from which on the gradient pass is skipped; -1: it runs to the end. */
-static int steady_from(const struct neph_job *job, const struct neph_flown *flown)
+static int steady_from(const struct neph_job *job, const struct neph_flight_results *flown)
 {
     int pass = 0, from = flown->count;
     if (!is_on(job, "gradient") || flown->count == 0)
@@ -91,23 +93,24 @@ static int steady_from(const struct neph_job *job, const struct neph_flown *flow
     return from < flown->count ? from : -1;
 }
 
-static void conclude(const struct neph_flown *flown, double *room,
-                     struct neph_benchmark_frames_engine *engine)
+static void compute_frame_results(const struct neph_flight_results *flown, double *room,
+                                  struct neph_benchmark_frames_engine *engine)
 {
     engine->frame_count = flown->count;
     engine->mean_s = flown->all_s / flown->count;
     engine->gpu_s = spread_at(flown, offsetof(struct neph_flight_cost, gpu_s), room);
     engine->cpu_s = spread_at(flown, offsetof(struct neph_flight_cost, cpu_s), room);
-    engine->frame_s = neph_spread_of(flown->frame_s, flown->count);
+    engine->frame_s = neph_spread_compute(flown->frame_s, flown->count);
     engine->steady_from = steady_from(&engine->job, flown);
     engine->pass_count = 0;
     for (int pass = 0; pass < flown->costs[0].pass_count; pass++)
-        conclude_pass(flown, pass, room, engine);
+        add_pass_result(flown, pass, room, engine);
 }
 
 /* Warm-up of a static scene: renders frames until the engine has detected that the scene is static
  * and skips the gradient pass, but for at most 10 s. */
-static enum neph_status come_to_rest(struct neph_job *job, long *picture, struct neph_diag *diag)
+static enum neph_status render_until_static(struct neph_job *job, long *picture,
+                                            struct neph_diag *diag)
 {
     const double start_s = neph_wall_s();
     struct neph_flight_cost costs[REST_FRAMES];
@@ -117,8 +120,8 @@ static enum neph_status come_to_rest(struct neph_job *job, long *picture, struct
         return NEPH_OK;
     for (int sent = 0; sent < REST_FRAMES_MAX && neph_wall_s() - start_s < limit_s && !status;
          sent += REST_FRAMES) {
-        struct neph_flown flown = {.costs = costs, .frame_s = frame_s};
-        status = neph_flight_fly(job, picture, 1, REST_FRAMES, limit_s, &flown, diag);
+        struct neph_flight_results flown = {.costs = costs, .frame_s = frame_s};
+        status = neph_flight_run(job, picture, 1, REST_FRAMES, limit_s, &flown, diag);
         if (!status && steady_from(job, &flown) >= 0)
             break;
     }
@@ -128,7 +131,7 @@ static enum neph_status come_to_rest(struct neph_job *job, long *picture, struct
 static enum neph_status time_frames(struct neph_benchmark_frames_engine *engine, long *picture,
                                     int frame_count, struct neph_diag *diag)
 {
-    struct neph_flown flown = {
+    struct neph_flight_results flown = {
         .costs = calloc((size_t)frame_count, sizeof(*flown.costs)),
         .frame_s = calloc((size_t)frame_count, sizeof(*flown.frame_s)),
     };
@@ -138,11 +141,11 @@ static enum neph_status time_frames(struct neph_benchmark_frames_engine *engine,
     if (!status)
         status = neph_flight_warm_up(&engine->job, picture, diag);
     if (!status)
-        status = come_to_rest(&engine->job, picture, diag);
+        status = render_until_static(&engine->job, picture, diag);
     if (!status)
-        status = neph_flight_fly(&engine->job, picture, 1, frame_count, limit_s, &flown, diag);
+        status = neph_flight_run(&engine->job, picture, 1, frame_count, limit_s, &flown, diag);
     if (!status)
-        conclude(&flown, room, engine);
+        compute_frame_results(&flown, room, engine);
     free(room);
     free(flown.frame_s);
     free(flown.costs);
@@ -152,7 +155,7 @@ static enum neph_status time_frames(struct neph_benchmark_frames_engine *engine,
 /* --- the error ---------------------------------------------------------------------------- */
 
 /* The marcher with the engine's lighting: "march", "march_octaves", ... */
-static const struct neph_engine *reference_of(const struct neph_job *job)
+static const struct neph_engine *find_reference_engine(const struct neph_job *job)
 {
     const struct neph_engine *engine = job->engine;
     const int lighting = neph_option_find(engine->options, "lighting");
@@ -173,16 +176,16 @@ static enum neph_status relative_rmse(const struct neph_image *image,
     float *of[3], *to[3];
     if (!neph_image_rgb(image, NULL, of) || !neph_image_rgb(reference, NULL, to))
         return neph_fail(diag, NEPH_ERR_INTERNAL, "a frame has no radiance");
-    *error = neph_relative_error_of((const float *const[]){to[0], to[1], to[2]},
-                                    (const float *const[]){of[0], of[1], of[2]}, 3,
-                                    neph_image_pixel_count(image))
+    *error = neph_relative_error_compute((const float *const[]){to[0], to[1], to[2]},
+                                         (const float *const[]){of[0], of[1], of[2]}, 3,
+                                         neph_image_pixel_count(image))
                  .rmse;
     return NEPH_OK;
 }
 
 /* The reference gets the engine's sky settings: a sky from tables, or none, is no part of the
  * shortcut error. */
-static void keep_sky(const struct neph_job *job, struct neph_job *reference)
+static void copy_sky_settings(const struct neph_job *job, struct neph_job *reference)
 {
     const struct neph_option *options = reference->engine->options;
     for (int i = 0; options[i].name; i++) {
@@ -203,7 +206,7 @@ static enum neph_status measure_error(struct neph_benchmark_frames_engine *engin
     job.sequence = NULL;
     job.shot.frame = frame;
     job.shot.settings = neph_settings_default(job.engine);
-    keep_sky(&engine->job, &job);
+    copy_sky_settings(&engine->job, &job);
     enum neph_status status = neph_job_render(&job, &reference, &cost, diag);
     if (!status)
         status = relative_rmse(image, reference, &engine->error, diag);
@@ -211,8 +214,8 @@ static enum neph_status measure_error(struct neph_benchmark_frames_engine *engin
     return status;
 }
 
-static struct neph_benchmark_pass *pass_named(struct neph_benchmark_frames_engine *engine,
-                                              const char *name)
+static struct neph_benchmark_pass *find_pass_by_name(struct neph_benchmark_frames_engine *engine,
+                                                     const char *name)
 {
     for (int p = 0; p < engine->pass_count; p++)
         if (strcmp(engine->passes[p].name, name) == 0)
@@ -236,8 +239,8 @@ static void find_evaluators(struct neph_benchmark_frames_engine *engine,
                             struct neph_benchmark_pass *march)
 {
     const struct neph_scene *scene = engine->job.shot.scene;
-    const struct neph_benchmark_pass *lit = pass_named(engine, "scene");
-    const struct neph_benchmark_pass *map = pass_named(engine, "cloud shadow");
+    const struct neph_benchmark_pass *lit = find_pass_by_name(engine, "scene");
+    const struct neph_benchmark_pass *map = find_pass_by_name(engine, "cloud shadow");
     const bool fills = neph_scene_moves(scene);
     march->evaluation_s = march->gpu_s.median;
     if (lit && scene->solid_count > 0 && (scene->sun.present || scene->light_count > 0))
@@ -253,7 +256,7 @@ static void take_counts(const struct neph_image *image, struct neph_benchmark_fr
 {
     json_t *stats = neph_frame_stats(image);
     const json_t *count = json_object_get(stats, "density_evaluations");
-    struct neph_benchmark_pass *march = pass_named(engine, "march");
+    struct neph_benchmark_pass *march = find_pass_by_name(engine, "march");
     if (march && count) {
         march->is_march = true;
         march->density_evaluations = json_number_value(count);
@@ -269,19 +272,19 @@ static enum neph_status time_chain(const struct neph_benchmark_frames *benchmark
                                    const struct neph_image *frame, int number, int repeats,
                                    struct neph_diag *diag)
 {
-    struct neph_showing *showing = benchmark->showing;
+    struct neph_display_chain *showing = benchmark->showing;
     struct neph_open_device *device = NULL;
     struct neph_image *picture = NULL;
     struct neph_post_stats stats;
     showing->params.step_s = 1.0 / engine->job.shot.scene->frame_rate_hz;
-    enum neph_status status = neph_showing_settle(showing, number, diag);
+    enum neph_status status = neph_display_chain_set_frame(showing, number, diag);
     if (!status)
         status = neph_device_acquire(engine->job.shot.device, &device, diag);
     if (!status)
         status = neph_chain_warm_up(device->vulkan, &showing->params, frame, diag);
     if (!status)
-        status = neph_chain_take(device->vulkan, &showing->params, frame, repeats, limit_s,
-                                 &picture, &stats, &engine->chain, diag);
+        status = neph_chain_measure(device->vulkan, &showing->params, frame, repeats, limit_s,
+                                    &picture, &stats, &engine->chain, diag);
     neph_image_destroy(picture);
     neph_device_release(device);
     return status;
@@ -289,9 +292,9 @@ static enum neph_status time_chain(const struct neph_benchmark_frames *benchmark
 
 /* The frame after the timed ones: its evaluations are counted, its error is measured, and it passes
  * through the display chain. */
-static enum neph_status look(const struct neph_benchmark_frames *benchmark,
-                             struct neph_benchmark_frames_engine *engine, long picture,
-                             int frame_count, struct neph_diag *diag)
+static enum neph_status measure_last_frame(const struct neph_benchmark_frames *benchmark,
+                                           struct neph_benchmark_frames_engine *engine,
+                                           long picture, int frame_count, struct neph_diag *diag)
 {
     const int repeats = frame_count < NEPH_CHAIN_REPEATS_MAX ? frame_count : NEPH_CHAIN_REPEATS_MAX;
     struct neph_job job = engine->job;
@@ -311,9 +314,9 @@ static enum neph_status look(const struct neph_benchmark_frames *benchmark,
 
 /* --- gains of variants -------------------------------------------------------------------- */
 
-static double median_of(struct neph_benchmark_frames_engine *engine, const char *name)
+static double find_pass_median(struct neph_benchmark_frames_engine *engine, const char *name)
 {
-    const struct neph_benchmark_pass *pass = pass_named(engine, name);
+    const struct neph_benchmark_pass *pass = find_pass_by_name(engine, name);
     return pass ? pass->gpu_s.median : 0.0;
 }
 
@@ -327,9 +330,9 @@ static enum neph_status measure_gains(struct neph_benchmark_frames_engine *engin
     if (!readable)
         return neph_fail_memory(diag);
     *readable = *engine;
-    sequence->leave_variants(engine->job.sequence, true);
+    sequence->disable_variants(engine->job.sequence, true);
     const enum neph_status status = time_frames(readable, picture, frame_count, diag);
-    sequence->leave_variants(engine->job.sequence, false);
+    sequence->disable_variants(engine->job.sequence, false);
     for (int p = 0; p < engine->pass_count && !status; p++) {
         struct neph_benchmark_pass *pass = &engine->passes[p];
         const int index = neph_rt_pass_index(pass->name);
@@ -338,7 +341,8 @@ static enum neph_status measure_gains(struct neph_benchmark_frames_engine *engin
         if (!variant || !variant->code)
             continue;
         const char *absorbed = variant->absorbs ? variant->absorbs->name : "";
-        pass->variant_gain = (median_of(readable, pass->name) + median_of(readable, absorbed)) /
+        pass->variant_gain = (find_pass_median(readable, pass->name) +
+                              find_pass_median(readable, absorbed)) /
                              pass->gpu_s.median;
     }
     free(readable);
@@ -353,23 +357,23 @@ static enum neph_status run_engine(const struct neph_benchmark_frames *benchmark
 {
     long picture = 1;
     const uint64_t others_bytes = neph_device_memory();
-    neph_device_memory_watch();
-    engine->reference = reference_of(&engine->job);
+    neph_device_memory_reset_peak();
+    engine->reference = find_reference_engine(&engine->job);
     enum neph_status status = neph_flight_open(&engine->job, &engine->first_s, diag);
     if (!status)
         status = time_frames(engine, &picture, frame_count, diag);
-    engine->device_bytes = neph_device_memory_most() - others_bytes;
-    if (!status && engine->job.engine->sequence->leave_variants)
+    engine->device_bytes = neph_device_memory_peak() - others_bytes;
+    if (!status && engine->job.engine->sequence->disable_variants)
         status = measure_gains(engine, benchmark->thread_count ? NEPH_RT_CPU : NEPH_RT_GPU,
                                &picture, frame_count, diag);
     if (!status)
-        status = look(benchmark, engine, picture, frame_count, diag);
+        status = measure_last_frame(benchmark, engine, picture, frame_count, diag);
     neph_job_close(&engine->job);
     return status;
 }
 
 /* The current clock of the first processor; NaN: not known. */
-static double clock_of_cpu(void)
+static double read_cpu_clock(void)
 {
     FILE *file = fopen("/proc/cpuinfo", "r");
     char line[256];
@@ -383,7 +387,7 @@ static double clock_of_cpu(void)
 }
 
 /* Threads of lavapipe: its own limit where that is set, else all processors. */
-static int threads_of_cpu(void)
+static int count_lavapipe_threads(void)
 {
     const char *limit = getenv("LP_NUM_THREADS");
     const int count = limit ? atoi(limit) : 0;
@@ -391,7 +395,7 @@ static int threads_of_cpu(void)
 }
 
 /* The format of the textures that an engine's settings sample; -1: it samples buffers. */
-static int texel_format_of(const struct neph_job *job)
+static int find_texel_format(const struct neph_job *job)
 {
     const double *values = job->shot.settings.values;
     const int sampling = neph_option_find(job->engine->options, "grid_sampling");
@@ -405,19 +409,19 @@ static unsigned texel_formats(const struct neph_benchmark_frames *benchmark)
 {
     unsigned formats = 0;
     for (int e = 0; e < benchmark->engine_count; e++) {
-        const int format = texel_format_of(&benchmark->engines[e].job);
+        const int format = find_texel_format(&benchmark->engines[e].job);
         formats |= format < 0 ? 0u : 1u << format;
     }
     return formats ? formats : 1u << NEPH_TEXEL_R16F;
 }
 
-static struct neph_ceilings no_ceilings(void)
+static struct neph_roofline_limits make_unmeasured_limits(void)
 {
-    struct neph_ceilings none = {.copy_bytes_per_s = NAN,
-                                 .buffer_samples_per_s = NAN,
-                                 .buffer_chain_per_s = NAN,
-                                 .multiply_adds_per_s = NAN,
-                                 .exponentials_per_s = NAN};
+    struct neph_roofline_limits none = {.copy_bytes_per_s = NAN,
+                                        .buffer_samples_per_s = NAN,
+                                        .buffer_chain_per_s = NAN,
+                                        .multiply_adds_per_s = NAN,
+                                        .exponentials_per_s = NAN};
     for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT; f++)
         none.texture_samples_per_s[f] = none.texture_chain_per_s[f] = NAN;
     return none;
@@ -432,12 +436,12 @@ static enum neph_status measure_device(struct neph_benchmark_frames *benchmark,
     if (status)
         return status;
     const bool is_cpu = neph_vulkan_describe(device->vulkan).is_cpu;
-    benchmark->ceilings = no_ceilings();
+    benchmark->ceilings = make_unmeasured_limits();
     if (!benchmark->without_ceilings)
-        status = neph_ceilings_measure(device->vulkan, is_cpu ? cpu_ceiling_s : gpu_ceiling_s,
+        status = neph_roofline_measure(device->vulkan, is_cpu ? cpu_ceiling_s : gpu_ceiling_s,
                                        texel_formats(benchmark), &benchmark->ceilings, diag);
-    benchmark->thread_count = is_cpu ? threads_of_cpu() : 0;
-    benchmark->cpu_clock_hz = is_cpu ? clock_of_cpu() : NAN;
+    benchmark->thread_count = is_cpu ? count_lavapipe_threads() : 0;
+    benchmark->cpu_clock_hz = is_cpu ? read_cpu_clock() : NAN;
     neph_device_release(device);
     return status;
 }
@@ -477,8 +481,8 @@ double neph_benchmark_share(const struct neph_benchmark_frames *benchmark,
         [NEPH_TEXEL_R16F] = "r16f texture samples",
         [NEPH_TEXEL_R8] = "r8 texture samples",
     };
-    const struct neph_ceilings *ceilings = &benchmark->ceilings;
-    const int format = texel_format_of(&engine->job);
+    const struct neph_roofline_limits *ceilings = &benchmark->ceilings;
+    const int format = find_texel_format(&engine->job);
     if (!pass->is_march) {
         *limit = "copies";
         return pass->traffic_bytes / pass->gpu_s.median / ceilings->copy_bytes_per_s;
@@ -496,8 +500,8 @@ neph_benchmark_evaluation(const struct neph_benchmark_frames *benchmark,
                           const struct neph_benchmark_frames_engine *engine,
                           const struct neph_benchmark_pass *pass)
 {
-    const struct neph_ceilings *ceilings = &benchmark->ceilings;
-    const int format = texel_format_of(&engine->job);
+    const struct neph_roofline_limits *ceilings = &benchmark->ceilings;
+    const int format = find_texel_format(&engine->job);
     const double per_s = pass->density_evaluations / pass->evaluation_s;
     if (!pass->is_march || pass->density_evaluations == 0.0)
         return (struct neph_benchmark_evaluation){NAN, NAN};
@@ -572,7 +576,7 @@ static json_t *engine_json(const struct neph_benchmark_frames *benchmark,
     return json;
 }
 
-static json_t *ceilings_json(const struct neph_ceilings *ceilings)
+static json_t *ceilings_json(const struct neph_roofline_limits *ceilings)
 {
     json_t *textures = json_object(), *chains = json_object();
     for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT; f++) {

@@ -52,9 +52,9 @@ struct neph_benchmark_frames_engine {
 struct neph_benchmark_frames {
     int engine_count;
     struct neph_benchmark_frames_engine engines[NEPH_BENCHMARK_FRAMES_ENGINES_MAX];
-    bool without_ceilings;        /* skip the roofline limits: all are NaN */
-    struct neph_showing *showing; /* the display chain, borrowed; NULL: none */
-    struct neph_ceilings ceilings;
+    bool without_ceilings;              /* skip the roofline limits: all are NaN */
+    struct neph_display_chain *showing; /* the display chain, borrowed; NULL: none */
+    struct neph_roofline_limits ceilings;
     bool samples_grids;  /* every density evaluation of the scene is a sample of a voxel grid */
     int thread_count;    /* of a CPU device; 0: the device is a GPU */
     double cpu_clock_hz; /* of a CPU device, when the ceilings were measured; NaN: not known */
@@ -82,7 +82,8 @@ double neph_benchmark_share(const struct neph_benchmark_frames *benchmark,
 /* The cost of a density evaluation beside the roofline limits; NaN: not known, or the pass is not a
  * marcher. */
 struct neph_benchmark_evaluation {
-    double chain_share;   /* of the rate of dependent samples (struct neph_ceilings); NaN also where
+    double
+        chain_share; /* of the rate of dependent samples (struct neph_roofline_limits); NaN also where
                              some evaluations are not samples of a grid */
     double multiply_adds; /* multiply-adds that the device can make in the time of one evaluation:
                              an evaluation that needs more than this around its sample is limited by

@@ -11,19 +11,20 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { RUNGS = 3, RUNG_FACTOR = 8, PILOT_SIDE = 4 };
+enum { SAMPLE_REDUCTIONS = 3, RUNG_FACTOR = 8, PILOT_SIDE = 4 };
 
 /* Time limit of the pilot, in seconds: enough on a machine that is busy with ten other jobs, so
  * that a pilot beyond it counts as a hang. */
 static const double pilot_limit_s = 300.0;
 
 /* Lists the settings to try, most samples first; returns their number. */
-static int list_rungs(const struct neph_job *job, struct neph_settings rungs[RUNGS])
+static int list_sample_reductions(const struct neph_job *job,
+                                  struct neph_settings rungs[SAMPLE_REDUCTIONS])
 {
     const int index = neph_engine_samples(job->engine);
     int count = 0;
     double samples = index < 0 ? 1.0 : job->shot.settings.values[index];
-    for (; count < RUNGS && samples >= 1.0; samples = floor(samples / RUNG_FACTOR)) {
+    for (; count < SAMPLE_REDUCTIONS && samples >= 1.0; samples = floor(samples / RUNG_FACTOR)) {
         rungs[count] = job->shot.settings;
         if (index >= 0)
             rungs[count].values[index] = samples;
@@ -78,7 +79,7 @@ static enum neph_status run_pilot(const struct neph_job *job, double budget_s,
     if (!status && frames[0])
         status = neph_exr_read(pilot->results[1].frame_path, &frames[1], diag);
     if (!status && frames[1])
-        pilot->noise = neph_noise_of_two(frames[0], frames[1]);
+        pilot->noise = neph_noise_from_two_seeds(frames[0], frames[1]);
     neph_image_destroy(frames[0]);
     neph_image_destroy(frames[1]);
     return status;
@@ -86,8 +87,8 @@ static enum neph_status run_pilot(const struct neph_job *job, double budget_s,
 
 /* Writes the reason of an OVER_BUDGET result: time and noise extrapolated from the pilot to the
  * settings `asked`. */
-static void explain(const struct pilot *pilot, const struct neph_settings *asked, double budget_s,
-                    struct neph_job_result *result)
+static void write_budget_reason(const struct pilot *pilot, const struct neph_settings *asked,
+                                double budget_s, struct neph_job_result *result)
 {
     const struct neph_engine *engine = pilot->job.engine;
     const int index = neph_engine_samples(engine);
@@ -107,10 +108,10 @@ static void explain(const struct pilot *pilot, const struct neph_settings *asked
 }
 
 /* Looks in the store for a frame, most samples first. */
-static enum neph_status reuse(struct neph_job *job, double budget_s,
-                              const struct neph_settings *rungs, int rung_count,
-                              struct neph_store *store, struct neph_job_result *result, bool *found,
-                              struct neph_diag *diag)
+static enum neph_status find_stored_frame(struct neph_job *job, double budget_s,
+                                          const struct neph_settings *rungs, int rung_count,
+                                          struct neph_store *store, struct neph_job_result *result,
+                                          bool *found, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     *found = false;
@@ -128,10 +129,10 @@ enum neph_status neph_budget_try(struct neph_job *job, double budget_s, struct n
                                  struct neph_job_result *result, struct neph_diag *diag)
 {
     const struct neph_settings asked = job->shot.settings;
-    struct neph_settings rungs[RUNGS];
+    struct neph_settings rungs[SAMPLE_REDUCTIONS];
     bool found;
-    const enum neph_status status = reuse(job, budget_s, rungs, list_rungs(job, rungs), store,
-                                          result, &found, diag);
+    const enum neph_status status = find_stored_frame(
+        job, budget_s, rungs, list_sample_reductions(job, rungs), store, result, &found, diag);
     if (status || found)
         return status;
     neph_job_result_finish(result);
@@ -143,10 +144,11 @@ enum neph_status neph_budget_run(struct neph_job *job, double budget_s, struct n
                                  struct neph_job_result *result, struct neph_diag *diag)
 {
     const struct neph_settings asked = job->shot.settings;
-    struct neph_settings rungs[RUNGS];
-    const int rung_count = list_rungs(job, rungs);
+    struct neph_settings rungs[SAMPLE_REDUCTIONS];
+    const int rung_count = list_sample_reductions(job, rungs);
     bool found;
-    enum neph_status status = reuse(job, budget_s, rungs, rung_count, store, result, &found, diag);
+    enum neph_status status = find_stored_frame(job, budget_s, rungs, rung_count, store, result,
+                                                &found, diag);
     if (!found)
         result->outcome = NEPH_OUTCOME_TIMEOUT;
     for (int i = 0; i < rung_count && !status && result->outcome == NEPH_OUTCOME_TIMEOUT; i++) {
@@ -158,7 +160,7 @@ enum neph_status neph_budget_run(struct neph_job *job, double budget_s, struct n
         struct pilot pilot;
         status = run_pilot(job, budget_s, store, &pilot, diag);
         if (!status && pilot.results[0].frame_path)
-            explain(&pilot, &asked, budget_s, result);
+            write_budget_reason(&pilot, &asked, budget_s, result);
         neph_job_result_finish(&pilot.results[0]);
         neph_job_result_finish(&pilot.results[1]);
     }

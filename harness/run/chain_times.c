@@ -35,19 +35,20 @@ enum neph_status neph_chain_warm_up(struct neph_vulkan *vulkan,
 }
 
 /* Sorts `seconds`. */
-static struct neph_chain_time time_of(double *seconds, int count)
+static struct neph_chain_time summarise_times(double *seconds, int count)
 {
     const bool has_clock = !isnan(seconds[0]);
     return (struct neph_chain_time){
         .least_s = has_clock ? neph_percentile(seconds, (size_t)count, 0.0) : NAN,
-        .spread_s = neph_spread_of(seconds, count),
+        .spread_s = neph_spread_compute(seconds, count),
     };
 }
 
 /* Times of one stage, or of all stages together. */
 typedef double seconds_of_repeats[NEPH_CHAIN_REPEATS_MAX];
 
-static void add(const struct neph_post_stats *stats, int repeat, seconds_of_repeats *seconds)
+static void record_repeat(const struct neph_post_stats *stats, int repeat,
+                          seconds_of_repeats *seconds)
 {
     for (int s = 0; s < NEPH_POST_STAGES_MAX; s++) {
         seconds[s][repeat] = stats->gpu_s[s];
@@ -55,35 +56,37 @@ static void add(const struct neph_post_stats *stats, int repeat, seconds_of_repe
     }
 }
 
-enum neph_status neph_chain_take(struct neph_vulkan *vulkan, const struct neph_post_params *params,
-                                 const struct neph_image *frame, int repeats, double limit_s,
-                                 struct neph_image **picture, struct neph_post_stats *stats,
-                                 struct neph_chain_times *times, struct neph_diag *diag)
+enum neph_status neph_chain_measure(struct neph_vulkan *vulkan,
+                                    const struct neph_post_params *params,
+                                    const struct neph_image *frame, int repeats, double limit_s,
+                                    struct neph_image **picture, struct neph_post_stats *stats,
+                                    struct neph_chain_times *times, struct neph_diag *diag)
 {
     const double end_s = neph_wall_s() + limit_s;
-    const struct neph_post_eye before = params->eye ? *params->eye
-                                                    : (struct neph_post_eye){.is_open = false};
+    const struct neph_exposure_state before = params->eye
+                                                  ? *params->eye
+                                                  : (struct neph_exposure_state){.is_open = false};
     struct neph_post_params own = *params;
-    struct neph_post_eye eye = before;
+    struct neph_exposure_state eye = before;
     struct neph_image *made = NULL;
     seconds_of_repeats *seconds = calloc(NEPH_POST_STAGES_MAX + 1, sizeof(*seconds));
     enum neph_status status = seconds ? NEPH_OK : neph_fail_memory(diag);
     int count = 0;
     own.eye = &eye;
-    own.heat_runs = repeats == 1 || neph_vulkan_describe(vulkan).is_cpu ? 0 : HEAT_RUNS;
+    own.warm_up_runs = repeats == 1 || neph_vulkan_describe(vulkan).is_cpu ? 0 : HEAT_RUNS;
     while (!status && count < repeats && (count == 0 || neph_wall_s() < end_s)) {
         eye = before;
         neph_image_destroy(made);
         made = NULL;
         status = neph_post_run(vulkan, &own, frame, &made, stats, diag);
         if (!status)
-            add(stats, count++, seconds);
+            record_repeat(stats, count++, seconds);
     }
     if (!status) {
         times->count = count;
         for (int s = 0; s < NEPH_POST_STAGES_MAX; s++)
-            times->stages[s] = time_of(seconds[s], count);
-        times->all = time_of(seconds[NEPH_POST_STAGES_MAX], count);
+            times->stages[s] = summarise_times(seconds[s], count);
+        times->all = summarise_times(seconds[NEPH_POST_STAGES_MAX], count);
         *picture = made;
         if (params->eye)
             *params->eye = eye;

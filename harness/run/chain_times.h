@@ -31,10 +31,11 @@ enum neph_status neph_chain_warm_up(struct neph_vulkan *vulkan,
  * repeat starts from the exposure state that `params` came with, as if it were the only run. The
  * image `*picture` (the caller destroys it), `stats` and the exposure state are those of the last
  * run. Errors as of neph_post_run(). */
-enum neph_status neph_chain_take(struct neph_vulkan *vulkan, const struct neph_post_params *params,
-                                 const struct neph_image *frame, int repeats, double limit_s,
-                                 struct neph_image **picture, struct neph_post_stats *stats,
-                                 struct neph_chain_times *times, struct neph_diag *diag);
+enum neph_status neph_chain_measure(struct neph_vulkan *vulkan,
+                                    const struct neph_post_params *params,
+                                    const struct neph_image *frame, int repeats, double limit_s,
+                                    struct neph_image **picture, struct neph_post_stats *stats,
+                                    struct neph_chain_times *times, struct neph_diag *diag);
 
 /* The "stages" (active ones, by name) and the "all" of documents with times, in milliseconds. The
  * caller decrefs the result. */

@@ -41,7 +41,7 @@ static bool is_wanted(const struct neph_conform_params *params, const char *engi
     return wanted;
 }
 
-static int list_pictures(const struct neph_conform_params *params, struct picture pictures[])
+static int list_cases(const struct neph_conform_params *params, struct picture pictures[])
 {
     int count = 0;
     for (size_t e = 0; e < sizeof(engine_names) / sizeof(engine_names[0]); e++) {
@@ -54,12 +54,12 @@ static int list_pictures(const struct neph_conform_params *params, struct pictur
         do {
             picture.preset = preset && preset->name ? preset : NULL;
             pictures[count++] = picture;
-        } while (preset && preset->name && (++preset)->name && count < NEPH_CONFORM_PICTURES_MAX);
+        } while (preset && preset->name && (++preset)->name && count < NEPH_CONFORM_CASES_MAX);
     }
     return count;
 }
 
-static struct neph_path name_picture(const char *scene, const struct picture *picture)
+static struct neph_path name_case(const char *scene, const struct picture *picture)
 {
     return neph_path_format("%s_%s%s%s", scene, picture->engine->name, picture->preset ? "_" : "",
                             picture->preset ? picture->preset->name : "");
@@ -135,8 +135,8 @@ static enum neph_status tally_add(struct tally *tally, const struct neph_image *
 }
 
 /* Renders `count` frames, counts the invalid values of all of them and returns the last one. */
-static enum neph_status render_pictures(struct neph_job *job, int count, struct tally *tally,
-                                        struct neph_image **last, struct neph_diag *diag)
+static enum neph_status render_case(struct neph_job *job, int count, struct tally *tally,
+                                    struct neph_image **last, struct neph_diag *diag)
 {
     const int width_px = job->shot.width_px, height_px = job->shot.height_px;
     struct neph_image *frame = NULL;
@@ -168,11 +168,11 @@ static enum neph_status render_pictures(struct neph_job *job, int count, struct 
 /* --- the files of a frame ----------------------------------------------------------------- */
 
 /* Pixels at the centres of equal parts of the frame. */
-static enum neph_status take_lattice(const struct neph_image *frame, struct neph_image **lattice,
-                                     struct neph_diag *diag)
+static enum neph_status sample_pixel_grid(const struct neph_image *frame,
+                                          struct neph_image **lattice, struct neph_diag *diag)
 {
-    const int width_px = (int)fmin(frame->width_px, NEPH_CONFORM_LATTICE_WIDTH_PX);
-    const int height_px = (int)fmin(frame->height_px, NEPH_CONFORM_LATTICE_HEIGHT_PX);
+    const int width_px = (int)fmin(frame->width_px, NEPH_CONFORM_GRID_WIDTH_PX);
+    const int height_px = (int)fmin(frame->height_px, NEPH_CONFORM_GRID_HEIGHT_PX);
     struct neph_image *taken = NULL;
     enum neph_status status = neph_image_create(width_px, height_px, &taken, diag);
     for (int c = 0; c < frame->channel_count && !status; c++) {
@@ -221,7 +221,7 @@ static enum neph_status describe_frame(const struct neph_image *frame, const cha
     json_t *channels = json_array();
     enum neph_status status = neph_frozen_hash(frame, hash, diag);
     if (!status)
-        status = take_lattice(frame, &lattice, diag);
+        status = sample_pixel_grid(frame, &lattice, diag);
     if (!status)
         status = neph_exr_write(path, lattice, diag);
     neph_image_destroy(lattice);
@@ -256,13 +256,12 @@ static json_t *entry_json(const char *name, const struct neph_job *job, int pict
     return entry;
 }
 
-static enum neph_status conform_picture(const struct neph_conform_params *params,
-                                        const struct neph_scene *scene,
-                                        const struct picture *picture, const char *name,
-                                        json_t *entries, struct neph_diag *diag)
+static enum neph_status check_case(const struct neph_conform_params *params,
+                                   const struct neph_scene *scene, const struct picture *picture,
+                                   const char *name, json_t *entries, struct neph_diag *diag)
 {
     const double start_s = neph_wall_s();
-    const int count = picture->engine->remembers ? params->pictures : 1;
+    const int count = picture->engine->has_frame_history ? params->pictures : 1;
     struct neph_job job;
     struct neph_image *frame = NULL;
     struct tally tally = {0};
@@ -270,7 +269,7 @@ static enum neph_status conform_picture(const struct neph_conform_params *params
     enum neph_status status = fill_job(params, scene, picture, &job, diag);
     if (status)
         return status;
-    const enum neph_status rendered = render_pictures(&job, count, &tally, &frame, &words);
+    const enum neph_status rendered = render_case(&job, count, &tally, &frame, &words);
     /* An engine may fail: the failure becomes an entry of the report. */
     if (rendered == NEPH_ERR_INTERRUPTED || rendered == NEPH_ERR_MEMORY ||
         rendered == NEPH_ERR_UNAVAILABLE) {
@@ -308,9 +307,9 @@ static enum neph_status conform_scene(const struct neph_conform_params *params, 
     json_t *entries = json_array();
     for (int i = 0; i < picture_count && !status; i++) {
         const double start_s = neph_wall_s();
-        const struct neph_path name = name_picture(scene->name, &pictures[i]);
+        const struct neph_path name = name_case(scene->name, &pictures[i]);
         neph_progress_begin(progress, name.text);
-        status = conform_picture(params, scene, &pictures[i], name.text, entries, diag);
+        status = check_case(params, scene, &pictures[i], name.text, entries, diag);
         const json_t *entry = json_array_get(entries, (size_t)i);
         const char *outcome = status ? neph_status_name(status) : neph_json_text(entry, "outcome");
         if (strcmp(outcome, "rendered") == 0 && !is_sound(entry))
@@ -356,11 +355,11 @@ static enum neph_status check_engines(const struct neph_conform_params *params,
 enum neph_status neph_conform_render(const struct neph_conform_params *params, json_t **report,
                                      struct neph_diag *diag)
 {
-    struct picture pictures[NEPH_CONFORM_PICTURES_MAX];
+    struct picture pictures[NEPH_CONFORM_CASES_MAX];
     enum neph_status status = check_engines(params, diag);
     if (status)
         return status;
-    const int picture_count = list_pictures(params, pictures);
+    const int picture_count = list_cases(params, pictures);
     if (!pictures[0].info.available) {
         neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s", pictures[0].info.missing);
         neph_hint(diag, "%s", pictures[0].info.install_line);

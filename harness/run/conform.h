@@ -17,11 +17,11 @@
 #include "harness/json.h"
 #include <stdbool.h>
 
-#define NEPH_CONFORM_PICTURES_MAX 64
+#define NEPH_CONFORM_CASES_MAX 64
 
 /* Size limit of the sparse pixel grid, small enough for hundreds of files to be copied to another
  * machine. */
-enum { NEPH_CONFORM_LATTICE_WIDTH_PX = 48, NEPH_CONFORM_LATTICE_HEIGHT_PX = 27 };
+enum { NEPH_CONFORM_GRID_WIDTH_PX = 48, NEPH_CONFORM_GRID_HEIGHT_PX = 27 };
 
 struct neph_conform_params {
     const char *folder;

@@ -71,7 +71,7 @@ static const struct bound bounds[] = {
     {"", "", 2e-4, 2e-5, 0.002, 2e-5},
 };
 
-static bool is_of(const char *channel, const char *name)
+static bool matches_channel(const char *channel, const char *name)
 {
     const size_t length = strlen(name);
     if (length == 0 || name[length - 1] == '.')
@@ -83,7 +83,7 @@ static const struct bound *find_bound(const char *engine, const char *channel)
 {
     const struct bound *bound = bounds;
     while (!((!bound->engine[0] || strcmp(bound->engine, engine) == 0) &&
-             is_of(channel, bound->channel)))
+             matches_channel(channel, bound->channel)))
         bound++; /* the last row matches every channel */
     return bound;
 }
@@ -157,7 +157,7 @@ static const json_t *find_named(const json_t *list, const char *key, const char 
     return NULL;
 }
 
-static double number_of(const json_t *entry, const char *channel, const char *key)
+static double read_channel_number(const json_t *entry, const char *channel, const char *key)
 {
     const json_t *item = find_named(json_object_get(entry, "channels"), "channel", channel);
     return item ? json_number_value(json_object_get(item, key)) : NAN;
@@ -176,16 +176,16 @@ struct distance {
     double mean, mean_allowed; /* both relative to the largest value */
 };
 
-static struct distance measure(const struct pair *pair, const char *channel,
-                               const struct bound *bound)
+static struct distance measure_channel(const struct pair *pair, const char *channel,
+                                       const struct bound *bound)
 {
     const float *a = neph_image_channel(pair->lattice[0], channel);
     const float *b = neph_image_channel(pair->lattice[1], channel);
     const size_t count = neph_image_pixel_count(pair->lattice[0]);
-    const double largest = fmax(number_of(pair->entry[0], channel, "largest"),
-                                number_of(pair->entry[1], channel, "largest"));
-    const double apart_means = fabs(number_of(pair->entry[0], channel, "mean") -
-                                    number_of(pair->entry[1], channel, "mean"));
+    const double largest = fmax(read_channel_number(pair->entry[0], channel, "largest"),
+                                read_channel_number(pair->entry[1], channel, "largest"));
+    const double apart_means = fabs(read_channel_number(pair->entry[0], channel, "mean") -
+                                    read_channel_number(pair->entry[1], channel, "mean"));
     struct distance distance = {.allowed = (size_t)(bound->share * (double)count),
                                 .mean = apart_means / fmax(largest, 1e-30),
                                 .mean_allowed = bound->mean};
@@ -211,7 +211,8 @@ static bool compare_channels(const struct pair *pair, json_t **channels, char *b
         const char *name = pair->lattice[0]->channels[c].name;
         if (strncmp(name, "variance.", strlen("variance.")) == 0)
             continue; /* an estimate of the noise, which differs between valid renders */
-        const struct distance distance = measure(pair, name, find_bound(pair->engine, name));
+        const struct distance distance = measure_channel(pair, name,
+                                                         find_bound(pair->engine, name));
         const bool within = distance.beyond <= distance.allowed &&
                             distance.mean <= distance.mean_allowed;
         if (!within && agrees)
@@ -243,10 +244,10 @@ static const char *find_difference(const json_t *a, const json_t *b)
 }
 
 /* On NEPH_OK `*agrees` is set. */
-static enum neph_status compare_lattices(const char *const folders[2], const char *name,
-                                         const json_t *const entries[2], json_t **channels,
-                                         bool *agrees, char *because, size_t size,
-                                         struct neph_diag *diag)
+static enum neph_status compare_pixel_grids(const char *const folders[2], const char *name,
+                                            const json_t *const entries[2], json_t **channels,
+                                            bool *agrees, char *because, size_t size,
+                                            struct neph_diag *diag)
 {
     struct neph_image *a = NULL, *b = NULL;
     enum neph_status status = neph_exr_read(neph_path_format("%s/%s.exr", folders[0], name).text,
@@ -294,8 +295,8 @@ static enum neph_status compare_picture(const char *const folders[2],
     if (difference)
         snprintf(because, sizeof(because), "%s", difference);
     else if (!status)
-        status = compare_lattices(folders, name, entries, &channels, &agrees, because,
-                                  sizeof(because), diag);
+        status = compare_pixel_grids(folders, name, entries, &channels, &agrees, because,
+                                     sizeof(because), diag);
     if (!status)
         return neph_json_append(pictures,
                                 json_pack("{s:s, s:b, s:o, s:s}", "picture", name, "agrees", agrees,

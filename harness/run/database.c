@@ -26,7 +26,7 @@ struct neph_query {
     struct neph_diag *diag;
 };
 
-static enum neph_status status_of(int code)
+static enum neph_status status_from_sqlite(int code)
 {
     switch (code & 0xff) {
     case SQLITE_CORRUPT:
@@ -50,7 +50,7 @@ static enum neph_status status_of(int code)
 
 static enum neph_status fail(const struct neph_database *database, struct neph_diag *diag)
 {
-    const enum neph_status status = status_of(sqlite3_errcode(database->handle));
+    const enum neph_status status = status_from_sqlite(sqlite3_errcode(database->handle));
     neph_fail(diag, status, "'%s': %s", database->path.text, sqlite3_errmsg(database->handle));
     return status;
 }
@@ -154,7 +154,7 @@ enum neph_status neph_query_end(struct neph_query *query, enum neph_status statu
     return status ? status : of_query;
 }
 
-static enum neph_status carry_out(struct neph_query *query)
+static enum neph_status run_statement(struct neph_query *query)
 {
     while (neph_query_next(query))
         ;
@@ -168,7 +168,7 @@ enum neph_status neph_database_put(struct neph_database *database, struct neph_d
     struct neph_query *query = prepare(database, diag, statement);
     for (int i = 0; types[i]; i++)
         bind(query, i + 1, types[i], values[i]);
-    return carry_out(query);
+    return run_statement(query);
 }
 
 enum neph_status neph_database_do(struct neph_database *database, struct neph_diag *diag,
@@ -178,7 +178,7 @@ enum neph_status neph_database_do(struct neph_database *database, struct neph_di
     va_start(values, types);
     struct neph_query *query = neph_query_list(database, diag, statement, types, values);
     va_end(values);
-    return carry_out(query);
+    return run_statement(query);
 }
 
 enum neph_status neph_database_count(struct neph_database *database, int64_t *count,
@@ -224,8 +224,8 @@ enum neph_status neph_database_end(struct neph_database *database, enum neph_sta
 
 /* ---- opening --------------------------------------------------------------------------------- */
 
-static enum neph_status take_step(struct neph_database *database, const char *step, int64_t form,
-                                  struct neph_diag *diag)
+static enum neph_status run_migration_step(struct neph_database *database, const char *step,
+                                           int64_t form, struct neph_diag *diag)
 {
     char mark[64];
     snprintf(mark, sizeof(mark), "PRAGMA user_version = %lld", (long long)form);
@@ -255,7 +255,7 @@ static enum neph_status migrate(struct neph_database *database, const char *cons
                   "a later neph has written it: use that version, or name another folder with -o");
     }
     for (; !status && form < last; form++)
-        status = take_step(database, steps[form], form + 1, diag);
+        status = run_migration_step(database, steps[form], form + 1, diag);
     return neph_database_end(database, status, diag);
 }
 

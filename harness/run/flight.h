@@ -14,10 +14,10 @@ struct neph_spread {
 };
 
 /* Sorts the values. All NaN when the first value is not finite: the device has no timestamps. */
-struct neph_spread neph_spread_of(double *values, int count);
+struct neph_spread neph_spread_compute(double *values, int count);
 
 /* Collected frames. The caller's arrays have room for all frames that are submitted. */
-struct neph_flown {
+struct neph_flight_results {
     struct neph_flight_cost *costs;
     double *frame_s; /* wall-clock time from one frame to the next */
     double all_s;    /* from the first submission to the last frame collected */
@@ -41,12 +41,13 @@ enum neph_status neph_flight_warm_up(struct neph_job *job, long *picture, struct
 
 /* The time of a frame: by the device's timestamps where it has them, else wall-clock time. Sorts
  * `flown`. */
-struct neph_spread neph_flight_time(struct neph_flown *flown);
+struct neph_spread neph_flight_time(struct neph_flight_results *flown);
 
 /* Renders frames of a job whose sequence is open, from number `*picture` on: `most` frames, or
  * fewer when `seconds` are over, but at least `least`. The results are appended to `flown`, which
  * may be NULL. Errors of the engine; NEPH_ERR_INTERRUPTED. */
-enum neph_status neph_flight_fly(struct neph_job *job, long *picture, int least, int most,
-                                 double seconds, struct neph_flown *flown, struct neph_diag *diag);
+enum neph_status neph_flight_run(struct neph_job *job, long *picture, int least, int most,
+                                 double seconds, struct neph_flight_results *flown,
+                                 struct neph_diag *diag);
 
 #endif

@@ -81,7 +81,7 @@ enum neph_status neph_document_write(const char *store_folder, enum neph_documen
 }
 
 /* A document takes its number, even a damaged document without rows. */
-static bool is_taken(const char *store_folder, enum neph_document kind, int64_t number)
+static bool has_document_file(const char *store_folder, enum neph_document kind, int64_t number)
 {
     return neph_path_exists(neph_document_path(store_folder, kind, number).text);
 }
@@ -89,7 +89,7 @@ static bool is_taken(const char *store_folder, enum neph_document kind, int64_t 
 /* The first free number, from `number` on. */
 static int64_t next_number(const char *store_folder, enum neph_document kind, int64_t number)
 {
-    while (is_taken(store_folder, kind, number))
+    while (has_document_file(store_folder, kind, number))
         number++;
     return number;
 }
@@ -99,14 +99,14 @@ static enum neph_status write_new_document(const char *store_folder, enum neph_d
                                            int64_t number, const json_t *document,
                                            struct neph_diag *diag)
 {
-    return is_taken(store_folder, kind, number)
+    return has_document_file(store_folder, kind, number)
                ? neph_fail(diag, NEPH_ERR_IO, "'%s' exists",
                            neph_document_path(store_folder, kind, number).text)
                : neph_document_write(store_folder, kind, number, document, diag);
 }
 
 /* Checks the values that rows of the document cannot do without. */
-static bool is_whole(const json_t *document, enum neph_document kind)
+static bool is_complete_document(const json_t *document, enum neph_document kind)
 {
     size_t i;
     const json_t *step;
@@ -126,7 +126,7 @@ enum neph_status neph_document_read(const char *path, enum neph_document kind, j
     const enum neph_status status = neph_json_read(path, document_limit_bytes, &read, diag);
     if (status)
         return status;
-    if (!is_whole(read, kind)) {
+    if (!is_complete_document(read, kind)) {
         json_decref(read);
         return neph_fail(diag, NEPH_ERR_INPUT, "it is no complete %s", documents[kind].format);
     }
@@ -273,8 +273,8 @@ static enum neph_status insert_head(struct neph_database *index, int64_t night,
                            &head_form, head);
 }
 
-static enum neph_status forget_night(struct neph_database *index, int64_t night,
-                                     struct neph_diag *diag)
+static enum neph_status delete_run_rows(struct neph_database *index, int64_t night,
+                                        struct neph_diag *diag)
 {
     static const char *const statements[] = {
         "DELETE FROM measurements WHERE night = ?", "DELETE FROM steps WHERE night = ?",
@@ -291,7 +291,7 @@ static enum neph_status insert_night(struct neph_database *index, int64_t night,
 {
     struct head head;
     neph_record_read(&head_form, document, NULL, &head);
-    enum neph_status status = forget_night(index, night, diag);
+    enum neph_status status = delete_run_rows(index, night, diag);
     if (!status)
         status = insert_head(index, night, &head, diag);
     return status ? status : insert_lists(index, night, document, diag);
@@ -321,9 +321,9 @@ enum neph_status neph_document_insert(struct neph_database *index, enum neph_doc
 
 /* ---- new documents --------------------------------------------------------------------------- */
 
-static enum neph_status take_document(struct neph_database *index, const char *store_folder,
-                                      enum neph_document kind, int64_t number,
-                                      struct neph_diag *diag)
+static enum neph_status index_document(struct neph_database *index, const char *store_folder,
+                                       enum neph_document kind, int64_t number,
+                                       struct neph_diag *diag)
 {
     int64_t known = 0;
     json_t *document = NULL;
@@ -363,7 +363,7 @@ enum neph_status neph_history_refresh(struct neph_database *index, const char *s
         for (int i = 0; i < names.count && !status; i++) {
             const int64_t number = neph_document_number(names.list[i], kinds[k]);
             if (number > 0)
-                status = take_document(index, store_folder, kinds[k], number, diag);
+                status = index_document(index, store_folder, kinds[k], number, diag);
         }
     neph_arena_finish(&arena);
     return status;
@@ -371,8 +371,8 @@ enum neph_status neph_history_refresh(struct neph_database *index, const char *s
 
 /* ---- an unfinished run ----------------------------------------------------------------------- */
 
-static enum neph_status forget_unfinished(struct neph_database *index, int64_t but,
-                                          struct neph_diag *diag)
+static enum neph_status delete_unfinished_runs(struct neph_database *index, int64_t but,
+                                               struct neph_diag *diag)
 {
     int64_t night;
     enum neph_status status;
@@ -382,7 +382,7 @@ static enum neph_status forget_unfinished(struct neph_database *index, int64_t b
                                      "SELECT id FROM nights WHERE ended_utc = '' AND id != ?", "i",
                                      but);
         if (!status && night > 0)
-            status = forget_night(index, night, diag);
+            status = delete_run_rows(index, night, diag);
     } while (!status && night > 0);
     return status;
 }
@@ -430,11 +430,11 @@ static enum neph_status find_or_insert_night(struct neph_database *index, const 
         "SELECT id FROM nights WHERE ended_utc = '' AND plan = ? AND revision = ? AND program = ? "
         "AND host = ? ORDER BY id DESC",
         "ssss", night->plan, night->revision, night->program, night->host);
-    if (is_taken(store_folder, NEPH_DOCUMENT_NIGHT, *id))
+    if (has_document_file(store_folder, NEPH_DOCUMENT_NIGHT, *id))
         *id = 0; /* its document exists, so it could not be finished */
     *resumed = *id > 0;
     if (!status)
-        status = forget_unfinished(index, *id, diag);
+        status = delete_unfinished_runs(index, *id, diag);
     return status || *resumed ? status : insert_new_night(index, store_folder, night, id, diag);
 }
 
@@ -464,7 +464,7 @@ enum neph_status neph_history_adopt(struct neph_database *index, const char *sto
                          (long long)id, store_folder);
     enum neph_status status = neph_database_begin(index, diag);
     if (!status)
-        status = forget_unfinished(index, 0, diag);
+        status = delete_unfinished_runs(index, 0, diag);
     if (!status)
         status = insert_beginning(index, night, id, started_utc, diag);
     return neph_database_end(index, status, diag);

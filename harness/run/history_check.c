@@ -55,8 +55,8 @@ enum neph_status neph_history_check(struct neph_database *index, const char *sto
     return check_nights(index, store_folder, false, diag);
 }
 
-enum neph_status neph_history_mend(struct neph_database *index, const char *store_folder,
-                                   struct neph_diag *diag)
+enum neph_status neph_history_repair(struct neph_database *index, const char *store_folder,
+                                     struct neph_diag *diag)
 {
     const enum neph_status status = check_nights(index, store_folder, true, diag);
     return status == NEPH_ERR_INPUT ? NEPH_OK : status;
@@ -74,12 +74,12 @@ struct check {
     struct neph_database *index;
     const char *store_folder;
     bool mends;
-    neph_history_tell *tell;
+    neph_history_report *tell;
     void *context;
 };
 
 /* Whether document and row are equal, without the digest, which the row does not have. */
-static bool is_as_row(const json_t *document, const json_t *row)
+static bool equals_row(const json_t *document, const json_t *row)
 {
     json_t *bare = json_copy((json_t *)document);
     if (bare)
@@ -118,8 +118,8 @@ static const json_t *choose_version(const struct versions *v)
 {
     if (!v->document)
         return v->copy ? v->copy : v->row;
-    const bool is_edited = v->copy && v->row && is_as_row(v->copy, v->row) &&
-                           !is_as_row(v->document, v->row);
+    const bool is_edited = v->copy && v->row && equals_row(v->copy, v->row) &&
+                           !equals_row(v->document, v->row);
     return is_edited ? v->copy : v->document;
 }
 
@@ -135,7 +135,7 @@ static const char *find_fault(const struct versions *v, const json_t *right, boo
         return "it is missing";
     if (v->document != right)
         return "it differs from its copy and the database";
-    if (v->row && !is_as_row(right, v->row))
+    if (v->row && !equals_row(right, v->row))
         return "it differs from the database";
     *of_copy = true;
     if (v->copy_is_torn)
@@ -153,7 +153,7 @@ static enum neph_status write_versions(const struct check *check, int64_t number
     if (!status && v->document != right)
         status = neph_document_write(check->store_folder, NEPH_DOCUMENT_ACCEPTANCE, number, right,
                                      diag);
-    if (!status && !(v->row && is_as_row(right, v->row))) {
+    if (!status && !(v->row && equals_row(right, v->row))) {
         status = neph_database_do(check->index, diag, "DELETE FROM acceptances WHERE id = ?", "i",
                                   number);
         if (!status)
@@ -163,8 +163,8 @@ static enum neph_status write_versions(const struct check *check, int64_t number
     return status;
 }
 
-static void tell_fault(const struct check *check, enum neph_document kind, int64_t number,
-                       const char *why, bool mended)
+static void report_document_fault(const struct check *check, enum neph_document kind,
+                                  int64_t number, const char *why, bool mended)
 {
     const struct neph_path path = neph_document_path(check->store_folder, kind, number);
     const struct neph_history_fault fault = {strrchr(path.text, '/') + 1, why, mended};
@@ -180,8 +180,8 @@ static enum neph_status check_versions(const struct check *check, int64_t number
     const bool mends = why && right && check->mends;
     const enum neph_status status = mends ? write_versions(check, number, v, right, diag) : NEPH_OK;
     if (!status && why)
-        tell_fault(check, of_copy ? NEPH_DOCUMENT_COPY : NEPH_DOCUMENT_ACCEPTANCE, number, why,
-                   mends);
+        report_document_fault(check, of_copy ? NEPH_DOCUMENT_COPY : NEPH_DOCUMENT_ACCEPTANCE,
+                              number, why, mends);
     return status;
 }
 
@@ -223,7 +223,7 @@ static enum neph_status find_last_acceptance(const struct check *check, int64_t 
 
 enum neph_status neph_history_check_acceptances(struct neph_database *index,
                                                 const char *store_folder, bool mends,
-                                                neph_history_tell *tell, void *context,
+                                                neph_history_report *tell, void *context,
                                                 struct neph_diag *diag)
 {
     const struct check check = {index, store_folder, mends, tell, context};
@@ -250,15 +250,16 @@ static enum neph_status check_torn(const struct check *check, int64_t night, str
                               diag);
     json_decref(document);
     if (!status && torn)
-        tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
-                   "it is no complete neph-night-1, and the database does not have the night: "
-                   "restore it from a copy of the store, or remove it",
-                   false);
+        report_document_fault(
+            check, NEPH_DOCUMENT_NIGHT, night,
+            "it is no complete neph-night-1, and the database does not have the night: "
+            "restore it from a copy of the store, or remove it",
+            false);
     return status;
 }
 
 enum neph_status neph_history_check_torn(struct neph_database *index, const char *store_folder,
-                                         neph_history_tell *tell, void *context,
+                                         neph_history_report *tell, void *context,
                                          struct neph_diag *diag)
 {
     const struct check check = {index, store_folder, false, tell, context};
@@ -296,7 +297,7 @@ static enum neph_status check_accepted_night(const struct check *check, int64_t 
             return status;
         }
     }
-    tell_fault(check, NEPH_DOCUMENT_NIGHT, night, fault, false);
+    report_document_fault(check, NEPH_DOCUMENT_NIGHT, night, fault, false);
     return NEPH_OK;
 }
 
@@ -316,15 +317,16 @@ static enum neph_status check_digest(const struct check *check, int64_t number, 
     const bool differs = digest[0] && accepted[0] && strcmp(digest, accepted) != 0;
     json_decref(document);
     if (!status && differs)
-        tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
-                   "it was changed after it was accepted: restore it from a copy of the store, or "
-                   "accept another night",
-                   false);
+        report_document_fault(
+            check, NEPH_DOCUMENT_NIGHT, night,
+            "it was changed after it was accepted: restore it from a copy of the store, or "
+            "accept another night",
+            false);
     return status;
 }
 
 enum neph_status neph_history_check_baseline(struct neph_database *index, const char *store_folder,
-                                             neph_history_tell *tell, void *context,
+                                             neph_history_report *tell, void *context,
                                              struct neph_diag *diag)
 {
     const struct check check = {index, store_folder, false, tell, context};

@@ -126,7 +126,7 @@ static enum neph_status find_environment(struct neph_database *index, const stru
                                      "sssss", e->engine, e->version, e->build, e->device, e->host);
 }
 
-static int64_t bytes_in(const char *folder)
+static int64_t sum_file_sizes(const char *folder)
 {
     int64_t sum = 0;
     DIR *directory = opendir(folder);
@@ -146,7 +146,7 @@ static enum neph_status insert_job(struct neph_database *index, const char *fold
     struct environment environment;
     struct job job;
     read_record(key, record, &job, &environment);
-    job.bytes = bytes_in(folder);
+    job.bytes = sum_file_sizes(folder);
     const enum neph_status status = find_environment(index, &environment, &environment.id, diag);
     return status ? status
                   : neph_record_put(index, diag,
@@ -156,8 +156,8 @@ static enum neph_status insert_job(struct neph_database *index, const char *fold
 }
 
 /* Skips an entry with a bad record: the next request for its key removes it. */
-static enum neph_status take_frame(struct neph_database *index, const char *frames, const char *key,
-                                   struct neph_diag *diag)
+static enum neph_status index_frame(struct neph_database *index, const char *frames,
+                                    const char *key, struct neph_diag *diag)
 {
     char why[NEPH_ENTRY_WHY_BYTES];
     json_t *record = NULL;
@@ -171,8 +171,8 @@ static enum neph_status take_frame(struct neph_database *index, const char *fram
 
 /* ---- comparing rows with frames -------------------------------------------------------------- */
 
-static enum neph_status forget_frame(struct neph_database *index, const char *key,
-                                     struct neph_diag *diag)
+static enum neph_status delete_frame_row(struct neph_database *index, const char *key,
+                                         struct neph_diag *diag)
 {
     if (!neph_entry_is_key(key))
         return neph_fail(diag, NEPH_ERR_INPUT, "a row has an invalid key");
@@ -189,9 +189,9 @@ static bool are_equal(const struct neph_names *a, const struct neph_names *b)
 
 /* Walks names and rows, both sorted: inserts frames without a row and deletes rows without a frame.
  */
-static enum neph_status take_over(struct neph_database *index, const char *frames,
-                                  const struct neph_names *names, const struct neph_names *rows,
-                                  struct neph_diag *diag)
+static enum neph_status sync_rows_with_frames(struct neph_database *index, const char *frames,
+                                              const struct neph_names *names,
+                                              const struct neph_names *rows, struct neph_diag *diag)
 {
     enum neph_status status = neph_database_begin(index, diag);
     for (int n = 0, r = 0; !status && (n < names->count || r < rows->count);) {
@@ -199,9 +199,9 @@ static enum neph_status take_over(struct neph_database *index, const char *frame
                           : r == rows->count ? -1
                                              : strcmp(names->list[n], rows->list[r]);
         if (order < 0)
-            status = take_frame(index, frames, names->list[n], diag);
+            status = index_frame(index, frames, names->list[n], diag);
         else if (order > 0)
-            status = forget_frame(index, rows->list[r], diag);
+            status = delete_frame_row(index, rows->list[r], diag);
         n += order <= 0;
         r += order >= 0;
     }
@@ -236,7 +236,7 @@ static enum neph_status refresh(struct neph_database *index, const char *frames,
     struct neph_names names, rows;
     enum neph_status status = list_keys(index, frames, &arena, &names, &rows, diag);
     if (!status && !are_equal(&names, &rows))
-        status = take_over(index, frames, &names, &rows, diag);
+        status = sync_rows_with_frames(index, frames, &names, &rows, diag);
     neph_arena_finish(&arena);
     return status;
 }
@@ -248,12 +248,12 @@ enum neph_index_place neph_index_place(void)
     const char *named = getenv("NEPH_STORE_INDEX");
     if (!named || !named[0])
         return NEPH_INDEX_IN_STORE;
-    return strcmp(named, "none") == 0 ? NEPH_INDEX_NONE : NEPH_INDEX_OF_HOST;
+    return strcmp(named, "none") == 0 ? NEPH_INDEX_NONE : NEPH_INDEX_ON_HOST;
 }
 
 /* The marker file's inode and time tell a store from a later one at the same path. */
-static enum neph_status name_of_store(const char *store_folder, char name[NEPH_HASH_HEX_SIZE],
-                                      struct neph_diag *diag)
+static enum neph_status hash_store_identity(const char *store_folder, char name[NEPH_HASH_HEX_SIZE],
+                                            struct neph_diag *diag)
 {
     struct stat info;
     char *real = realpath(store_folder, NULL);
@@ -276,9 +276,9 @@ static enum neph_status find_folder(const char *store_folder, struct neph_path *
 {
     char name[NEPH_HASH_HEX_SIZE];
     *folder = neph_path_in(store_folder, "index");
-    if (neph_index_place() != NEPH_INDEX_OF_HOST)
+    if (neph_index_place() != NEPH_INDEX_ON_HOST)
         return NEPH_OK;
-    const enum neph_status status = name_of_store(store_folder, name, diag);
+    const enum neph_status status = hash_store_identity(store_folder, name, diag);
     if (!status)
         *folder = neph_path_format("%s/%.16s", getenv("NEPH_STORE_INDEX"), name);
     return status;
@@ -312,8 +312,8 @@ static enum neph_status set_aside(const char *folder, const char *why, struct ne
 }
 
 /* Opens the database, checks it and refreshes it. */
-static enum neph_status open_whole(const char *path, const char *store_folder, bool reads,
-                                   struct neph_database **index, struct neph_diag *diag)
+static enum neph_status open_checked(const char *path, const char *store_folder, bool reads,
+                                     struct neph_database **index, struct neph_diag *diag)
 {
     struct neph_database *opened = NULL;
     enum neph_status status = neph_database_open(path, steps, &opened, diag);
@@ -332,7 +332,7 @@ static enum neph_status open_whole(const char *path, const char *store_folder, b
 
 /* Warns of a store with frames but no database: the store may be older than databases, or its
  * database was removed. */
-static void tell_new_database(struct neph_database *index, const char *store_folder)
+static void warn_of_new_database(struct neph_database *index, const char *store_folder)
 {
     int64_t frames = 0;
     if (neph_database_count(index, &frames, NULL, "SELECT count(*) FROM jobs", "") == NEPH_OK &&
@@ -358,15 +358,15 @@ enum neph_status neph_index_open(const char *store_folder, bool reads, struct ne
     if (!status)
         status = neph_dir_create(folder.text, &why);
     if (!status)
-        status = open_whole(path.text, store_folder, reads, index, &why);
+        status = open_checked(path.text, store_folder, reads, index, &why);
     if (!status && is_new && neph_index_place() == NEPH_INDEX_IN_STORE)
-        tell_new_database(*index, store_folder);
+        warn_of_new_database(*index, store_folder);
     /* Damage inside rows, which SQLite does not detect, shows when a refresh with these rows is
      * refused. */
     if (status == NEPH_ERR_INPUT || status == NEPH_ERR_INTERNAL) {
         status = set_aside(folder.text, why.message, &why);
         if (!status)
-            status = open_whole(path.text, store_folder, reads, index, &why);
+            status = open_checked(path.text, store_folder, reads, index, &why);
     }
     if (status && diag)
         *diag = why;
@@ -411,7 +411,8 @@ enum neph_status neph_index_agrees(struct neph_database *index, const char *key,
     return status;
 }
 
-enum neph_status neph_index_renew(const char *store_folder, const char *why, struct neph_diag *diag)
+enum neph_status neph_index_set_aside(const char *store_folder, const char *why,
+                                      struct neph_diag *diag)
 {
     struct neph_path folder;
     const enum neph_status status = find_folder(store_folder, &folder, diag);

@@ -20,7 +20,7 @@
 
 enum neph_index_place {
     NEPH_INDEX_IN_STORE,
-    NEPH_INDEX_OF_HOST, /* in the folder named by NEPH_STORE_INDEX */
+    NEPH_INDEX_ON_HOST, /* in the folder named by NEPH_STORE_INDEX */
     NEPH_INDEX_NONE,    /* the database must not be opened */
 };
 
@@ -49,7 +49,7 @@ extern const struct neph_record_form neph_index_environment_form, neph_index_job
 
 /* Sets the database aside, so that the next opening rebuilds it. The database must be closed in all
  * processes, and the caller owns the store's lock. */
-enum neph_status neph_index_renew(const char *store_folder, const char *why,
-                                  struct neph_diag *diag);
+enum neph_status neph_index_set_aside(const char *store_folder, const char *why,
+                                      struct neph_diag *diag);
 
 #endif

@@ -147,7 +147,7 @@ static enum neph_status label_frame(const struct neph_job *job, const struct nep
         {"neph.engine_build", job->info->build},
         {"neph.device", job->info->device},
         {"neph.settings", settings},
-        {"neph.rung", neph_rung_name(job->engine->rung)},
+        {"neph.rung", neph_reference_level_name(job->engine->rung)},
         {"neph.driver_revision", neph_arena_format(&arena, "%u", (unsigned)job->engine->version)},
         {"neph.frame", neph_arena_format(&arena, "%d", shot->frame)},
         {NEPH_FRAME_RATE_ATTRIBUTE, neph_arena_format(&arena, "%.15g", shot->scene->frame_rate_hz)},
@@ -221,10 +221,11 @@ void neph_job_close(struct neph_job *job)
 
 /* Engines without a history render static scenes: where the sun or media move, `shot` gets the
  * scene at its frame, which is `*still` then; the caller destroys it. */
-static enum neph_status hold_scene(const struct neph_engine *engine, struct neph_shot *shot,
-                                   struct neph_scene **still, struct neph_diag *diag)
+static enum neph_status freeze_scene_at_frame(const struct neph_engine *engine,
+                                              struct neph_shot *shot, struct neph_scene **still,
+                                              struct neph_diag *diag)
 {
-    if (engine->remembers || !neph_scene_moves(shot->scene))
+    if (engine->has_frame_history || !neph_scene_moves(shot->scene))
         return NEPH_OK;
     const enum neph_status status = neph_scene_at(shot->scene, shot->frame, still, diag);
     if (!status)
@@ -234,8 +235,8 @@ static enum neph_status hold_scene(const struct neph_engine *engine, struct neph
 
 /* Programs without disk space fail in different ways: with their own message, by dying, or with
  * half an image. */
-static enum neph_status name_full_disk(enum neph_status status, const struct neph_shot *shot,
-                                       struct neph_diag *diag)
+static enum neph_status detect_full_disk(enum neph_status status, const struct neph_shot *shot,
+                                         struct neph_diag *diag)
 {
     static const char *const words[] = {"No space left on device", "Disk quota exceeded",
                                         "Disk full"};
@@ -257,11 +258,11 @@ static enum neph_status name_full_disk(enum neph_status status, const struct nep
 
 enum neph_status neph_job_check(const struct neph_job *job, struct neph_diag *diag)
 {
-    struct neph_job held = *job;
+    struct neph_job frozen_job = *job;
     struct neph_scene *still = NULL;
-    enum neph_status status = hold_scene(job->engine, &held.shot, &still, diag);
+    enum neph_status status = freeze_scene_at_frame(job->engine, &frozen_job.shot, &still, diag);
     if (!status)
-        status = check_possible(&held, diag);
+        status = check_possible(&frozen_job, diag);
     neph_scene_destroy(still);
     return status;
 }
@@ -269,20 +270,22 @@ enum neph_status neph_job_check(const struct neph_job *job, struct neph_diag *di
 enum neph_status neph_job_render_unchecked(const struct neph_job *job, struct neph_image **frame,
                                            struct neph_cost *cost, struct neph_diag *diag)
 {
-    struct neph_job held = *job;
+    struct neph_job frozen_job = *job;
     struct neph_scene *still = NULL;
     struct neph_image *rendered = NULL;
-    enum neph_status status = hold_scene(job->engine, &held.shot, &still, diag);
+    enum neph_status status = freeze_scene_at_frame(job->engine, &frozen_job.shot, &still, diag);
     if (!status)
-        status = check_possible(&held, diag);
+        status = check_possible(&frozen_job, diag);
     if (!status) {
-        status = held.sequence
-                     ? held.engine->sequence->next(held.sequence, &held.shot, &rendered, cost, diag)
-                     : neph_engine_render(held.engine, &held.shot, &rendered, cost, diag);
-        status = name_full_disk(status, &held.shot, diag);
+        status = frozen_job.sequence
+                     ? frozen_job.engine->sequence->next(frozen_job.sequence, &frozen_job.shot,
+                                                         &rendered, cost, diag)
+                     : neph_engine_render(frozen_job.engine, &frozen_job.shot, &rendered, cost,
+                                          diag);
+        status = detect_full_disk(status, &frozen_job.shot, diag);
     }
     if (!status)
-        status = label_frame(&held, cost, rendered, diag);
+        status = label_frame(&frozen_job, cost, rendered, diag);
     neph_scene_destroy(still);
     if (status) {
         neph_image_destroy(rendered);
@@ -298,13 +301,13 @@ static enum neph_status check_is_finite(const struct neph_shot *shot, struct nep
     if (shot->scene->light_count == 0 || !(shot->layers & NEPH_LAYER_RADIANCE))
         return NEPH_OK;
     struct neph_scene *still = NULL;
-    struct neph_lamp_peak peak;
+    struct neph_light_peak peak;
     const enum neph_status status = neph_scene_at(shot->scene, shot->frame, &still, diag);
     if (status)
         return status;
     const struct neph_camera camera = neph_scene_camera(shot->scene, shot->frame);
-    const bool is_infinite = neph_find_lamp_peak(still, &camera, shot->width_px, shot->height_px,
-                                                 &peak);
+    const bool is_infinite = neph_find_light_peak(still, &camera, shot->width_px, shot->height_px,
+                                                  &peak);
     neph_scene_destroy(still);
     if (!is_infinite)
         return NEPH_OK;
@@ -370,7 +373,7 @@ static json_t *make_record(const struct neph_job *job, const struct neph_job_res
         "peak_memory_bytes", (json_int_t)result->cost.peak_memory_bytes);
 }
 
-static struct neph_cost cost_of_record(const json_t *record)
+static struct neph_cost read_record_cost(const json_t *record)
 {
     return (struct neph_cost){
         .render_s = json_number_value(json_object_get(record, "render_s")),
@@ -382,7 +385,7 @@ static struct neph_cost cost_of_record(const json_t *record)
 
 /* The outcome of a status; `*ends_run`: the run cannot go on. All other failures concern one
  * engine. */
-static enum neph_outcome outcome_of(enum neph_status status, bool *ends_run)
+static enum neph_outcome outcome_from_status(enum neph_status status, bool *ends_run)
 {
     *ends_run = status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY;
     switch (status) {
@@ -410,7 +413,8 @@ static enum neph_outcome outcome_of(enum neph_status status, bool *ends_run)
     return NEPH_OUTCOME_FAILED;
 }
 
-static void explain(struct neph_job_result *result, const struct neph_diag *diag, const char *kept)
+static void write_result_reason(struct neph_job_result *result, const struct neph_diag *diag,
+                                const char *kept)
 {
     neph_text_format(result->reason, sizeof(result->reason), "%s%s%s%s%s", diag->message,
                      diag->hint[0] ? "; " : "", diag->hint, kept ? "; logs: " : "",
@@ -424,7 +428,7 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
 {
     struct neph_scratch *scratch = NULL;
     char *kept = NULL;
-    const struct neph_path resting = neph_store_resting_place(store, key);
+    const struct neph_path resting = neph_store_checkpoint_path(store, key);
     struct neph_image *frame = NULL;
     json_t *record = NULL;
     enum neph_status status = neph_store_begin(store, &scratch, diag);
@@ -432,17 +436,17 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
         return status;
     struct neph_job placed = *job;
     placed.shot.scratch_directory = neph_scratch_path(scratch);
-    placed.shot.checkpoint = job->engine->rests ? resting.text : NULL;
+    placed.shot.checkpoint = job->engine->can_checkpoint ? resting.text : NULL;
     struct neph_diag engine_diag = {.line = 0};
     status = neph_job_render(&placed, &frame, &result->cost, &engine_diag);
     bool ends_run;
-    result->outcome = outcome_of(status, &ends_run);
+    result->outcome = outcome_from_status(status, &ends_run);
     if (placed.shot.checkpoint && status != NEPH_ERR_INTERRUPTED)
         unlink(resting.text); /* finished, or unusable */
     if (status) {
         neph_store_abandon(store, key, scratch, &kept);
         neph_move_paths(&engine_diag, neph_scratch_path(scratch), kept);
-        explain(result, &engine_diag, kept);
+        write_result_reason(result, &engine_diag, kept);
         if (ends_run && diag)
             *diag = engine_diag;
         status = ends_run ? status : NEPH_OK;
@@ -466,9 +470,10 @@ done:
 }
 
 /* Like neph_job_reuse(), and computes the key. */
-static enum neph_status look_up(const struct neph_job *job, struct neph_store *store,
-                                char key[NEPH_HASH_HEX_SIZE], struct neph_job_result *result,
-                                bool *found, struct neph_diag *diag)
+static enum neph_status find_job_in_store(const struct neph_job *job, struct neph_store *store,
+                                          char key[NEPH_HASH_HEX_SIZE],
+                                          struct neph_job_result *result, bool *found,
+                                          struct neph_diag *diag)
 {
     memset(result, 0, sizeof(*result));
     const enum neph_status status = neph_job_key(job, key, diag);
@@ -482,7 +487,7 @@ static enum neph_status look_up(const struct neph_job *job, struct neph_store *s
     if (*found) {
         result->outcome = NEPH_OUTCOME_RENDERED;
         result->reused = true;
-        result->cost = cost_of_record(record);
+        result->cost = read_record_cost(record);
     }
     json_decref(record);
     return NEPH_OK;
@@ -492,7 +497,7 @@ enum neph_status neph_job_reuse(const struct neph_job *job, struct neph_store *s
                                 struct neph_job_result *result, bool *found, struct neph_diag *diag)
 {
     char key[NEPH_HASH_HEX_SIZE];
-    return look_up(job, store, key, result, found, diag);
+    return find_job_in_store(job, store, key, result, found, diag);
 }
 
 enum neph_status neph_job_run(const struct neph_job *job, struct neph_store *store,
@@ -500,14 +505,14 @@ enum neph_status neph_job_run(const struct neph_job *job, struct neph_store *sto
 {
     char key[NEPH_HASH_HEX_SIZE];
     bool found = false;
-    enum neph_status status = look_up(job, store, key, result, &found, diag);
+    enum neph_status status = find_job_in_store(job, store, key, result, &found, diag);
     if (status || found)
         return status;
     struct neph_diag why = {.line = 0};
     bool ends_run;
-    result->outcome = outcome_of(check_possible(job, &why), &ends_run);
+    result->outcome = outcome_from_status(check_possible(job, &why), &ends_run);
     if (result->outcome != NEPH_OUTCOME_RENDERED) {
-        explain(result, &why, NULL);
+        write_result_reason(result, &why, NULL);
         return NEPH_OK;
     }
     status = render_and_publish(job, store, key, result, diag);

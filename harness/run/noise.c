@@ -11,7 +11,7 @@ static double ratio(double variance, double power)
     return variance > 0.0 ? sqrt(variance / power) : 0.0;
 }
 
-double neph_noise_of_frame(const struct neph_image *frame)
+double neph_noise_from_variance(const struct neph_image *frame)
 {
     float *radiance[3], *variance[3];
     if (!neph_image_rgb(frame, NULL, radiance) || !neph_image_rgb(frame, "variance", variance))
@@ -25,7 +25,7 @@ double neph_noise_of_frame(const struct neph_image *frame)
     return ratio(sum, power);
 }
 
-double neph_noise_of_two(const struct neph_image *a, const struct neph_image *b)
+double neph_noise_from_two_seeds(const struct neph_image *a, const struct neph_image *b)
 {
     float *first[3], *second[3];
     if (!neph_image_rgb(a, NULL, first) || !neph_image_rgb(b, NULL, second) ||

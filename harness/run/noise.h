@@ -8,10 +8,10 @@
 #include "base/image.h"
 
 /* From the frame's own variance layer; NaN when it has none. */
-double neph_noise_of_frame(const struct neph_image *frame);
+double neph_noise_from_variance(const struct neph_image *frame);
 
 /* The noise of each of two frames of one job with different seeds: half the mean squared difference
  * is the variance of one frame. NaN when the frames have no common R G B. */
-double neph_noise_of_two(const struct neph_image *a, const struct neph_image *b);
+double neph_noise_from_two_seeds(const struct neph_image *a, const struct neph_image *b);
 
 #endif

@@ -32,7 +32,7 @@ void neph_noisy_finish(struct neph_noisy_frame *frame)
     frame->image = NULL;
 }
 
-static double value_of(const struct neph_noisy_frame *frame, int channel, size_t pixel)
+static double read_pixel(const struct neph_noisy_frame *frame, int channel, size_t pixel)
 {
     return frame ? (double)frame->planes[channel][pixel] : 0.0;
 }
@@ -44,17 +44,17 @@ double neph_noisy_cross(const struct neph_noisy_frame *a, const struct neph_nois
     const size_t count = neph_image_pixel_count(a->image);
     for (int k = 0; k < 3; k++)
         for (size_t p = 0; p < count; p++)
-            neph_sum_add(&sum, (value_of(a, k, p) - value_of(r, k, p)) *
-                                   (value_of(b, k, p) - value_of(s, k, p)));
+            neph_sum_add(&sum, (read_pixel(a, k, p) - read_pixel(r, k, p)) *
+                                   (read_pixel(b, k, p) - read_pixel(s, k, p)));
     return neph_sum_value(&sum) / (3.0 * (double)count);
 }
 
-double neph_noisy_noise2(const struct neph_noisy_frame frames[NEPH_NOISE_SEEDS])
+double neph_noisy_compute_noise2(const struct neph_noisy_frame frames[NEPH_NOISE_SEEDS])
 {
     return 0.5 * neph_noisy_cross(&frames[0], &frames[1], &frames[0], &frames[1]);
 }
 
-double neph_noisy_mean(const struct neph_noisy_frame *frame)
+double neph_noisy_compute_mean(const struct neph_noisy_frame *frame)
 {
     struct neph_sum sum = {0.0, 0.0};
     const size_t count = neph_image_pixel_count(frame->image);

@@ -28,9 +28,9 @@ double neph_noisy_cross(const struct neph_noisy_frame *a, const struct neph_nois
                         const struct neph_noisy_frame *b, const struct neph_noisy_frame *s);
 
 /* Half the mean of (a - b)^2: the squared noise of one of the two frames. */
-double neph_noisy_noise2(const struct neph_noisy_frame frames[NEPH_NOISE_SEEDS]);
+double neph_noisy_compute_noise2(const struct neph_noisy_frame frames[NEPH_NOISE_SEEDS]);
 
 /* The mean radiance over pixels and channels. */
-double neph_noisy_mean(const struct neph_noisy_frame *frame);
+double neph_noisy_compute_mean(const struct neph_noisy_frame *frame);
 
 #endif

@@ -38,14 +38,14 @@ static int count_columns(const struct neph_record_field *field)
 }
 
 /* Copy a member to the values of its columns, and back. */
-static void get(const struct neph_record_field *field, const void *record,
-                union neph_database_value *values)
+static void copy_member_to_values(const struct neph_record_field *field, const void *record,
+                                  union neph_database_value *values)
 {
     memcpy(values, (const char *)record + field->at, (size_t)count_columns(field) * SIZE);
 }
 
-static void set(const struct neph_record_field *field, void *record,
-                const union neph_database_value *values)
+static void copy_values_to_member(const struct neph_record_field *field, void *record,
+                                  const union neph_database_value *values)
 {
     memcpy((char *)record + field->at, values, (size_t)count_columns(field) * SIZE);
 }
@@ -76,7 +76,7 @@ json_t *neph_record_json(const struct neph_record_form *form, const void *record
     for (int i = 0, count = count_fields(form); i < count; i++) {
         const struct neph_record_field *field = &form->fields[i];
         union neph_database_value values[2];
-        get(field, record, values);
+        copy_member_to_values(field, record, values);
         if (!field->name[0])
             return field_json(field, values);
         if (field->kind != NEPH_RECORD_TEXT || !field->may_lack || values[0].text[0])
@@ -103,7 +103,7 @@ static void read_field(const struct neph_record_field *field, const json_t *valu
         break;
     case NEPH_RECORD_TEXT:
         text = text ? text : "";
-        values[0].text = arena ? neph_arena_text(arena, text) : text;
+        values[0].text = arena ? neph_arena_copy_text(arena, text) : text;
         break;
     case NEPH_RECORD_KIND_COUNT:
         break;
@@ -118,7 +118,7 @@ void neph_record_read(const struct neph_record_form *form, const json_t *json,
         union neph_database_value values[2];
         read_field(field, field->name[0] ? json_object_get(json, field->name) : json, arena,
                    values);
-        set(field, record, values);
+        copy_values_to_member(field, record, values);
     }
 }
 
@@ -139,8 +139,8 @@ void neph_record_row(const struct neph_record_form *form, struct neph_query *row
                 values[k].text = neph_query_text(row, column);
         }
         if (arena && field->kind == NEPH_RECORD_TEXT)
-            values[0].text = neph_arena_text(arena, values[0].text);
-        set(field, record, values);
+            values[0].text = neph_arena_copy_text(arena, values[0].text);
+        copy_values_to_member(field, record, values);
     }
 }
 
@@ -152,7 +152,7 @@ static enum neph_status read_rows(struct neph_query *query, struct neph_arena *a
     char *list = NULL;
     int count = 0, room = 0;
     while (neph_query_next(query)) {
-        list = neph_arena_grown(arena, list, count, &room, form->size);
+        list = neph_arena_grow_list(arena, list, count, &room, form->size);
         if (!list)
             break;
         neph_record_row(form, query, 0, arena, list + (size_t)count++ * form->size);
@@ -205,7 +205,7 @@ enum neph_status neph_record_text(struct neph_database *database, struct neph_ar
     va_start(values, types);
     struct neph_query *query = neph_query_list(database, diag, question, types, values);
     va_end(values);
-    *text = neph_query_next(query) ? neph_arena_text(arena, neph_query_text(query, 0)) : "";
+    *text = neph_query_next(query) ? neph_arena_copy_text(arena, neph_query_text(query, 0)) : "";
     return neph_query_end(query, neph_arena_check(arena, diag));
 }
 
@@ -215,8 +215,8 @@ bool neph_record_is_equal(const struct neph_record_form *form, const void *a, co
     for (int i = 0, count = count_fields(form); i < count; i++) {
         const struct neph_record_field *field = &form->fields[i];
         union neph_database_value of_a[2], of_b[2];
-        get(field, a, of_a);
-        get(field, b, of_b);
+        copy_member_to_values(field, a, of_a);
+        copy_member_to_values(field, b, of_b);
         for (int k = 0; k < count_columns(field); k++)
             same = same &&
                    (column_types[field->kind] == 's'   ? strcmp(of_a[k].text, of_b[k].text) == 0
@@ -235,7 +235,7 @@ enum neph_status neph_record_put(struct neph_database *database, struct neph_dia
     int at = 1;
     for (int i = 0, count = count_fields(form); i < count; i++) {
         const struct neph_record_field *field = &form->fields[i];
-        get(field, record, &values[at]);
+        copy_member_to_values(field, record, &values[at]);
         for (int k = 0; k < count_columns(field); k++)
             types[at++] = column_types[field->kind];
     }

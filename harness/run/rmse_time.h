@@ -9,7 +9,7 @@
 
 /* One level: a number of samples. The squares are relative and estimated without bias, so all
  * except noise2 can be negative. */
-struct neph_rmse_rung {
+struct neph_rmse_level {
     double render_s;       /* > 0; can fall with more samples on a busy machine */
     double noise2, error2; /* squared noise; squared error = noise2 + squared bias */
     double bias2;          /* squared bias, from four frames with independent noise */
@@ -39,13 +39,14 @@ struct neph_rmse_law {
     double bias2, bias2_low, bias2_high; /* weighted mean over all levels, with its 95 % interval */
 };
 
-enum { NEPH_RMSE_RUNGS_MAX = 8 };
+enum { NEPH_RMSE_LEVELS_MAX = 8 };
 
-/* `count` is in 2..NEPH_RMSE_RUNGS_MAX. */
-struct neph_rmse_law neph_rmse_law_of(const struct neph_rmse_rung *rungs, int count);
+/* `count` is in 2..NEPH_RMSE_LEVELS_MAX. */
+struct neph_rmse_law neph_rmse_law_fit(const struct neph_rmse_level *rungs, int count);
 
 /* Sorts the levels by time and searches the pair that encloses the error. `count` as above. */
-struct neph_rmse_time neph_rmse_time_to(const struct neph_rmse_rung *rungs, int count, double rmse);
+struct neph_rmse_time neph_rmse_time_to(const struct neph_rmse_level *rungs, int count,
+                                        double rmse);
 
 /* "within", "before", "beyond", "never", "unknown". */
 const char *neph_rmse_found_name(enum neph_rmse_found found);

@@ -12,7 +12,7 @@ static uint64_t mix(uint64_t z)
     return z ^ (z >> 31);
 }
 
-uint64_t neph_seed_of(const struct neph_scene *scene, int number)
+uint64_t neph_seed_for_scene(const struct neph_scene *scene, int number)
 {
     uint64_t hash = 0x9e3779b97f4a7c15u;
     for (const char *c = scene->hash; *c; c++)

@@ -11,6 +11,6 @@
 
 /* The number-th seed (from 1) of a scene: a hash of the scene's hash and the number, in
  * 1..0x7fffffff, the range of `neph render --seed`. */
-uint64_t neph_seed_of(const struct neph_scene *scene, int number);
+uint64_t neph_seed_for_scene(const struct neph_scene *scene, int number);
 
 #endif

@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum neph_status neph_showing_load(struct neph_showing *showing, const char *path,
-                                   struct neph_diag *diag)
+enum neph_status neph_display_chain_load(struct neph_display_chain *showing, const char *path,
+                                         struct neph_diag *diag)
 {
     const enum neph_status status = neph_post_plan_load(path, &showing->plan, diag);
     if (status)
@@ -23,7 +23,7 @@ enum neph_status neph_showing_load(struct neph_showing *showing, const char *pat
     return NEPH_OK;
 }
 
-void neph_showing_finish(struct neph_showing *showing)
+void neph_display_chain_finish(struct neph_display_chain *showing)
 {
     neph_post_plan_finish(&showing->plan);
 }
@@ -31,31 +31,34 @@ void neph_showing_finish(struct neph_showing *showing)
 /* ---- settings -------------------------------------------------------------------------------- */
 
 /* Switches the passes off that the chain's order does not list. */
-static void hold_to_order(const struct neph_post_order *order, struct neph_settings *settings)
+static void disable_unlisted_passes(const struct neph_post_order *order,
+                                    struct neph_settings *settings)
 {
     for (int pass = 0; pass < NEPH_POST_PASS_COUNT; pass++) {
         bool is_there = false;
         for (int i = 0; i < order->count; i++)
             is_there = is_there || (int)order->passes[i] == pass;
         if (!is_there)
-            settings->values[neph_post_switch((enum neph_post_pass)pass)] = 0.0;
+            settings->values[neph_post_switch_setting((enum neph_post_pass)pass)] = 0.0;
     }
 }
 
-static enum neph_status check(const struct neph_showing *showing, struct neph_settings *settings,
-                              struct neph_diag *diag)
+static enum neph_status check(const struct neph_display_chain *showing,
+                              struct neph_settings *settings, struct neph_diag *diag)
 {
     if (showing->params.order)
-        hold_to_order(showing->params.order, settings);
+        disable_unlisted_passes(showing->params.order, settings);
     return neph_post_check(settings, diag);
 }
 
-enum neph_status neph_showing_check(struct neph_showing *showing, struct neph_diag *diag)
+enum neph_status neph_display_chain_check(struct neph_display_chain *showing,
+                                          struct neph_diag *diag)
 {
     return check(showing, &showing->settings, diag);
 }
 
-enum neph_status neph_showing_check_size(const struct neph_showing *showing, struct neph_diag *diag)
+enum neph_status neph_display_chain_check_size(const struct neph_display_chain *showing,
+                                               struct neph_diag *diag)
 {
     static const int sizes[] = {POST_UPSCALE, POST_SCREEN_PERCENT, POST_SECONDARY_UPSCALE,
                                 POST_SECONDARY_PERCENT};
@@ -69,8 +72,8 @@ enum neph_status neph_showing_check_size(const struct neph_showing *showing, str
     return NEPH_OK;
 }
 
-enum neph_status neph_showing_settle(struct neph_showing *showing, int frame,
-                                     struct neph_diag *diag)
+enum neph_status neph_display_chain_set_frame(struct neph_display_chain *showing, int frame,
+                                              struct neph_diag *diag)
 {
     struct neph_settings *settings = &showing->params.settings;
     struct neph_vec3 place_m = {0.0, 0.0, 0.0};
@@ -99,7 +102,7 @@ static enum neph_status write_bytes(const struct neph_image *picture, const char
     return status;
 }
 
-static enum neph_status write_png(const struct neph_showing *showing,
+static enum neph_status write_png(const struct neph_display_chain *showing,
                                   const struct neph_image *picture, const char *path,
                                   struct neph_diag *diag)
 {
@@ -109,7 +112,7 @@ static enum neph_status write_png(const struct neph_showing *showing,
     uint16_t *codes = malloc(count * sizeof(*codes));
     if (!codes)
         return neph_fail_memory(diag);
-    neph_post_codes(&showing->params.settings, picture, bits, codes);
+    neph_post_encode_codes(&showing->params.settings, picture, bits, codes);
     const enum neph_status status =
         bits == 8 ? write_bytes(picture, path, codes, diag)
                   : neph_png_write_rgb16(path, picture->width_px, picture->height_px, bits,
@@ -118,16 +121,17 @@ static enum neph_status write_png(const struct neph_showing *showing,
     return status;
 }
 
-static enum neph_status show(const struct neph_settings *settings, struct neph_image *picture,
-                             struct neph_diag *diag)
+static enum neph_status convert_to_display_light(const struct neph_settings *settings,
+                                                 struct neph_image *picture, struct neph_diag *diag)
 {
-    neph_post_show(settings, picture);
+    neph_post_apply_display(settings, picture);
     return neph_image_set_attribute(picture, NEPH_DISPLAY_ATTRIBUTE, diag, "%s",
                                     neph_post_is_hdr(settings) ? "PQ" : "sRGB");
 }
 
-enum neph_status neph_showing_write(const struct neph_showing *showing, struct neph_image *picture,
-                                    const char *exr, const char *png, struct neph_diag *diag)
+enum neph_status neph_display_chain_write(const struct neph_display_chain *showing,
+                                          struct neph_image *picture, const char *exr,
+                                          const char *png, struct neph_diag *diag)
 {
     const struct neph_settings *settings = &showing->params.settings;
     char *text = neph_options_text(neph_post_options, settings);
@@ -135,7 +139,7 @@ enum neph_status neph_showing_write(const struct neph_showing *showing, struct n
     if (!status && png)
         status = write_png(showing, picture, png, diag);
     if (!status && neph_post_is_displayed(settings))
-        status = show(settings, picture, diag);
+        status = convert_to_display_light(settings, picture, diag);
     if (!status)
         status = neph_image_set_attribute(picture, "neph.post", diag, "%s", text);
     if (!status)

@@ -69,8 +69,8 @@ enum neph_status neph_slurm_read_settings(const char *const *words, int count,
 
 /* Runs a command of Slurm; `*answer` is its output, for free(). The child gets the user's whole
  * environment: it says how the cluster is reached, and jobs inherit it. */
-static enum neph_status ask(const char *logs, const char *const *words, char **answer,
-                            struct neph_diag *diag)
+static enum neph_status run_slurm_command(const char *logs, const char *const *words, char **answer,
+                                          struct neph_diag *diag)
 {
     static const char *const nothing[] = {NULL};
     const char *variables[VARIABLES_MAX];
@@ -103,7 +103,7 @@ static enum neph_status read_array_limit(const char *logs, int *limit, struct ne
     static const char name[] = "MaxArraySize";
     const char *const words[] = {"scontrol", "show", "config", NULL};
     char *answer = NULL;
-    const enum neph_status status = ask(logs, words, &answer, diag);
+    const enum neph_status status = run_slurm_command(logs, words, &answer, diag);
     const char *found = answer ? strstr(answer, name) : NULL;
     *limit = ARRAY_SIZE_OF_SLURM;
     if (found)
@@ -164,7 +164,7 @@ struct submission {
     int array_limit;
 };
 
-static void add(const char **words, int *count, const char *word)
+static void append_word(const char **words, int *count, const char *word)
 {
     if (*count < WORDS_MAX) /* keep the terminating NULL */
         words[(*count)++] = word;
@@ -185,11 +185,11 @@ static enum neph_status add_hosts(struct submission *submission, const struct ne
         return NEPH_ERR_USAGE;
     }
     if (timing[0] || gpu[0])
-        add(words, count,
-            neph_arena_format(&submission->arena, "--constraint=%s%s%s", timing,
-                              timing[0] && gpu[0] ? "&" : "", gpu));
+        append_word(words, count,
+                    neph_arena_format(&submission->arena, "--constraint=%s%s%s", timing,
+                                      timing[0] && gpu[0] ? "&" : "", gpu));
     if (task->is_timed)
-        add(words, count, "--exclusive");
+        append_word(words, count, "--exclusive");
     return NEPH_OK;
 }
 
@@ -199,7 +199,8 @@ static enum neph_status add_arguments(struct submission *submission, const char 
     const char *arguments = submission->settings->arguments;
     for (const char *at = arguments ? arguments : ""; *(at += strspn(at, " "));
          at += strcspn(at, " "))
-        add(words, count, neph_arena_format(&submission->arena, "%.*s", (int)strcspn(at, " "), at));
+        append_word(words, count,
+                    neph_arena_format(&submission->arena, "%.*s", (int)strcspn(at, " "), at));
     return *count < WORDS_MAX - 2
                ? NEPH_OK
                : neph_fail(diag, NEPH_ERR_USAGE, "--slurm arguments: more than %d words",
@@ -215,23 +216,24 @@ static enum neph_status submit(struct submission *submission, const struct neph_
     const struct neph_slurm_batch *batch = submission->batch;
     const char *words[WORDS_MAX + 1] = {"sbatch", "--parsable", "--requeue", "--open-mode=append"};
     int count = 4;
-    add(words, &count, neph_arena_format(arena, "--job-name=%s", batch->name));
-    add(words, &count, neph_arena_format(arena, "--output=%s/slurm-%s.log", batch->logs, log_name));
+    append_word(words, &count, neph_arena_format(arena, "--job-name=%s", batch->name));
+    append_word(words, &count,
+                neph_arena_format(arena, "--output=%s/slurm-%s.log", batch->logs, log_name));
     if (submission->settings->partition)
-        add(words, &count,
-            neph_arena_format(arena, "--partition=%s", submission->settings->partition));
+        append_word(words, &count,
+                    neph_arena_format(arena, "--partition=%s", submission->settings->partition));
     for (; *own; own++)
-        add(words, &count, *own);
+        append_word(words, &count, *own);
     enum neph_status status = add_hosts(submission, task, words, &count, diag);
     if (!status)
         status = add_arguments(submission, words, &count, diag);
-    add(words, &count, "--wrap");
-    add(words, &count, script);
+    append_word(words, &count, "--wrap");
+    append_word(words, &count, script);
     if (!status)
         status = neph_arena_check(arena, diag);
     char *answer = NULL;
     if (!status)
-        status = ask(batch->logs, words, &answer, diag);
+        status = run_slurm_command(batch->logs, words, &answer, diag);
     if (!status && !find_id(answer, id))
         status = neph_fail(diag, NEPH_ERR_ENGINE, "sbatch printed no job number: %.200s", answer);
     free(answer);
@@ -260,7 +262,7 @@ static enum neph_status submit_array(struct submission *submission,
     return status;
 }
 
-static bool is_alike(const struct neph_slurm_task *a, const struct neph_slurm_task *b)
+static bool has_same_constraints(const struct neph_slurm_task *a, const struct neph_slurm_task *b)
 {
     return a->is_timed == b->is_timed && a->wants_gpu == b->wants_gpu;
 }
@@ -273,7 +275,7 @@ static enum neph_status submit_arrays(struct submission *submission, struct neph
     enum neph_status status = NEPH_OK;
     for (int first = 0, size; first < count && !status; first += size) {
         for (size = 1; first + size < count && size < submission->array_limit &&
-                       is_alike(&tasks[first], &tasks[first + size]);)
+                       has_same_constraints(&tasks[first], &tasks[first + size]);)
             size++;
         status = submit_array(submission, &tasks[first], first + 1, size, diag);
     }
@@ -295,10 +297,10 @@ static enum neph_status submit_last(struct submission *submission, struct neph_d
 }
 
 /* Sorts tasks by their constraints, otherwise in the given order. */
-static struct neph_slurm_task *sort(struct submission *submission)
+static struct neph_slurm_task *sort_tasks(struct submission *submission)
 {
     const struct neph_slurm_batch *batch = submission->batch;
-    struct neph_slurm_task *sorted = neph_arena_zeroed(
+    struct neph_slurm_task *sorted = neph_arena_allocate(
         &submission->arena, (size_t)batch->task_count + 1, sizeof(*sorted));
     int count = 0;
     for (int kind = 0; sorted && kind < 4; kind++)
@@ -330,12 +332,12 @@ enum neph_status neph_slurm_submit(const struct neph_slurm_settings *settings,
                                    const struct neph_slurm_batch *batch, struct neph_diag *diag)
 {
     struct submission submission = {.settings = settings, .batch = batch, .dependency = ""};
-    submission.tasks = sort(&submission);
+    submission.tasks = sort_tasks(&submission);
     submission.manifest = quote(&submission.arena, batch->manifest);
     enum neph_status status = check_lines(batch, diag);
     if (!status)
         status = submission.tasks
-                     ? neph_written_file(batch->manifest, print_lines, &submission, diag)
+                     ? neph_write_to_file(batch->manifest, print_lines, &submission, diag)
                      : neph_fail_memory(diag);
     if (!status)
         status = read_array_limit(batch->logs, &submission.array_limit, diag);
@@ -371,7 +373,7 @@ enum neph_status neph_slurm_count(const char *name, const char *logs, int *count
     const char *const words[] = {"squeue", "--noheader", "--array",     "--me",
                                  "--name", name,         "--format=%T", NULL};
     char *answer = NULL;
-    const enum neph_status status = ask(logs, words, &answer, diag);
+    const enum neph_status status = run_slurm_command(logs, words, &answer, diag);
     if (!status)
         *count = count_states(answer);
     free(answer);
@@ -383,7 +385,7 @@ enum neph_status neph_slurm_cancel(const char *name, const char *logs, struct ne
     const char *const words[] = {"scancel", "--quiet", "--name", name, NULL};
     char *answer = NULL;
     neph_interrupt_acknowledge();
-    const enum neph_status status = ask(logs, words, &answer, diag);
+    const enum neph_status status = run_slurm_command(logs, words, &answer, diag);
     free(answer);
     return status;
 }

@@ -21,7 +21,7 @@ enum {
 
 static const double alpha = 0.05;
 
-static struct neph_speed not_measured(void)
+static struct neph_speed make_unmeasured_speed(void)
 {
     return (struct neph_speed){.start_s = NAN, .render_s = NAN, .low_s = NAN, .high_s = NAN};
 }
@@ -47,12 +47,12 @@ json_t *neph_speed_json(const struct neph_speed *speed)
                : json_null();
 }
 
-struct neph_speed neph_speed_of_renders(const double *render_s, int count, double process_s,
-                                        double in_render_s)
+struct neph_speed neph_speed_from_renders(const double *render_s, int count, double process_s,
+                                          double in_render_s)
 {
     double mean_s = 0.0, squares = 0.0, least_s = INFINITY;
     if (count < 2)
-        return not_measured();
+        return make_unmeasured_speed();
     for (int i = 0; i < count; i++) {
         mean_s += render_s[i] / count;
         least_s = fmin(least_s, render_s[i]);
@@ -71,7 +71,7 @@ struct neph_speed neph_speed_of_renders(const double *render_s, int count, doubl
     };
 }
 
-int neph_speed_falls(const struct neph_speed *speeds, int count, int *earlier)
+int neph_speed_find_inversion(const struct neph_speed *speeds, int count, int *earlier)
 {
     for (int i = 1; i < count; i++)
         for (int k = 0; k < i; k++)
@@ -133,15 +133,15 @@ enum neph_status neph_speed_flight_round(struct neph_speed_flight *flight, doubl
 {
     const int room = NEPH_SPEED_FRAMES_MAX - flight->flown.count;
     const int least = room < FRAMES_LEAST ? room : FRAMES_LEAST;
-    return room > 0 ? neph_flight_fly(&flight->job, &flight->picture, least, room, seconds,
+    return room > 0 ? neph_flight_run(&flight->job, &flight->picture, least, room, seconds,
                                       &flight->flown, diag)
                     : NEPH_OK;
 }
 
-struct neph_speed neph_speed_of_flight(struct neph_speed_flight *flight)
+struct neph_speed neph_speed_from_flight(struct neph_speed_flight *flight)
 {
     if (flight->flown.count < 2)
-        return not_measured();
+        return make_unmeasured_speed();
     const struct neph_spread time = neph_flight_time(&flight->flown);
     return (struct neph_speed){
         .repeats = flight->flown.count,
@@ -162,15 +162,15 @@ void neph_speed_flight_close(struct neph_speed_flight *flight)
     *flight = (struct neph_speed_flight){.picture = 0};
 }
 
-static enum neph_status fly(const struct neph_job *job, double seconds, struct neph_speed *speed,
-                            struct neph_diag *diag)
+static enum neph_status measure_flight(const struct neph_job *job, double seconds,
+                                       struct neph_speed *speed, struct neph_diag *diag)
 {
     struct neph_speed_flight flight;
     enum neph_status status = neph_speed_flight_open(job, &flight, diag);
     if (!status)
         status = neph_speed_flight_round(&flight, seconds, diag);
     if (!status)
-        *speed = neph_speed_of_flight(&flight);
+        *speed = neph_speed_from_flight(&flight);
     neph_speed_flight_close(&flight);
     return status;
 }
@@ -217,7 +217,7 @@ enum neph_status neph_speed_start(const struct neph_job *job, double render_s,
     *process_s = fmax(0.0, cost.wall_s - cost.render_s);
     *in_render_s = cost.render_s;
     if (index >= 0 && job->shot.settings.values[index] > fewer)
-        *in_render_s = neph_rungs_start(
+        *in_render_s = neph_sample_levels_start_time(
             (const int[]){(int)fewer, (int)job->shot.settings.values[index]},
             (const double[]){cost.render_s, render_s}, (const double[]){cost.render_s, render_s},
             2);
@@ -242,7 +242,7 @@ static enum neph_status repeat(const struct neph_job *job, double seconds, struc
     return status;
 }
 
-static double mean_of(const double *values, int count)
+static double compute_mean_time(const double *values, int count)
 {
     double sum = 0.0;
     for (int i = 0; i < count; i++)
@@ -261,9 +261,10 @@ static enum neph_status time_renders(const struct neph_job *job, const double *k
     enum neph_status status = repeat(job, seconds, store, render_s, &count, diag);
     if (status || count < 2)
         return status;
-    status = neph_speed_start(job, mean_of(render_s, count), store, &process_s, &in_render_s, diag);
+    status = neph_speed_start(job, compute_mean_time(render_s, count), store, &process_s,
+                              &in_render_s, diag);
     if (!status)
-        *speed = neph_speed_of_renders(render_s, count, process_s, in_render_s);
+        *speed = neph_speed_from_renders(render_s, count, process_s, in_render_s);
     return status;
 }
 
@@ -275,11 +276,11 @@ enum neph_status neph_speed_measure(const struct neph_job *job, const double *kn
                                     struct neph_diag *diag)
 {
     struct neph_diag why = {.line = 0};
-    *speed = not_measured();
+    *speed = make_unmeasured_speed();
     if (neph_speed_find(times, job, speed))
         return NEPH_OK;
     enum neph_status status = neph_flight_applies(job->engine)
-                                  ? fly(job, seconds, speed, &why)
+                                  ? measure_flight(job, seconds, speed, &why)
                                   : time_renders(job, known_s, known_count, seconds, store, speed,
                                                  &why);
     if (status == NEPH_ERR_ENGINE || status == NEPH_ERR_UNSUPPORTED ||

@@ -34,13 +34,13 @@ const char *neph_speed_interval_name(const struct neph_speed *speed);
 
 /* The speed from renders that took `render_s`, each with a start-up of `process_s` before it and of
  * `in_render_s` before its first sample. Fewer than two renders: not measured. */
-struct neph_speed neph_speed_of_renders(const double *render_s, int count, double process_s,
-                                        double in_render_s);
+struct neph_speed neph_speed_from_renders(const double *render_s, int count, double process_s,
+                                          double in_render_s);
 
 /* Detects more work that takes less time. `speeds` are sorted by work, ascending. Returns the first
  * one whose interval lies entirely below the interval of an earlier one, `*earlier`; -1: none.
  * Skips speeds that were not measured. */
-int neph_speed_falls(const struct neph_speed *speeds, int count, int *earlier);
+int neph_speed_find_inversion(const struct neph_speed *speeds, int count, int *earlier);
 
 /* Read the stored speed of a job from `times` (false: none), and store one. */
 bool neph_speed_find(const struct neph_times *times, const struct neph_job *job,
@@ -57,7 +57,7 @@ struct neph_speed_flight {
     struct neph_job job; /* owns its open sequence */
     long picture;
     double first_s; /* time of the first frame, with start-up */
-    struct neph_flown flown;
+    struct neph_flight_results flown;
 };
 
 /* Renders the first frame and the warm-up. Call neph_speed_flight_close() even after an error. */
@@ -68,7 +68,7 @@ enum neph_status neph_speed_flight_round(struct neph_speed_flight *flight, doubl
                                          struct neph_diag *diag);
 
 /* The speed from all rounds so far; sorts the flight's times. */
-struct neph_speed neph_speed_of_flight(struct neph_speed_flight *flight);
+struct neph_speed neph_speed_from_flight(struct neph_speed_flight *flight);
 void neph_speed_flight_close(struct neph_speed_flight *flight);
 
 /* ---- renders --------------------------------------------------------------------------------- */

@@ -28,7 +28,7 @@ static const char work_prefix[] = "work-";
 
 /* A checkpoint belongs to one key, thus to one version and device. After a change of those it is
  * never resumed, which the store cannot detect: it expires after 30 days. */
-static const time_t rest_limit_s = 30 * 24 * 3600;
+static const time_t checkpoint_limit_s = 30 * 24 * 3600;
 
 struct neph_store {
     struct neph_path folder, frames, failed, tmp, resting, lock;
@@ -82,7 +82,7 @@ static bool is_store_part(const char *name)
 }
 
 /* Whether all names in a folder pass the test. */
-static bool holds_alone(const char *path, bool (*fits)(const char *))
+static bool has_only_names(const char *path, bool (*fits)(const char *))
 {
     struct neph_arena arena = {NULL};
     struct neph_names names;
@@ -96,11 +96,11 @@ static bool holds_alone(const char *path, bool (*fits)(const char *))
 /* A store without a marker file: it has the store's folders, and only known names in them. */
 static bool is_old_store(const char *folder)
 {
-    bool is_old = holds_alone(folder, is_store_part);
+    bool is_old = has_only_names(folder, is_store_part);
     for (int i = 0; i < PARTS_OF_OLD && is_old; i++) {
         const struct neph_path part = neph_path_in(folder, parts_of_old[i].name);
         is_old = (!parts_of_old[i].was_always && !neph_path_exists(part.text)) ||
-                 holds_alone(part.text, parts_of_old[i].fits);
+                 has_only_names(part.text, parts_of_old[i].fits);
     }
     return is_old;
 }
@@ -116,11 +116,12 @@ static bool is_finished(const struct neph_store *store, const char *folder, cons
     return neph_path_exists(neph_path_in(store->frames.text, key).text);
 }
 
-static bool is_old_rest(const struct neph_store *store, const char *folder, const char *key)
+static bool is_expired_checkpoint(const struct neph_store *store, const char *folder,
+                                  const char *key)
 {
     struct stat info;
     return is_finished(store, folder, key) || (stat(neph_path_in(folder, key).text, &info) == 0 &&
-                                               time(NULL) - info.st_mtime > rest_limit_s);
+                                               time(NULL) - info.st_mtime > checkpoint_limit_s);
 }
 
 /* Removes the entries of a folder whose name fits and for which `is_over` is true (NULL: all). */
@@ -137,14 +138,14 @@ remove_entries(const struct neph_store *store, const char *folder, bool (*fits)(
     neph_arena_finish(&arena);
 }
 
-static void sweep(const struct neph_store *store)
+static void remove_leftovers(const struct neph_store *store)
 {
     neph_scratch_sweep(store->tmp.text, work_prefix);
     neph_file_sweep(store->folder.text);
     neph_file_sweep(store->resting.text);
     remove_entries(store, store->tmp.text, is_old_work, NULL);
     remove_entries(store, store->failed.text, neph_entry_is_key, is_finished);
-    remove_entries(store, store->resting.text, neph_entry_is_key, is_old_rest);
+    remove_entries(store, store->resting.text, neph_entry_is_key, is_expired_checkpoint);
 }
 
 /* ---- opening --------------------------------------------------------------------------------- */
@@ -203,7 +204,7 @@ enum neph_status neph_store_open(const char *folder, struct neph_store **store,
     if (!status)
         status = neph_lock_wait(opened->lock.text, &lock, diag);
     if (!status) {
-        sweep(opened);
+        remove_leftovers(opened);
         status = update_index(opened, true, diag);
         close(lock);
     }
@@ -243,14 +244,14 @@ enum neph_status neph_store_index(const struct neph_store *store, struct neph_da
     return status;
 }
 
-enum neph_status neph_store_renew_index(const struct neph_store *store, const char *why,
-                                        struct neph_database **index, struct neph_diag *diag)
+enum neph_status neph_store_rebuild_index(const struct neph_store *store, const char *why,
+                                          struct neph_database **index, struct neph_diag *diag)
 {
     int lock = -1;
     enum neph_status status = neph_lock_wait(store->lock.text, &lock, diag);
     if (status)
         return status;
-    status = neph_index_renew(store->folder.text, why, diag);
+    status = neph_index_set_aside(store->folder.text, why, diag);
     if (!status)
         status = neph_index_open(store->folder.text, false, index, diag);
     close(lock);
@@ -293,7 +294,7 @@ static enum neph_entry_state discard_if_bad(const struct neph_store *store, cons
 
 /* Updates the modification time of job.json, which nothing else changes. Eviction and the frame
  * lists of nightly runs use it. */
-static void note_use(const char *frame_path)
+static void update_use_time(const char *frame_path)
 {
     const struct neph_path record = neph_path_format(
         "%.*sjob.json", (int)(strrchr(frame_path, '/') + 1 - frame_path), frame_path);
@@ -303,7 +304,7 @@ static void note_use(const char *frame_path)
             record.text, strerror(errno));
 }
 
-void neph_store_key_of(const char *frame_path, char key[NEPH_HASH_HEX_SIZE])
+void neph_store_key_from_path(const char *frame_path, char key[NEPH_HASH_HEX_SIZE])
 {
     const size_t digits = NEPH_HASH_HEX_SIZE - 1;
     const char *slash = strrchr(frame_path, '/');
@@ -329,13 +330,13 @@ bool neph_store_find(struct neph_store *store, const char *key, char **frame_pat
         json_decref(state == NEPH_ENTRY_GOOD ? found : NULL);
         return false;
     }
-    note_use(path);
+    update_use_time(path);
     *frame_path = path;
     *record = found;
     return true;
 }
 
-struct neph_path neph_store_resting_place(const struct neph_store *store, const char *key)
+struct neph_path neph_store_checkpoint_path(const struct neph_store *store, const char *key)
 {
     return neph_path_in(store->resting.text, key);
 }
@@ -374,23 +375,23 @@ static bool fits(const char *path, struct neph_usage *kept)
 
 /* `kept` not NULL, files of an external program: only logs and inputs, within the limits. `kept`
  * NULL, files written by neph: results and images as well. */
-static bool is_to_stay(const char *path, const char *name, const json_t *record,
-                       struct neph_usage *kept)
+static bool is_file_kept(const char *path, const char *name, const json_t *record,
+                         struct neph_usage *kept)
 {
     return kept ? worth_keeping(name) && fits(path, kept)
                 : worth_keeping(name) || neph_entry_has_picture(record, name);
 }
 
 /* Removes the other files. Files written by neph are synced to disk, then the folder. */
-static enum neph_status tidy(const char *scratch, const json_t *record, struct neph_usage *kept,
-                             struct neph_diag *diag)
+static enum neph_status remove_and_sync_files(const char *scratch, const json_t *record,
+                                              struct neph_usage *kept, struct neph_diag *diag)
 {
     struct neph_arena arena = {NULL};
     struct neph_names names;
     enum neph_status status = neph_dir_list(scratch, &arena, &names, diag);
     for (int i = 0; i < names.count && !status; i++) {
         const struct neph_path path = neph_path_in(scratch, names.list[i]);
-        if (!is_to_stay(path.text, names.list[i], record, kept))
+        if (!is_file_kept(path.text, names.list[i], record, kept))
             status = neph_dir_remove(path.text, diag);
         else if (!kept)
             status = neph_file_sync(path.text, diag);
@@ -402,7 +403,7 @@ static enum neph_status tidy(const char *scratch, const json_t *record, struct n
 enum neph_status neph_store_clean(const struct neph_scratch *scratch, struct neph_diag *diag)
 {
     struct neph_usage kept = {.bytes = 0};
-    return tidy(neph_scratch_path(scratch), NULL, &kept, diag);
+    return remove_and_sync_files(neph_scratch_path(scratch), NULL, &kept, diag);
 }
 
 /* Runs under the store's lock. A good entry from another run is used as it is. */
@@ -439,7 +440,7 @@ enum neph_status neph_store_publish(struct neph_store *store, const char *key,
     if (!status)
         status = neph_entry_write_record(path, key, record, diag);
     if (!status)
-        status = tidy(path, record, NULL, diag);
+        status = remove_and_sync_files(path, record, NULL, diag);
     if (!status)
         status = neph_lock_wait(store->lock.text, &lock, diag);
     if (!status) {

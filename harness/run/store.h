@@ -51,8 +51,8 @@ enum neph_status neph_store_index(const struct neph_store *store, struct neph_da
                                   struct neph_diag *diag);
 
 /* Sets a damaged database aside, with `why` in the message, and rebuilds it. */
-enum neph_status neph_store_renew_index(const struct neph_store *store, const char *why,
-                                        struct neph_database **index, struct neph_diag *diag);
+enum neph_status neph_store_rebuild_index(const struct neph_store *store, const char *why,
+                                          struct neph_database **index, struct neph_diag *diag);
 
 /* Finds a finished frame; true: it is there and matches its key. The caller frees `*frame_path` and
  * decrefs `*record`. A wrong entry is removed and an unreadable one is kept, both with a line on
@@ -60,11 +60,11 @@ enum neph_status neph_store_renew_index(const struct neph_store *store, const ch
 bool neph_store_find(struct neph_store *store, const char *key, char **frame_path, json_t **record);
 
 /* The key of a frame in the store, from its path; "" for any other path. */
-void neph_store_key_of(const char *frame_path, char key[NEPH_HASH_HEX_SIZE]);
+void neph_store_key_from_path(const char *frame_path, char key[NEPH_HASH_HEX_SIZE]);
 
 /* The checkpoint file of a key, for unfinished work from one run to the next. The run that finishes
  * the work removes it. */
-struct neph_path neph_store_resting_place(const struct neph_store *store, const char *key);
+struct neph_path neph_store_checkpoint_path(const struct neph_store *store, const char *key);
 
 /* Starts work: `*scratch` is a new, empty folder. The caller ends it with neph_scratch_destroy() in
  * any case. */

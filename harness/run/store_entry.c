@@ -114,8 +114,8 @@ enum neph_status neph_entry_write_record(const char *folder, const char *key, js
 
 /* ---- checking -------------------------------------------------------------------------------- */
 
-static enum neph_entry_state judge(enum neph_entry_state state, const char *what,
-                                   char why[NEPH_ENTRY_WHY_BYTES])
+static enum neph_entry_state set_entry_state(enum neph_entry_state state, const char *what,
+                                             char why[NEPH_ENTRY_WHY_BYTES])
 {
     neph_text_format(why, NEPH_ENTRY_WHY_BYTES, "%s", what);
     return state;
@@ -123,11 +123,12 @@ static enum neph_entry_state judge(enum neph_entry_state state, const char *what
 
 /* A missing or oversized file makes the entry bad; a file that cannot be read makes it unreadable.
  */
-static enum neph_entry_state judge_file(enum neph_status status, const struct neph_diag *diag,
-                                        char why[NEPH_ENTRY_WHY_BYTES])
+static enum neph_entry_state state_from_file_error(enum neph_status status,
+                                                   const struct neph_diag *diag,
+                                                   char why[NEPH_ENTRY_WHY_BYTES])
 {
     const bool bad = status == NEPH_ERR_NOT_FOUND || status == NEPH_ERR_INPUT;
-    return judge(bad ? NEPH_ENTRY_BAD : NEPH_ENTRY_UNREADABLE, diag->message, why);
+    return set_entry_state(bad ? NEPH_ENTRY_BAD : NEPH_ENTRY_UNREADABLE, diag->message, why);
 }
 
 static enum neph_entry_state read_record(const char *folder, json_t **record,
@@ -140,17 +141,17 @@ static enum neph_entry_state read_record(const char *folder, json_t **record,
     const enum neph_status status = neph_file_read(neph_path_in(folder, "job.json").text,
                                                    record_limit_bytes, &text, &size, &diag);
     if (status)
-        return judge_file(status, &diag, why);
+        return state_from_file_error(status, &diag, why);
     *record = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
     free(text);
     if (*record)
         return NEPH_ENTRY_GOOD;
     return json_error_code(&error) == json_error_out_of_memory
-               ? judge(NEPH_ENTRY_UNREADABLE, "out of memory for its record", why)
-               : judge(NEPH_ENTRY_BAD, "its record (job.json) is damaged", why);
+               ? set_entry_state(NEPH_ENTRY_UNREADABLE, "out of memory for its record", why)
+               : set_entry_state(NEPH_ENTRY_BAD, "its record (job.json) is damaged", why);
 }
 
-static bool holds(const json_t *record, const char *field, const char *text)
+static bool has_field_text(const json_t *record, const char *field, const char *text)
 {
     const char *found = json_string_value(json_object_get(record, field));
     return found && strcmp(found, text) == 0;
@@ -161,18 +162,18 @@ static enum neph_entry_state check_record(const json_t *record, const char *key,
 {
     char hex[NEPH_HASH_HEX_SIZE];
     if (!json_object_get(record, "key") || !json_object_get(record, "record_blake2b"))
-        return judge(
+        return set_entry_state(
             NEPH_ENTRY_BAD,
             "its record (job.json) is not signed: cut short, changed by hand, or of an older neph",
             why);
-    if (!holds(record, "key", key))
-        return judge(NEPH_ENTRY_BAD, "it belongs to another job", why);
+    if (!has_field_text(record, "key", key))
+        return set_entry_state(NEPH_ENTRY_BAD, "it belongs to another job", why);
     struct neph_diag diag = {.line = 0};
     if (hash_record(record, hex, &diag))
-        return judge(NEPH_ENTRY_UNREADABLE, diag.message, why);
-    return holds(record, "record_blake2b", hex)
+        return set_entry_state(NEPH_ENTRY_UNREADABLE, diag.message, why);
+    return has_field_text(record, "record_blake2b", hex)
                ? NEPH_ENTRY_GOOD
-               : judge(NEPH_ENTRY_BAD, "its record (job.json) was changed", why);
+               : set_entry_state(NEPH_ENTRY_BAD, "its record (job.json) was changed", why);
 }
 
 static enum neph_entry_state check_file(const char *folder, const char *name, const json_t *hash,
@@ -183,7 +184,7 @@ static enum neph_entry_state check_file(const char *folder, const char *name, co
     const char *expected = json_string_value(hash);
     const enum neph_status status = hash_file(folder, name, hex, &diag);
     if (status)
-        return judge_file(status, &diag, why);
+        return state_from_file_error(status, &diag, why);
     if (expected && strcmp(expected, hex) == 0)
         return NEPH_ENTRY_GOOD;
     neph_text_format(why, NEPH_ENTRY_WHY_BYTES, "its %s was changed or is damaged", name);
@@ -209,7 +210,7 @@ enum neph_entry_state neph_entry_read(const char *folder, const char *key, json_
     if (!neph_path_exists(folder))
         return NEPH_ENTRY_ABSENT;
     if (!neph_path_is_dir(folder))
-        return judge(NEPH_ENTRY_BAD, "it is no folder", why);
+        return set_entry_state(NEPH_ENTRY_BAD, "it is no folder", why);
     enum neph_entry_state state = read_record(folder, &found, why);
     if (state == NEPH_ENTRY_GOOD)
         state = check_record(found, key, why);

@@ -36,10 +36,10 @@ struct check {
     struct neph_store *store;
     struct neph_database *index;
     bool repairs;
-    neph_store_tell *tell;
+    neph_store_report *tell;
     void *context;
     struct neph_store_sums *sums;
-    int strangers; /* rows that differ from the frame's record */
+    int differing_rows; /* rows that differ from the frame's record */
 };
 
 static enum neph_status report_fault(struct check *check, const char *key, const char *why,
@@ -71,7 +71,7 @@ static enum neph_status check_frame(struct check *check, const char *key, struct
         status = report_fault(check, key, why, state == NEPH_ENTRY_BAD, diag);
     else if (state == NEPH_ENTRY_GOOD)
         status = neph_index_agrees(check->index, key, record, &agrees, diag);
-    check->strangers += !agrees;
+    check->differing_rows += !agrees;
     json_decref(record);
     return status;
 }
@@ -126,13 +126,13 @@ static enum neph_status check_documents(struct check *check, struct neph_diag *d
                   : neph_history_check_torn(check->index, folder, report_document, check, diag);
 }
 
-static enum neph_status look_at_index(struct check *check, bool *whole, struct neph_diag *why,
-                                      struct neph_diag *diag)
+static enum neph_status check_index_content(struct check *check, bool *whole, struct neph_diag *why,
+                                            struct neph_diag *diag)
 {
-    if (check->strangers > 0) {
+    if (check->differing_rows > 0) {
         *whole = false;
         neph_fail(why, NEPH_ERR_INPUT, "%d rows differ from the records of the frames",
-                  check->strangers);
+                  check->differing_rows);
         return NEPH_OK;
     }
     return neph_index_check(check->index, neph_store_folder(check->store), whole, why, diag);
@@ -142,16 +142,16 @@ static enum neph_status check_index(struct check *check, struct neph_diag *diag)
 {
     bool whole = true;
     struct neph_diag why = {.line = 0};
-    enum neph_status status = look_at_index(check, &whole, &why, diag);
+    enum neph_status status = check_index_content(check, &whole, &why, diag);
     if (status || whole)
         return status;
     struct neph_store_fault fault = {.key = "", .why = why.message};
     if (check->repairs)
-        status = neph_history_mend(check->index, neph_store_folder(check->store), diag);
+        status = neph_history_repair(check->index, neph_store_folder(check->store), diag);
     if (check->repairs && !status) {
         neph_database_close(check->index);
         check->index = NULL;
-        status = neph_store_renew_index(check->store, why.message, &check->index, diag);
+        status = neph_store_rebuild_index(check->store, why.message, &check->index, diag);
         fault.removed = status == NEPH_OK;
     }
     check->sums->bad++;
@@ -159,7 +159,7 @@ static enum neph_status check_index(struct check *check, struct neph_diag *diag)
     return status;
 }
 
-enum neph_status neph_store_check(struct neph_store *store, bool repairs, neph_store_tell *tell,
+enum neph_status neph_store_check(struct neph_store *store, bool repairs, neph_store_report *tell,
                                   void *context, struct neph_store_sums *sums,
                                   struct neph_diag *diag)
 {
@@ -189,7 +189,7 @@ static const struct neph_record_form candidate_form = {
     sizeof(struct candidate), {CANDIDATE(key), CANDIDATE(bytes), CANDIDATE(is_of_baseline)}};
 
 /* The least recently used first; within a second, the smaller key. */
-static int by_use(const void *a_, const void *b_)
+static int compare_use_times(const void *a_, const void *b_)
 {
     const struct candidate *a = a_, *b = b_;
     return a->used_s != b->used_s ? (a->used_s < b->used_s ? -1 : 1) : strcmp(a->key, b->key);
@@ -221,13 +221,13 @@ static enum neph_status list_candidates(struct neph_store *store, struct neph_ar
             (*list)[(*count)++] = *c;
     }
     if (*count > 0)
-        qsort(*list, (size_t)*count, sizeof(**list), by_use);
+        qsort(*list, (size_t)*count, sizeof(**list), compare_use_times);
     return status;
 }
 
 /* Removes a frame, unless another process has used it since it was listed. */
-static void collect(struct neph_store *store, const struct candidate *c, int64_t before_s,
-                    struct neph_store_gc *result)
+static void remove_unused_frame(struct neph_store *store, const struct candidate *c,
+                                int64_t before_s, struct neph_store_gc *result)
 {
     if (neph_store_remove(store, c->key, before_s, NULL)) {
         result->frames_removed++;
@@ -252,7 +252,7 @@ enum neph_status neph_store_gc(struct neph_store *store, int64_t limit_bytes, do
         if (list[i].used_s > before_s)
             result->bytes_in_use += list[i].bytes;
         else if (result->bytes_before - result->bytes_removed > limit_bytes)
-            collect(store, &list[i], before_s, result);
+            remove_unused_frame(store, &list[i], before_s, result);
     }
     result->fits = result->bytes_before - result->bytes_removed <= limit_bytes;
     neph_arena_finish(&arena);

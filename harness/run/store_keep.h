@@ -17,7 +17,7 @@ struct neph_store_fault {
 };
 
 /* Called once for each fault. */
-typedef void neph_store_tell(const struct neph_store_fault *fault, void *context);
+typedef void neph_store_report(const struct neph_store_fault *fault, void *context);
 
 struct neph_store_sums {
     int64_t frames, bytes; /* number of entries in frames/, and their size */
@@ -35,7 +35,7 @@ struct neph_store_sums {
  *
  * NEPH_ERR_NOT_FOUND or NEPH_ERR_IO: a run's document is missing or cannot be read. The database is
  * not rebuilt then, as that run would be lost. */
-enum neph_status neph_store_check(struct neph_store *store, bool repairs, neph_store_tell *tell,
+enum neph_status neph_store_check(struct neph_store *store, bool repairs, neph_store_report *tell,
                                   void *context, struct neph_store_sums *sums,
                                   struct neph_diag *diag);
 

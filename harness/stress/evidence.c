@@ -81,7 +81,7 @@ static void close_pair(struct pair *pair)
 
 /* ---- selection of frames and rows ------------------------------------------------------------ */
 
-static double residual_of(const struct pair *pair, size_t pixel)
+static double compute_squared_residual(const struct pair *pair, size_t pixel)
 {
     double sum = 0.0;
     for (int c = 0; c < 3; c++) {
@@ -99,7 +99,7 @@ static double add_residuals(const struct pair *pair, double *rows)
     for (int y = 0; y < pair->height_px; y++) {
         double row = 0.0;
         for (int x = 0; x < pair->width_px; x++)
-            row += residual_of(pair, (size_t)y * (size_t)pair->width_px + (size_t)x);
+            row += compute_squared_residual(pair, (size_t)y * (size_t)pair->width_px + (size_t)x);
         rows[y] += row;
         sum += row;
     }
@@ -323,7 +323,7 @@ static enum neph_status draw_flicker(const struct neph_evidence_source *source,
                                          .viewing = *viewing,
                                          .wanted = wanted,
                                          .maps_directory = folder,
-                                         .frozen_is_fine = true,
+                                         .allow_frozen_frames = true,
                                          .plain = true,
                                          .by_position = true,
                                          .quiet = true};

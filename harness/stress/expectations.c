@@ -16,7 +16,7 @@ _Static_assert(NEPH_STRESS_EXPECTED_COUNT == 4, "a new kind");
 static const char format[] = "neph-failure-expectations-1";
 
 /* NEPH_STRESS_PASSES: no word that an entry can have. */
-static enum neph_stress_expected expected_of(const json_t *entry)
+static enum neph_stress_expected parse_expectation(const json_t *entry)
 {
     static const char *const words[NEPH_STRESS_EXPECTED_COUNT] = {"", "fails", "flakes", "skips"};
     for (int e = NEPH_STRESS_FAILS; e < NEPH_STRESS_EXPECTED_COUNT; e++)
@@ -33,7 +33,7 @@ static enum neph_status check_entry(const json_t *entry, size_t index, struct ne
             return neph_fail(diag, NEPH_ERR_INPUT, "expectation %zu has no '%s'", index, needed[i]);
     if (json_array_size(json_object_get(entry, "presets")) == 0)
         return neph_fail(diag, NEPH_ERR_INPUT, "expectation %zu names no preset", index);
-    if (expected_of(entry) == NEPH_STRESS_PASSES)
+    if (parse_expectation(entry) == NEPH_STRESS_PASSES)
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "expectation %zu: 'is' is fails, flakes or skips, not '%s'", index,
                          neph_json_text(entry, "is"));
@@ -71,7 +71,7 @@ enum neph_status neph_stress_expectations_load(const char *path, json_t **list,
     return status;
 }
 
-static bool is_in(const json_t *list, const char *text)
+static bool list_has_text(const json_t *list, const char *text)
 {
     for (size_t i = 0; i < json_array_size(list); i++) {
         const char *item = json_string_value(json_array_get(list, i));
@@ -81,14 +81,15 @@ static bool is_in(const json_t *list, const char *text)
     return false;
 }
 
-static bool fits(const json_t *entry, const struct neph_stress_place *place)
+static bool matches_place(const json_t *entry, const struct neph_stress_place *place)
 {
     const char *over = neph_json_text(entry, "over");
     const json_t *points = json_object_get(entry, "points");
     return strcmp(neph_json_text(entry, "scene"), place->scene) == 0 &&
            strcmp(neph_json_text(entry, "measure"), place->measure) == 0 &&
-           is_in(json_object_get(entry, "presets"), place->preset) &&
-           (!*over || strcmp(over, place->over) == 0) && (!points || is_in(points, place->point));
+           list_has_text(json_object_get(entry, "presets"), place->preset) &&
+           (!*over || strcmp(over, place->over) == 0) &&
+           (!points || list_has_text(points, place->point));
 }
 
 enum neph_stress_expected neph_stress_expected_at(const json_t *list,
@@ -98,10 +99,10 @@ enum neph_stress_expected neph_stress_expected_at(const json_t *list,
     *reason = "";
     for (size_t i = 0; i < json_array_size(list); i++) {
         const json_t *entry = json_array_get(list, i);
-        if (!fits(entry, place))
+        if (!matches_place(entry, place))
             continue;
         *reason = neph_json_text(entry, "reason");
-        return expected_of(entry);
+        return parse_expectation(entry);
     }
     return NEPH_STRESS_PASSES;
 }

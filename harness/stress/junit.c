@@ -9,9 +9,9 @@
 /* Fails to compile when a verdict is added, as each one has a JUnit result. */
 _Static_assert(NEPH_STRESS_VERDICTS == 12, "a new kind");
 
-static enum neph_junit_result result_of(enum neph_stress_verdict verdict)
+static enum neph_junit_result junit_result(enum neph_stress_verdict verdict)
 {
-    if (neph_stress_verdicts[verdict].is_news)
+    if (neph_stress_verdicts[verdict].is_unexpected)
         return NEPH_JUNIT_FAILED;
     return verdict == NEPH_STRESS_PASS ? NEPH_JUNIT_PASSED : NEPH_JUNIT_SKIPPED;
 }
@@ -32,7 +32,7 @@ static void add_cell(const struct neph_stress_suite *suite, const struct neph_st
                               ? neph_arena_format(arena, "%s: %s", verdict, why)
                               : neph_arena_format(arena, "%s: %.4g, limit %.4g: %s", verdict,
                                                   cell->value, row->limit->limit, why);
-    neph_junit_add(junit, group, name, result_of(cell->verdict),
+    neph_junit_add(junit, group, name, junit_result(cell->verdict),
                    cell->verdict == NEPH_STRESS_PASS ? "" : message);
 }
 
@@ -41,7 +41,7 @@ void neph_stress_junit(const struct neph_stress_suite *suite, struct neph_junit 
     junit->seconds = suite->seconds;
     for (int r = 0; r < suite->row_count; r++)
         for (int c = 0; c < suite->column_count; c++)
-            if (suite->rows[r].cells[c].verdict != NEPH_STRESS_NOT_ASKED)
+            if (suite->rows[r].cells[c].verdict != NEPH_STRESS_NOT_PLANNED)
                 add_cell(suite, &suite->rows[r], c, junit);
     neph_junit_add(junit, "stress", "verdict",
                    suite->passes ? NEPH_JUNIT_PASSED : NEPH_JUNIT_FAILED,

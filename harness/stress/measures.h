@@ -30,9 +30,9 @@ void neph_stress_extractors(const struct neph_failing *failing, bool over_time,
                             const char *names[NEPH_FAILING_MEASURES + 1]);
 
 /* Lists the metrics that some limits need; ends with a NULL metric. */
-enum { NEPH_STRESS_KEPT_MAX = 16 * NEPH_STRESS_NUMBERS + 1 };
-void neph_stress_kept(const struct neph_failing *failing, bool over_time,
-                      struct neph_meter_number kept[NEPH_STRESS_KEPT_MAX]);
+enum { NEPH_STRESS_METRICS_MAX = 16 * NEPH_STRESS_NUMBERS + 1 };
+void neph_stress_list_metrics(const struct neph_failing *failing, bool over_time,
+                              struct neph_meter_number kept[NEPH_STRESS_METRICS_MAX]);
 
 /* The value of a limit's measure in a sequence's document; NaN: none, and `why` has the reason.
  * Infinite for a lag that never ends. */

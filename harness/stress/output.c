@@ -35,7 +35,7 @@ static void add_row(const struct neph_stress_suite *suite, const struct neph_str
     }
 }
 
-static bool is_first_of_row(const struct neph_stress_spot *spots, int index)
+static bool is_first_of_row(const struct neph_stress_cell_id *spots, int index)
 {
     for (int i = 0; i < index; i++)
         if (spots[i].row == spots[index].row)
@@ -45,7 +45,7 @@ static bool is_first_of_row(const struct neph_stress_spot *spots, int index)
 
 /* Prints rows sorted by their worst cell. */
 static enum neph_status print_table(const struct neph_stress_suite *suite,
-                                    const struct neph_stress_spot *spots, int count, FILE *out,
+                                    const struct neph_stress_cell_id *spots, int count, FILE *out,
                                     struct neph_diag *diag)
 {
     const struct neph_column fixed[] = {
@@ -83,7 +83,7 @@ static void print_value(const struct neph_stress_row *row, const struct neph_str
 }
 
 /* Whether two cells are the same measure and verdict at different sweep points. */
-static bool is_same_number(const struct neph_stress_spot *a, const struct neph_stress_spot *b)
+static bool is_same_number(const struct neph_stress_cell_id *a, const struct neph_stress_cell_id *b)
 {
     return a->column == b->column && a->row->scene == b->row->scene &&
            a->row->limit == b->row->limit &&
@@ -91,8 +91,8 @@ static bool is_same_number(const struct neph_stress_spot *a, const struct neph_s
 }
 
 /* Number of cells in a list that are the same measure as one. */
-static int count_same_number(const struct neph_stress_spot *spots, int count,
-                             const struct neph_stress_spot *spot)
+static int count_same_number(const struct neph_stress_cell_id *spots, int count,
+                             const struct neph_stress_cell_id *spot)
 {
     int same = 0;
     for (int i = 0; i < count; i++)
@@ -101,9 +101,9 @@ static int count_same_number(const struct neph_stress_spot *spots, int count,
 }
 
 /* Prints an unexpected result at its worst point; `more` is the number of further points. */
-static enum neph_status print_news(const struct neph_stress_suite *suite,
-                                   const struct neph_stress_spot *spot, int more, FILE *out,
-                                   struct neph_diag *diag)
+static enum neph_status print_unexpected(const struct neph_stress_suite *suite,
+                                         const struct neph_stress_cell_id *spot, int more,
+                                         FILE *out, struct neph_diag *diag)
 {
     const struct neph_stress_row *row = spot->row;
     const struct neph_stress_cell *cell = &row->cells[spot->column];
@@ -138,15 +138,15 @@ enum neph_status neph_stress_print(const struct neph_stress_suite *suite, FILE *
                                    struct neph_diag *diag)
 {
     int count = 0;
-    struct neph_stress_spot *spots = neph_stress_worst(suite, &count);
+    struct neph_stress_cell_id *spots = neph_stress_worst(suite, &count);
     enum neph_status status = spots ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
         status = print_table(suite, spots, count, out, diag);
     for (int i = 0; i < count && !status; i++)
-        if (neph_stress_verdicts[spots[i].row->cells[spots[i].column].verdict].is_news &&
+        if (neph_stress_verdicts[spots[i].row->cells[spots[i].column].verdict].is_unexpected &&
             count_same_number(spots, i, &spots[i]) == 0)
-            status = print_news(suite, &spots[i], count_same_number(spots, count, &spots[i]) - 1,
-                                out, diag);
+            status = print_unexpected(suite, &spots[i],
+                                      count_same_number(spots, count, &spots[i]) - 1, out, diag);
     if (!status)
         print_counts(suite, out);
     free(spots);
@@ -171,16 +171,17 @@ char *neph_stress_command(const struct neph_stress_suite *suite, const struct ne
 {
     const struct neph_failing *failing = row->scene->failing;
     const struct neph_stress_column *of = &suite->columns[column];
-    const bool is_plain = of->is_preset && !of->engine->is_guest && !row->point[0] &&
+    const bool is_plain = of->is_preset && !of->engine->is_user_engine && !row->point[0] &&
                           !strchr(of->name, '+') && !suite->on_device;
     if (!is_plain)
         return suite_command(suite, row, of);
-    return neph_format(
-        "neph render %s -e realtime --preset %s -s steps=%d --seed %llu --frames %d "
-        "--size %dx%d -o %s",
-        row->scene->name, of->name, failing->steps, (unsigned long long)neph_seed_of(row->scene, 1),
-        failing->frame_count, suite->width_px > 0 ? suite->width_px : failing->width_px,
-        suite->width_px > 0 ? suite->height_px : failing->height_px, row->scene->name);
+    return neph_format("neph render %s -e realtime --preset %s -s steps=%d --seed %llu --frames %d "
+                       "--size %dx%d -o %s",
+                       row->scene->name, of->name, failing->steps,
+                       (unsigned long long)neph_seed_for_scene(row->scene, 1), failing->frame_count,
+                       suite->width_px > 0 ? suite->width_px : failing->width_px,
+                       suite->width_px > 0 ? suite->height_px : failing->height_px,
+                       row->scene->name);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -189,7 +190,7 @@ char *neph_stress_command(const struct neph_stress_suite *suite, const struct ne
 static json_t *results_json(const struct neph_stress_suite *suite)
 {
     int count = 0;
-    struct neph_stress_spot *spots = neph_stress_worst(suite, &count);
+    struct neph_stress_cell_id *spots = neph_stress_worst(suite, &count);
     json_t *results = spots ? json_array() : NULL;
     for (int i = 0; i < count; i++) {
         const struct neph_stress_row *row = spots[i].row;
@@ -221,9 +222,10 @@ static json_t *scene_json(const struct neph_stress_suite *suite, const struct ne
     }
     return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:i, s:o}", "name", scene->name,
                      "title", scene->title, "fails", failing->fails, "known", failing->known,
-                     "symptom", failing->symptom, "truth", neph_failing_truth_name(failing->truth),
-                     "width_px", failing->width_px, "height_px", failing->height_px, "frames",
-                     failing->frame_count, "steps", failing->steps, "points", points);
+                     "symptom", failing->symptom, "truth",
+                     neph_failing_reference_name(failing->truth), "width_px", failing->width_px,
+                     "height_px", failing->height_px, "frames", failing->frame_count, "steps",
+                     failing->steps, "points", points);
 }
 
 json_t *neph_stress_json(const struct neph_stress_suite *suite)

@@ -24,8 +24,8 @@ static const struct neph_page_parts parts = {.title = "Nephelometer stress tests
 /* ---- evidence -------------------------------------------------------------------------------- */
 
 /* Evidence of a column of a scene, at its worst point. */
-struct shown {
-    const struct neph_stress_spot *spot;
+struct page_evidence {
+    const struct neph_stress_cell_id *spot;
     const char *evidence; /* folder of the store entry */
     const char *folder;   /* folder within the page, named after the entry, so its content never
                              changes */
@@ -38,18 +38,18 @@ struct shown {
 /* Evidence of a run, worst first. */
 struct evidence_list {
     struct neph_arena arena;
-    struct neph_stress_spot *spots; /* owned */
+    struct neph_stress_cell_id *spots; /* owned */
     int spot_count;
-    struct shown *shown; /* in the arena */
+    struct page_evidence *page_evidence; /* in the arena */
     int shown_count, left_out;
     size_t bytes;
 };
 
-static bool is_shown(const struct evidence_list *list, const struct neph_stress_spot *spot)
+static bool is_shown(const struct evidence_list *list, const struct neph_stress_cell_id *spot)
 {
     for (int i = 0; i < list->shown_count; i++)
-        if (list->shown[i].spot->column == spot->column &&
-            list->shown[i].spot->row->scene == spot->row->scene)
+        if (list->page_evidence[i].spot->column == spot->column &&
+            list->page_evidence[i].spot->row->scene == spot->row->scene)
             return true;
     return false;
 }
@@ -57,23 +57,23 @@ static bool is_shown(const struct evidence_list *list, const struct neph_stress_
 static void finish_list(struct evidence_list *list)
 {
     for (int i = 0; i < list->shown_count; i++)
-        json_decref(list->shown[i].entry);
+        json_decref(list->page_evidence[i].entry);
     free(list->spots);
     neph_arena_finish(&list->arena);
 }
 
 /* Copies the images of an entry to `work` unless they are there. */
-static enum neph_status copy_images(const struct shown *shown, const char *work,
+static enum neph_status copy_images(const struct page_evidence *page_evidence, const char *work,
                                     struct neph_diag *diag)
 {
-    const json_t *names = json_object_get(shown->entry, "pictures");
-    const struct neph_path folder = neph_path_in(work, shown->folder);
-    if (!shown->fits || neph_path_is_dir(folder.text))
+    const json_t *names = json_object_get(page_evidence->entry, "pictures");
+    const struct neph_path folder = neph_path_in(work, page_evidence->folder);
+    if (!page_evidence->fits || neph_path_is_dir(folder.text))
         return NEPH_OK;
     enum neph_status status = neph_dir_create(folder.text, diag);
     for (size_t i = 0; i < json_array_size(names) && !status; i++) {
         const char *name = json_string_value(json_array_get(names, i));
-        status = neph_page_copy(shown->evidence, name, folder.text, name, diag);
+        status = neph_page_copy(page_evidence->evidence, name, folder.text, name, diag);
     }
     return status;
 }
@@ -81,7 +81,8 @@ static enum neph_status copy_images(const struct shown *shown, const char *work,
 static bool is_wanted(const struct evidence_list *list, const char *name)
 {
     for (int i = 0; i < list->shown_count; i++)
-        if (list->shown[i].fits && strcmp(list->shown[i].folder + strlen("images/"), name) == 0)
+        if (list->page_evidence[i].fits &&
+            strcmp(list->page_evidence[i].folder + strlen("images/"), name) == 0)
             return true;
     return false;
 }
@@ -107,7 +108,7 @@ static enum neph_status update_images(struct evidence_list *list, const char *wo
 {
     enum neph_status status = remove_unwanted(list, neph_path_in(work, "images").text, diag);
     for (int i = 0; i < list->shown_count && !status; i++)
-        status = copy_images(&list->shown[i], work, diag);
+        status = copy_images(&list->page_evidence[i], work, diag);
     return status;
 }
 
@@ -121,7 +122,7 @@ static const char *const state_names[] = {
 
 /* Merges the members of `more` into `object`, taking ownership of both. NULL when either is NULL or
  * memory is short. */
-static json_t *joined(json_t *object, json_t *more)
+static json_t *merge_objects(json_t *object, json_t *more)
 {
     const bool is_whole = json_object_update(object, more) == 0;
     json_decref(more);
@@ -136,7 +137,7 @@ static json_t *commands_json(const struct neph_stress_suite *suite,
 {
     json_t *all = json_object();
     for (int i = 0; i < list->spot_count; i++) {
-        const struct neph_stress_spot *spot = &list->spots[i];
+        const struct neph_stress_cell_id *spot = &list->spots[i];
         const char *scene = spot->row->scene->name, *column = suite->columns[spot->column].name;
         json_t *of_scene = json_object_get(all, scene);
         if (!of_scene) {
@@ -155,24 +156,24 @@ static json_t *commands_json(const struct neph_stress_suite *suite,
     return all;
 }
 
-static json_t *document_of(const struct neph_stress_suite *suite, const struct evidence_list *list,
-                           size_t limit_bytes)
+static json_t *make_page_data(const struct neph_stress_suite *suite,
+                              const struct evidence_list *list, size_t limit_bytes)
 {
     char created[32];
     json_t *evidence = json_array();
     for (int i = 0; i < list->shown_count; i++)
-        if (list->shown[i].fits)
-            neph_json_add(&evidence, json_incref(list->shown[i].entry));
+        if (list->page_evidence[i].fits)
+            neph_json_add(&evidence, json_incref(list->page_evidence[i].entry));
     neph_utc_now(created);
-    return joined(neph_stress_json(suite),
-                  json_pack("{s:s, s:s, s:s, s:{s:i, s:i, s:f}, s:{s:I, s:I, s:i}, s:o, s:o, s:o}",
-                            "state", state_names[suite->state], "created_utc", created,
-                            "neph_version", NEPH_VERSION, "progress", "done", suite->steps_done,
-                            "total", suite->steps_total, "left_s",
-                            suite->left_s > 0.0 ? suite->left_s : 0.0, "pictures", "limit_bytes",
-                            (json_int_t)limit_bytes, "bytes", (json_int_t)list->bytes, "left_out",
-                            list->left_out, "difference_colours", neph_page_difference_colours(),
-                            "evidence", evidence, "commands", commands_json(suite, list)));
+    return merge_objects(
+        neph_stress_json(suite),
+        json_pack("{s:s, s:s, s:s, s:{s:i, s:i, s:f}, s:{s:I, s:I, s:i}, s:o, s:o, s:o}", "state",
+                  state_names[suite->state], "created_utc", created, "neph_version", NEPH_VERSION,
+                  "progress", "done", suite->steps_done, "total", suite->steps_total, "left_s",
+                  suite->left_s > 0.0 ? suite->left_s : 0.0, "pictures", "limit_bytes",
+                  (json_int_t)limit_bytes, "bytes", (json_int_t)list->bytes, "left_out",
+                  list->left_out, "difference_colours", neph_page_difference_colours(), "evidence",
+                  evidence, "commands", commands_json(suite, list)));
 }
 
 /* ---- size limit ------------------------------------------------------------------------------ */
@@ -184,7 +185,7 @@ static size_t data_size(const json_t *json)
 }
 
 static enum neph_status add_shown(const struct neph_stress_suite *suite, struct evidence_list *list,
-                                  const struct neph_stress_spot *spot, size_t *room_bytes,
+                                  const struct neph_stress_cell_id *spot, size_t *room_bytes,
                                   struct neph_diag *diag)
 {
     const struct neph_scene *scene = spot->row->scene;
@@ -198,22 +199,23 @@ static enum neph_status add_shown(const struct neph_stress_suite *suite, struct 
     json_t *record = json_load_file(path, 0, NULL);
     if (!record) /* the store has removed the entry: there is nothing to show */
         return NEPH_OK;
-    struct shown *shown = &list->shown[list->shown_count++];
-    *shown = (struct shown){.spot = spot, .evidence = evidence, .folder = folder};
-    shown->entry = joined(record, json_pack("{s:s, s:s, s:s, s:[i, i], s:s}", "scene", scene->name,
-                                            "column", suite->columns[spot->column].name, "point",
-                                            spot->row->point, "size_px",
-                                            has_size ? suite->width_px : scene->failing->width_px,
-                                            has_size ? suite->height_px : scene->failing->height_px,
-                                            "folder", folder));
-    const json_t *names = json_object_get(shown->entry, "pictures");
+    struct page_evidence *page_evidence = &list->page_evidence[list->shown_count++];
+    *page_evidence = (struct page_evidence){.spot = spot, .evidence = evidence, .folder = folder};
+    page_evidence->entry = merge_objects(
+        record,
+        json_pack("{s:s, s:s, s:s, s:[i, i], s:s}", "scene", scene->name, "column",
+                  suite->columns[spot->column].name, "point", spot->row->point, "size_px",
+                  has_size ? suite->width_px : scene->failing->width_px,
+                  has_size ? suite->height_px : scene->failing->height_px, "folder", folder));
+    const json_t *names = json_object_get(page_evidence->entry, "pictures");
     for (size_t i = 0; i < json_array_size(names); i++)
-        shown->bytes += neph_page_file_size(evidence, json_string_value(json_array_get(names, i)));
-    const size_t bytes = shown->bytes + data_size(shown->entry);
-    shown->fits = bytes <= *room_bytes;
-    *room_bytes -= shown->fits ? bytes : 0;
-    list->bytes += shown->fits ? shown->bytes : 0;
-    list->left_out += !shown->fits;
+        page_evidence->bytes += neph_page_file_size(evidence,
+                                                    json_string_value(json_array_get(names, i)));
+    const size_t bytes = page_evidence->bytes + data_size(page_evidence->entry);
+    page_evidence->fits = bytes <= *room_bytes;
+    *room_bytes -= page_evidence->fits ? bytes : 0;
+    list->bytes += page_evidence->fits ? page_evidence->bytes : 0;
+    list->left_out += !page_evidence->fits;
     return NEPH_OK;
 }
 
@@ -223,7 +225,7 @@ static size_t room_for_evidence(const struct neph_stress_page *page,
                                 const struct evidence_list *list)
 {
     const char *work = neph_report_folder_work(page->folder);
-    json_t *document = document_of(suite, list, page->limit_bytes);
+    json_t *document = make_page_data(suite, list, page->limit_bytes);
     const size_t taken = data_size(document) + neph_page_size(work, &parts);
     json_decref(document);
     return page->limit_bytes > taken ? page->limit_bytes - taken : 0;
@@ -234,12 +236,12 @@ static enum neph_status make_list(const struct neph_stress_page *page,
                                   struct neph_diag *diag)
 {
     list->spots = neph_stress_worst(suite, &list->spot_count);
-    list->shown = neph_arena_zeroed(&list->arena, (size_t)list->spot_count + 1,
-                                    sizeof(*list->shown));
-    enum neph_status status = list->spots && list->shown ? NEPH_OK : neph_fail_memory(diag);
+    list->page_evidence = neph_arena_allocate(&list->arena, (size_t)list->spot_count + 1,
+                                              sizeof(*list->page_evidence));
+    enum neph_status status = list->spots && list->page_evidence ? NEPH_OK : neph_fail_memory(diag);
     size_t room_bytes = status ? 0 : room_for_evidence(page, suite, list);
     for (int i = 0; i < list->spot_count && !status; i++) {
-        const struct neph_stress_spot *spot = &list->spots[i];
+        const struct neph_stress_cell_id *spot = &list->spots[i];
         if (spot->row->cells[spot->column].evidence && !is_shown(list, spot))
             status = add_shown(suite, list, spot, &room_bytes, diag);
     }
@@ -266,7 +268,7 @@ enum neph_status neph_stress_page_publish(const struct neph_stress_suite *suite,
     if (!status)
         status = update_images(&list, neph_report_folder_work(page->folder), diag);
     if (!status) {
-        document = document_of(suite, &list, page->limit_bytes);
+        document = make_page_data(suite, &list, page->limit_bytes);
         status = neph_json_check(document, diag);
     }
     if (!status)

@@ -47,7 +47,7 @@ static enum neph_status find_preset(const char *words, const struct neph_engine 
                                     struct neph_diag *diag)
 {
     struct neph_settings settings;
-    return neph_engine_words(words, "steps=8", engine, &settings, diag);
+    return neph_engine_parse_words(words, "steps=8", engine, &settings, diag);
 }
 
 /* --- Columns --- */
@@ -56,7 +56,7 @@ bool neph_stress_measures(const struct neph_failing *failing,
                           const struct neph_failing_limit *limit,
                           const struct neph_stress_column *column)
 {
-    if (column->engine->is_guest)
+    if (column->engine->is_user_engine)
         return true;
     if (column->is_preset)
         return has_preset(failing, column->name);
@@ -70,9 +70,9 @@ static enum neph_status find_engine(const char *name, const struct neph_engine *
     if (!engine)
         return neph_fail(diag, NEPH_ERR_USAGE, "there is no engine '%s'; `neph engines` lists them",
                          name);
-    if (engine->remembers)
+    if (engine->has_frame_history)
         return neph_fail(diag, NEPH_ERR_USAGE, "%s takes part by its presets: --preset", name);
-    if (engine->rung == NEPH_RUNG_EXACT)
+    if (engine->rung == NEPH_LEVEL_EXACT)
         return neph_fail(diag, NEPH_ERR_USAGE, "%s is the reference of engines here", name);
     *found = engine;
     return NEPH_OK;
@@ -113,8 +113,8 @@ static enum neph_status choose_columns(const struct neph_stress_params *params,
     enum neph_status status = NEPH_OK;
     int known;
     const struct neph_engine *const *all = neph_engines(&known);
-    for (int i = 0; is_default && !status && (preset = neph_preset_of_use(neph_rt_presets, use, i));
-         i++)
+    for (int i = 0;
+         is_default && !status && (preset = neph_preset_find_by_use(neph_rt_presets, use, i)); i++)
         status = add_column(suite, preset->name, true, diag);
     for (int i = 0; is_default && has_engines(suite) && i < COUNT(engines) && !status; i++)
         status = add_column(suite, engines[i], false, diag);
@@ -196,7 +196,7 @@ static enum neph_status choose_scenes(const struct neph_stress_params *params,
     char **names = NULL;
     int count = 0;
     enum neph_status status = neph_data_list_scenes(NEPH_DATA_STRESS, &names, &count, diag);
-    suite->scenes = neph_arena_zeroed(&suite->arena, (size_t)count, sizeof(*suite->scenes));
+    suite->scenes = neph_arena_allocate(&suite->arena, (size_t)count, sizeof(*suite->scenes));
     if (!status)
         status = neph_arena_check(&suite->arena, diag);
     for (int i = 0; i < count && !status; i++)
@@ -221,14 +221,15 @@ static void add_row(struct neph_stress_suite *suite, const struct neph_scene *sc
         .point_index = point,
         .point = name,
         .limit = limit,
-        .cells = neph_arena_zeroed(&suite->arena, (size_t)suite->column_count, sizeof(*row->cells)),
+        .cells = neph_arena_allocate(&suite->arena, (size_t)suite->column_count,
+                                     sizeof(*row->cells)),
     };
     for (int c = 0; c < suite->column_count && row->cells; c++)
         row->cells[c] = (struct neph_stress_cell){
             .value = NAN,
             .verdict = neph_stress_measures(scene->failing, limit, &suite->columns[c])
                            ? NEPH_STRESS_NOT_YET
-                           : NEPH_STRESS_NOT_ASKED,
+                           : NEPH_STRESS_NOT_PLANNED,
             .why = ""};
 }
 
@@ -240,7 +241,7 @@ static void add_point(const struct neph_stress_params *params, struct neph_stres
     bool has_bad_values = false;
     char text[NEPH_FAILING_POINT_SIZE];
     neph_failing_point_name(scene->failing, point, text, sizeof(text));
-    const char *name = neph_arena_text(&suite->arena, text);
+    const char *name = neph_arena_copy_text(&suite->arena, text);
     for (int i = 0; i < scene->failing->limit_count; i++) {
         const struct neph_failing_limit *limit = &scene->failing->limits[i];
         const bool is_of_bad_values = limit->measure == NEPH_FAILING_BAD_VALUES;
@@ -259,7 +260,7 @@ static enum neph_status make_rows(const struct neph_stress_params *params,
     for (int s = 0; s < suite->scene_count; s++)
         most += (size_t)point_count(params, suite->scenes[s]) *
                 (size_t)(suite->scenes[s]->failing->limit_count + 1);
-    suite->rows = neph_arena_zeroed(&suite->arena, most, sizeof(*suite->rows));
+    suite->rows = neph_arena_allocate(&suite->arena, most, sizeof(*suite->rows));
     for (int s = 0; s < suite->scene_count && suite->rows; s++)
         for (int point = 0; point < point_count(params, suite->scenes[s]); point++)
             add_point(params, suite, suite->scenes[s], point);

@@ -23,7 +23,7 @@ const struct neph_stress_verdict_info neph_stress_verdicts[NEPH_STRESS_VERDICTS]
     [NEPH_STRESS_CANNOT] = {"cannot", "cannot", false, false, false, 8},
     [NEPH_STRESS_MISSING] = {"missing", "missing", false, false, false, 9},
     [NEPH_STRESS_NOT_YET] = {"not_yet", "not yet", false, false, false, 10},
-    [NEPH_STRESS_NOT_ASKED] = {"not_asked", "-", false, false, false, 11},
+    [NEPH_STRESS_NOT_PLANNED] = {"not_asked", "-", false, false, false, 11},
 };
 
 enum neph_stress_verdict neph_stress_judge(double value, double limit,
@@ -49,7 +49,7 @@ void neph_stress_count(struct neph_stress_suite *suite)
             const enum neph_stress_verdict verdict = suite->rows[r].cells[c].verdict;
             counts->verdicts[verdict]++;
             counts->compared += neph_stress_verdicts[verdict].is_compared;
-            counts->news += neph_stress_verdicts[verdict].is_news;
+            counts->news += neph_stress_verdicts[verdict].is_unexpected;
         }
     suite->passes = counts->compared > 0 && counts->news == 0;
 }
@@ -73,7 +73,7 @@ static int compare_excess(double a, double b)
 
 static int compare_spots(const void *a_, const void *b_)
 {
-    const struct neph_stress_spot *a = a_, *b = b_;
+    const struct neph_stress_cell_id *a = a_, *b = b_;
     const struct neph_stress_cell *of_a = &a->row->cells[a->column];
     const struct neph_stress_cell *of_b = &b->row->cells[b->column];
     const int ranks = neph_stress_verdicts[of_a->verdict].rank -
@@ -87,15 +87,15 @@ static int compare_spots(const void *a_, const void *b_)
     return a->row != b->row ? (a->row < b->row ? -1 : 1) : a->column - b->column;
 }
 
-struct neph_stress_spot *neph_stress_worst(const struct neph_stress_suite *suite, int *count)
+struct neph_stress_cell_id *neph_stress_worst(const struct neph_stress_suite *suite, int *count)
 {
     const size_t most = (size_t)suite->row_count * (size_t)suite->column_count;
-    struct neph_stress_spot *spots = calloc(most + 1, sizeof(*spots));
+    struct neph_stress_cell_id *spots = calloc(most + 1, sizeof(*spots));
     *count = 0;
     for (int r = 0; r < suite->row_count && spots; r++)
         for (int c = 0; c < suite->column_count; c++)
-            if (suite->rows[r].cells[c].verdict != NEPH_STRESS_NOT_ASKED)
-                spots[(*count)++] = (struct neph_stress_spot){&suite->rows[r], c};
+            if (suite->rows[r].cells[c].verdict != NEPH_STRESS_NOT_PLANNED)
+                spots[(*count)++] = (struct neph_stress_cell_id){&suite->rows[r], c};
     if (spots)
         qsort(spots, (size_t)*count, sizeof(*spots), compare_spots);
     return spots;

@@ -26,8 +26,8 @@ enum neph_stress_expected {
 };
 
 enum neph_stress_verdict {
-    NEPH_STRESS_NOT_ASKED, /* not a preset or engine of the scenario */
-    NEPH_STRESS_NOT_YET,   /* not measured yet, in a run that continues */
+    NEPH_STRESS_NOT_PLANNED, /* not a preset or engine of the scenario */
+    NEPH_STRESS_NOT_YET,     /* not measured yet, in a run that continues */
     NEPH_STRESS_PASS,
     NEPH_STRESS_FAIL,
     NEPH_STRESS_KNOWN_FAIL,
@@ -44,7 +44,7 @@ enum neph_stress_verdict {
 struct neph_stress_verdict_info {
     const char *name, *mark; /* name in documents; mark beside a value in the table, or in place of
                                 one */
-    bool is_news;            /* unexpected: fails a run */
+    bool is_unexpected;      /* unexpected: fails a run */
     bool is_compared;        /* a value was compared with its limit */
     bool is_failure;         /* the value exceeds its limit, expected or not; evidence is drawn */
     int rank;                /* order by severity, 0 is the worst */
@@ -59,12 +59,12 @@ enum neph_stress_verdict neph_stress_judge(double value, double limit,
 /* ---- a run ----------------------------------------------------------------------------------- */
 
 /* Cells with evidence images. */
-enum neph_stress_pictures {
-    NEPH_STRESS_PICTURES_FAILED,  /* failures, known or not, and unexpected passes */
-    NEPH_STRESS_PICTURES_CHANGED, /* unexpected results */
-    NEPH_STRESS_PICTURES_ALL,
-    NEPH_STRESS_PICTURES_NONE,
-    NEPH_STRESS_PICTURES_COUNT,
+enum neph_stress_images {
+    NEPH_STRESS_IMAGES_FAILED,  /* failures, known or not, and unexpected passes */
+    NEPH_STRESS_IMAGES_CHANGED, /* unexpected results */
+    NEPH_STRESS_IMAGES_ALL,
+    NEPH_STRESS_IMAGES_NONE,
+    NEPH_STRESS_IMAGES_COUNT,
 };
 
 struct neph_stress_page;
@@ -85,7 +85,7 @@ struct neph_stress_params {
     int preset_count;
     const char *const *engines; /* with or without presets; without both: the tier's columns */
     int engine_count;
-    enum neph_stress_pictures pictures;
+    enum neph_stress_images pictures;
     int width_px, height_px; /* 0: the scenarios' sizes. At other sizes only bad values are judged,
                                 as limits apply to the scenario's size */
     bool on_device; /* only bad values, counted on the device in all images of all passes; nothing
@@ -160,13 +160,13 @@ void neph_stress_count(struct neph_stress_suite *suite);
 double neph_stress_excess(const struct neph_stress_row *row, const struct neph_stress_cell *cell);
 
 /* A cell of a run. */
-struct neph_stress_spot {
+struct neph_stress_cell_id {
     const struct neph_stress_row *row;
     int column;
 };
 
 /* All cells that belong to presets or engines of their scenario, worst first, for free(); NULL: out
  * of memory. Sorted by verdict, then by excess over the limit, then in the order of the run. */
-struct neph_stress_spot *neph_stress_worst(const struct neph_stress_suite *suite, int *count);
+struct neph_stress_cell_id *neph_stress_worst(const struct neph_stress_suite *suite, int *count);
 
 #endif

@@ -18,17 +18,17 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Fails to compile when a kind is added, as expect() counts the frames of references. */
-_Static_assert(NEPH_FAILING_TRUTH_COUNT == 2, "a new kind");
+/* Fails to compile when a kind is added, as register_trial_progress() counts the frames of references. */
+_Static_assert(NEPH_FAILING_REFERENCE_COUNT == 2, "a new kind");
 
 /* Expected seconds before the first step has finished, on two cores. */
 static const double picture_typical_s = 0.2, take_typical_s = 3.0;
 
 /* Seconds between updates of the page. */
-static const double shown_every_s = 2.0;
+static const double page_interval_s = 2.0;
 
 struct work {
-    struct neph_stress_bench bench;
+    struct neph_stress_context bench;
     struct neph_stress_trials trials; /* list of this process, after prepare() */
     double start_s, shown_s;
 };
@@ -67,7 +67,7 @@ enum neph_status neph_stress_list_trials(struct neph_stress_suite *suite, bool a
 {
     const size_t most = (size_t)suite->row_count * (size_t)suite->column_count;
     *trials = (struct neph_stress_trials){
-        .list = neph_arena_zeroed(&suite->arena, most, sizeof(*trials->list))};
+        .list = neph_arena_allocate(&suite->arena, most, sizeof(*trials->list))};
     if (!trials->list)
         return neph_fail_memory(diag);
     for (int row = 0; row < suite->row_count;) {
@@ -81,7 +81,8 @@ enum neph_status neph_stress_list_trials(struct neph_stress_suite *suite, bool a
 }
 
 /* Registers all trials in the progress, also in workers: the remaining time is the whole run's. */
-static void expect(struct neph_stress_bench *bench, const struct neph_stress_trials *trials)
+static void register_trial_progress(struct neph_stress_context *bench,
+                                    const struct neph_stress_trials *trials)
 {
     for (int i = 0; i < trials->count; i++) {
         const struct neph_stress_trial *trial = &trials->list[i];
@@ -91,22 +92,21 @@ static void expect(struct neph_stress_bench *bench, const struct neph_stress_tri
                              column->is_preset ? take_typical_s : column->engine->typical_s);
         if (column->is_preset && !trial->is_later && scene->failing->truth == NEPH_FAILING_MARCH &&
             bench->params->width_px == 0 && !bench->params->on_device)
-            neph_progress_expect(
-                &bench->progress, NEPH_STRESS_KIND_REFERENCE,
-                neph_reference_picture_count(scene, 0, scene->failing->frame_count),
-                picture_typical_s);
+            neph_progress_expect(&bench->progress, NEPH_STRESS_KIND_REFERENCE,
+                                 neph_reference_frame_count(scene, 0, scene->failing->frame_count),
+                                 picture_typical_s);
     }
 }
 
 /* ---- publishing ------------------------------------------------------------------------------ */
 
-static enum neph_status show(struct work *work, enum neph_stress_state state,
-                             struct neph_diag *diag)
+static enum neph_status update_page(struct work *work, enum neph_stress_state state,
+                                    struct neph_diag *diag)
 {
     const struct neph_stress_params *params = work->bench.params;
     struct neph_stress_suite *suite = work->bench.suite;
     const double now_s = neph_wall_s();
-    const bool is_due = state != NEPH_STRESS_RUNNING || now_s - work->shown_s >= shown_every_s;
+    const bool is_due = state != NEPH_STRESS_RUNNING || now_s - work->shown_s >= page_interval_s;
     suite->state = state;
     suite->seconds = now_s - work->start_s;
     suite->left_s = neph_progress_left_s(&work->bench.progress);
@@ -121,10 +121,10 @@ static enum neph_status show(struct work *work, enum neph_stress_state state,
 
 /* Publishes the final page of an interrupted run, so that it does not stay in the state "running".
  */
-static void show_end(struct work *work)
+static void publish_interrupted_page(struct work *work)
 {
     struct neph_diag why = {.line = 0};
-    if (show(work, NEPH_STRESS_INTERRUPTED, &why))
+    if (update_page(work, NEPH_STRESS_INTERRUPTED, &why))
         neph_progress_warn("%s", why.message);
 }
 
@@ -163,11 +163,11 @@ static bool read_cell(json_t *json, struct neph_stress_suite *suite, struct neph
     *cell = (struct neph_stress_cell){
         .value = is_infinite ? INFINITY : neph_json_real(json, "value"),
         .verdict = (enum neph_stress_verdict)verdict,
-        .why = neph_arena_text(&suite->arena, why),
-        .evidence = neph_arena_text(&suite->arena,
-                                    json_string_value(json_object_get(json, "evidence"))),
-        .frame_key = neph_arena_text(&suite->arena,
-                                     json_string_value(json_object_get(json, "frame_key"))),
+        .why = neph_arena_copy_text(&suite->arena, why),
+        .evidence = neph_arena_copy_text(&suite->arena,
+                                         json_string_value(json_object_get(json, "evidence"))),
+        .frame_key = neph_arena_copy_text(&suite->arena,
+                                          json_string_value(json_object_get(json, "frame_key"))),
     };
     return true;
 }
@@ -206,9 +206,9 @@ enum neph_status neph_stress_read_message(const char *text, struct neph_stress_s
 /* Sends the results of a finished trial. `before` and `frame_count` are the values before it. The
  * frames of a reference are reported once. */
 static enum neph_status
-tell(const struct neph_stress_bench *bench, const struct neph_worker *worker,
-     const struct neph_stress_point *point, const struct neph_stress_trial *trial,
-     const struct neph_progress *before, int frame_count, struct neph_diag *diag)
+send_trial_result(const struct neph_stress_context *bench, const struct neph_worker *worker,
+                  const struct neph_stress_point *point, const struct neph_stress_trial *trial,
+                  const struct neph_progress *before, int frame_count, struct neph_diag *diag)
 {
     const struct neph_progress *now = &bench->progress;
     const int reference = NEPH_STRESS_KIND_REFERENCE;
@@ -227,14 +227,14 @@ tell(const struct neph_stress_bench *bench, const struct neph_worker *worker,
     char *text = neph_stress_write_message(&message, bench->suite);
     if (!text)
         return neph_fail_memory(diag);
-    neph_worker_tell(worker, text);
+    neph_worker_send_message(worker, text);
     free(text);
     return NEPH_OK;
 }
 
 /* Adds the results of another process. */
-static enum neph_status read(struct neph_stress_bench *bench, const char *text,
-                             struct neph_diag *diag)
+static enum neph_status add_worker_result(struct neph_stress_context *bench, const char *text,
+                                          struct neph_diag *diag)
 {
     struct neph_stress_message message;
     char what[NEPH_STRESS_NAME_SIZE];
@@ -276,7 +276,7 @@ static enum neph_status run_trial(struct work *work, const struct neph_worker *w
                                   const struct neph_stress_trial *trial,
                                   struct neph_stress_point *point, struct neph_diag *diag)
 {
-    struct neph_stress_bench *bench = &work->bench;
+    struct neph_stress_context *bench = &work->bench;
     const struct neph_progress before = bench->progress;
     const int frame_count = bench->suite->frame_count;
     enum neph_status status = NEPH_OK;
@@ -292,12 +292,13 @@ static enum neph_status run_trial(struct work *work, const struct neph_worker *w
         status = neph_stress_try(bench, point, trial->column, diag);
     if (status)
         return status;
-    return worker->index > 0 ? tell(bench, worker, point, trial, &before, frame_count, diag)
-                             : show(work, NEPH_STRESS_RUNNING, diag);
+    return worker->index > 0
+               ? send_trial_result(bench, worker, point, trial, &before, frame_count, diag)
+               : update_page(work, NEPH_STRESS_RUNNING, diag);
 }
 
 /* Probes each engine; presets share the one of `realtime`. */
-static void probe(struct neph_stress_bench *bench)
+static void probe(struct neph_stress_context *bench)
 {
     struct neph_stress_suite *suite = bench->suite;
     const struct neph_engine *realtime = neph_engine_find("realtime");
@@ -314,7 +315,7 @@ static void probe(struct neph_stress_bench *bench)
 /* Probes the engines and registers the trials, once in each process. */
 static enum neph_status prepare(struct work *work, bool is_worker, struct neph_diag *diag)
 {
-    struct neph_stress_bench *bench = &work->bench;
+    struct neph_stress_context *bench = &work->bench;
     if (work->trials.list)
         return NEPH_OK;
     bench->progress = neph_progress_start(bench->params->quiet || is_worker, 0);
@@ -323,7 +324,7 @@ static enum neph_status prepare(struct work *work, bool is_worker, struct neph_d
     const enum neph_status status = neph_stress_list_trials(bench->suite, is_worker, &work->trials,
                                                             diag);
     if (!status)
-        expect(bench, &work->trials);
+        register_trial_progress(bench, &work->trials);
     return status;
 }
 
@@ -334,20 +335,21 @@ static enum neph_status run_trials(struct neph_worker *worker, void *context,
     struct work *work = context;
     struct neph_stress_point point = {.scene = NULL};
     enum neph_status status = prepare(work, worker->index > 0, diag);
-    for (int next; !status && (next = neph_worker_next(worker)) < work->trials.count;)
+    for (int next; !status && (next = neph_worker_take_job(worker)) < work->trials.count;)
         status = run_trial(work, worker, &work->trials.list[next], &point, diag);
     close_point(&point);
     neph_progress_end(&work->bench.progress);
     return status;
 }
 
-static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
+static enum neph_status handle_worker_message(const char *text, void *context,
+                                              struct neph_diag *diag)
 {
     struct work *work = context;
     enum neph_status status = prepare(work, false, diag);
     if (!status && text)
-        status = read(&work->bench, text, diag);
-    return status ? status : show(work, NEPH_STRESS_RUNNING, diag);
+        status = add_worker_result(&work->bench, text, diag);
+    return status ? status : update_page(work, NEPH_STRESS_RUNNING, diag);
 }
 
 enum neph_status neph_stress_run(const struct neph_stress_params *params, struct neph_store *store,
@@ -359,7 +361,8 @@ enum neph_status neph_stress_run(const struct neph_stress_params *params, struct
     if (!status)
         status = neph_stress_expectations_load(NULL, &work.bench.expectations, diag);
     if (!status)
-        status = neph_pool_run(params->jobs, params->device, run_trials, hear, &work, diag);
+        status = neph_pool_run(params->jobs, params->device, run_trials, handle_worker_message,
+                               &work, diag);
     json_decref(work.bench.expectations);
     if (!status)
         status = neph_arena_check(&suite->arena, diag);
@@ -368,8 +371,8 @@ enum neph_status neph_stress_run(const struct neph_stress_params *params, struct
         neph_interrupt_acknowledge();
     }
     if (!status)
-        return show(&work, NEPH_STRESS_FINISHED, diag);
+        return update_page(&work, NEPH_STRESS_FINISHED, diag);
     if (status == NEPH_ERR_INTERRUPTED || work.shown_s > 0.0)
-        show_end(&work);
+        publish_interrupted_page(&work);
     return status;
 }

@@ -21,7 +21,7 @@
 
 /* Fails to compile when a kind is added, as trials handle each measure and verdict. */
 _Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
-_Static_assert(NEPH_STRESS_PICTURES_COUNT == 4, "a new kind");
+_Static_assert(NEPH_STRESS_IMAGES_COUNT == 4, "a new kind");
 _Static_assert(NEPH_STRESS_VERDICTS == 12, "a new kind");
 
 /* Name of the measurement set, part of its store key; the name of earlier versions is kept. */
@@ -47,7 +47,7 @@ bool neph_stress_has_trial(const struct neph_stress_suite *suite,
                            const struct neph_stress_point *point, int column)
 {
     for (int r = 0; r < point->row_count; r++)
-        if (suite->rows[point->first_row + r].cells[column].verdict != NEPH_STRESS_NOT_ASKED)
+        if (suite->rows[point->first_row + r].cells[column].verdict != NEPH_STRESS_NOT_PLANNED)
             return true;
     return false;
 }
@@ -72,43 +72,44 @@ int neph_stress_kind(const struct neph_stress_suite *suite, int column)
 
 /* The state of a running trial. */
 struct trial {
-    struct neph_stress_bench *bench;
+    struct neph_stress_context *bench;
     struct neph_stress_point *point;
     int column;
     struct neph_job job;
     struct neph_stress_frames frames;
     struct neph_reference *reference;
     const char *extractors[NEPH_FAILING_MEASURES + 1]; /* NULL-terminated */
-    bool is_judged;                                    /* the cells are filled; frames are only
+    bool has_verdicts;                                 /* the cells are filled; frames are only
                                                           drawn */
     char evidence_key[NEPH_HASH_HEX_SIZE];
 };
 
-static const struct neph_stress_column *column_of(const struct trial *trial)
+static const struct neph_stress_column *trial_column(const struct trial *trial)
 {
     return &trial->bench->suite->columns[trial->column];
 }
 
-static struct neph_stress_row *row_of(const struct trial *trial, int number)
+static struct neph_stress_row *trial_row(const struct trial *trial, int number)
 {
     return &trial->bench->suite->rows[trial->point->first_row + number];
 }
 
-static struct neph_stress_cell *cell_of(const struct trial *trial, int number)
+static struct neph_stress_cell *trial_cell(const struct trial *trial, int number)
 {
-    return &row_of(trial, number)->cells[trial->column];
+    return &trial_row(trial, number)->cells[trial->column];
 }
 
 /* Settings for small frames, whose limits are well above the noise. */
 static const struct {
     const char *engine, *setting;
-} cheaper[] = {{"cycles", "samples=16"}};
+} engine_overrides[] = {{"cycles", "samples=16"}};
 
 static enum neph_status set_engine(struct neph_job *job, struct neph_diag *diag)
 {
-    for (size_t i = 0; i < sizeof(cheaper) / sizeof(cheaper[0]); i++)
-        if (neph_engine_is(job->engine, cheaper[i].engine))
-            return neph_settings_set(job->engine, &job->shot.settings, cheaper[i].setting, diag);
+    for (size_t i = 0; i < sizeof(engine_overrides) / sizeof(engine_overrides[0]); i++)
+        if (neph_engine_is_kind(job->engine, engine_overrides[i].engine))
+            return neph_settings_set(job->engine, &job->shot.settings, engine_overrides[i].setting,
+                                     diag);
     return NEPH_OK;
 }
 
@@ -118,16 +119,16 @@ static enum neph_status set_words(const struct trial *trial, const char *words,
 {
     char steps[32];
     snprintf(steps, sizeof(steps), "steps=%d", trial->point->at->failing->steps);
-    const enum neph_status status = neph_engine_words(words, steps, &job->engine,
-                                                      &job->shot.settings, diag);
+    const enum neph_status status = neph_engine_parse_words(words, steps, &job->engine,
+                                                            &job->shot.settings, diag);
     if (!status)
-        neph_settings_meet(job->engine, trial->point->at, &job->shot.settings);
+        neph_settings_adapt_to_scene(job->engine, trial->point->at, &job->shot.settings);
     return status;
 }
 
 static enum neph_status make_job(struct trial *trial, struct neph_diag *diag)
 {
-    const struct neph_stress_column *column = column_of(trial);
+    const struct neph_stress_column *column = trial_column(trial);
     const struct neph_stress_params *params = trial->bench->params;
     const struct neph_failing *failing = trial->point->at->failing;
     const bool has_own_size = params->width_px == 0;
@@ -139,14 +140,14 @@ static enum neph_status make_job(struct trial *trial, struct neph_diag *diag)
                  .width_px = has_own_size ? failing->width_px : params->width_px,
                  .height_px = has_own_size ? failing->height_px : params->height_px,
                  /* external renderers need a render for each layer */
-                 .layers = column->engine->rung == NEPH_RUNG_WITNESS ? NEPH_LAYER_RADIANCE
-                                                                     : NEPH_LAYERS_ALL,
-                 .seed = neph_seed_of(trial->point->at, 1),
-                 .time_limit_s = column->engine->is_guest ? NEPH_GUEST_LIMIT_S
-                                 : column->is_preset      ? 0.0
-                                                          : engine_limit_s,
+                 .layers = column->engine->rung == NEPH_LEVEL_EXTERNAL ? NEPH_LAYER_RADIANCE
+                                                                       : NEPH_LAYERS_ALL,
+                 .seed = neph_seed_for_scene(trial->point->at, 1),
+                 .time_limit_s = column->engine->is_user_engine ? NEPH_USER_ENGINE_LIMIT_S
+                                 : column->is_preset            ? 0.0
+                                                                : engine_limit_s,
                  .device = params->device}};
-    if (column->engine->is_guest && row_of(trial, 0)->point_index > 0)
+    if (column->engine->is_user_engine && trial_row(trial, 0)->point_index > 0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "a program reads the scene file, which has no values of a sweep point");
     return column->is_preset ? set_words(trial, column->name, &trial->job, diag)
@@ -157,11 +158,11 @@ static enum neph_status make_job(struct trial *trial, struct neph_diag *diag)
  * settings of preset `off`. */
 static enum neph_status make_truth(struct trial *trial, struct neph_diag *diag)
 {
-    struct neph_stress_bench *bench = trial->bench;
+    struct neph_stress_context *bench = trial->bench;
     struct neph_job job = trial->job;
     if (bench->params->width_px > 0 || trial->reference->frames[NEPH_REFERENCE_AVERAGED].count > 0)
         return NEPH_OK;
-    if (!column_of(trial)->is_preset)
+    if (!trial_column(trial)->is_preset)
         return trial->extractors[0] ? neph_stress_engine_truth(&trial->job, &trial->frames,
                                                                bench->store, trial->reference, diag)
                                     : NEPH_OK;
@@ -173,7 +174,7 @@ static enum neph_status make_truth(struct trial *trial, struct neph_diag *diag)
                                              diag);
 }
 
-static struct neph_viewing viewing_of(const struct neph_scene *scene)
+static struct neph_viewing make_trial_viewing(const struct neph_scene *scene)
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     viewing.exposure_ev = neph_scene_display(scene)->exposure_ev;
@@ -184,11 +185,11 @@ static struct neph_viewing viewing_of(const struct neph_scene *scene)
 
 /* ---- cells ----------------------------------------------------------------------------------- */
 
-static enum neph_stress_expected expected_of(const struct trial *trial, int number,
-                                             const char **reason)
+static enum neph_stress_expected find_expectation(const struct trial *trial, int number,
+                                                  const char **reason)
 {
-    const struct neph_stress_row *row = row_of(trial, number);
-    const struct neph_stress_place place = {row->scene->name, row->point, column_of(trial)->name,
+    const struct neph_stress_row *row = trial_row(trial, number);
+    const struct neph_stress_place place = {row->scene->name, row->point, trial_column(trial)->name,
                                             neph_failing_measure_name(row->limit->measure),
                                             row->limit->over};
     return neph_stress_expected_at(trial->bench->expectations, &place, reason);
@@ -197,15 +198,15 @@ static enum neph_stress_expected expected_of(const struct trial *trial, int numb
 /* Fills a cell; `why` "": the reason of the expectation. */
 static void fill_cell(const struct trial *trial, int number, double value, const char *why)
 {
-    struct neph_stress_cell *cell = cell_of(trial, number);
+    struct neph_stress_cell *cell = trial_cell(trial, number);
     const char *reason;
-    if (cell->verdict == NEPH_STRESS_NOT_ASKED)
+    if (cell->verdict == NEPH_STRESS_NOT_PLANNED)
         return;
-    const enum neph_stress_expected expected = expected_of(trial, number, &reason);
+    const enum neph_stress_expected expected = find_expectation(trial, number, &reason);
     *cell = (struct neph_stress_cell){
         .value = value,
-        .verdict = neph_stress_judge(value, row_of(trial, number)->limit->limit, expected),
-        .why = neph_arena_text(&trial->bench->suite->arena, why[0] ? why : reason)};
+        .verdict = neph_stress_judge(value, trial_row(trial, number)->limit->limit, expected),
+        .why = neph_arena_copy_text(&trial->bench->suite->arena, why[0] ? why : reason)};
 }
 
 /* Fills the cells from the document in a sequence's folder. */
@@ -215,9 +216,9 @@ static enum neph_status read_cells(const struct trial *trial, const char *folder
     json_t *document = NULL;
     enum neph_status status = NEPH_OK;
     if (bad_values == 0 && has_document)
-        status = neph_take_document(folder, reading_name, &document, diag);
+        status = neph_capture_document(folder, reading_name, &document, diag);
     for (int r = 0; r < trial->point->row_count && !status; r++) {
-        const struct neph_failing_limit *limit = row_of(trial, r)->limit;
+        const struct neph_failing_limit *limit = trial_row(trial, r)->limit;
         char why[NEPH_STRESS_WHY_SIZE] = "";
         double value = NAN;
         if (limit->measure == NEPH_FAILING_BAD_VALUES)
@@ -236,7 +237,7 @@ static enum neph_status read_cells(const struct trial *trial, const char *folder
 static void mark_cells(const struct trial *trial, enum neph_stress_verdict verdict, const char *why)
 {
     for (int r = 0; r < trial->point->row_count; r++) {
-        struct neph_stress_cell *cell = cell_of(trial, r);
+        struct neph_stress_cell *cell = trial_cell(trial, r);
         fill_cell(trial, r, NAN, why);
         if (verdict != NEPH_STRESS_NO_NUMBER && cell->verdict == NEPH_STRESS_NO_NUMBER)
             cell->verdict = verdict;
@@ -247,27 +248,27 @@ static void mark_cells(const struct trial *trial, enum neph_stress_verdict verdi
 
 static bool is_drawn(const struct trial *trial)
 {
-    const enum neph_stress_pictures wanted = trial->bench->params->pictures;
+    const enum neph_stress_images wanted = trial->bench->params->pictures;
     bool is_wanted = false;
     for (int r = 0; r < trial->point->row_count; r++) {
         const struct neph_stress_verdict_info *verdict =
-            &neph_stress_verdicts[cell_of(trial, r)->verdict];
+            &neph_stress_verdicts[trial_cell(trial, r)->verdict];
         is_wanted |= verdict->is_compared &&
-                     (wanted == NEPH_STRESS_PICTURES_ALL ||
-                      (wanted != NEPH_STRESS_PICTURES_NONE && verdict->is_news) ||
-                      (wanted == NEPH_STRESS_PICTURES_FAILED && verdict->is_failure));
+                     (wanted == NEPH_STRESS_IMAGES_ALL ||
+                      (wanted != NEPH_STRESS_IMAGES_NONE && verdict->is_unexpected) ||
+                      (wanted == NEPH_STRESS_IMAGES_FAILED && verdict->is_failure));
     }
     return is_wanted;
 }
 
 /* Callback: judges and draws the frames while they are in memory. */
-static enum neph_status judge_and_draw(const struct neph_take *take,
-                                       const struct neph_take_frames *frames, void *context,
+static enum neph_status judge_and_draw(const struct neph_capture *take,
+                                       const struct neph_capture_frames *frames, void *context,
                                        struct neph_diag *diag)
 {
     const struct trial *trial = context;
     const struct neph_scene *scene = trial->point->at;
-    const struct neph_viewing viewing = viewing_of(scene);
+    const struct neph_viewing viewing = make_trial_viewing(scene);
     const struct neph_evidence_source source = {
         .files = frames->files,
         .images = frames->images,
@@ -276,7 +277,7 @@ static enum neph_status judge_and_draw(const struct neph_take *take,
         .exposure_ev = neph_scene_display(scene)->exposure_ev,
     };
     enum neph_status status = NEPH_OK;
-    if (!trial->is_judged)
+    if (!trial->has_verdicts)
         status = read_cells(trial, frames->folder, frames->bad_values, take->reading_count > 0,
                             diag);
     if (status || !is_drawn(trial))
@@ -287,45 +288,46 @@ static enum neph_status judge_and_draw(const struct neph_take *take,
 
 /* Finds the evidence of judged frames. Where the store has none, for example after a limit was
  * changed, the frames are rendered again and drawn. */
-static enum neph_status find_evidence(struct trial *trial, const struct neph_take *take,
+static enum neph_status find_evidence(struct trial *trial, const struct neph_capture *take,
                                       struct neph_diag *diag)
 {
-    struct neph_stress_bench *bench = trial->bench;
+    struct neph_stress_context *bench = trial->bench;
     enum neph_status status = NEPH_OK;
     if (!is_drawn(trial))
         return NEPH_OK;
     char *folder = neph_evidence_find(bench->store, trial->evidence_key);
     if (!folder) {
-        trial->is_judged = true;
-        status = neph_take_see(take, bench->store, diag);
+        trial->has_verdicts = true;
+        status = neph_capture_replay(take, bench->store, diag);
         if (!status && !(folder = neph_evidence_find(bench->store, trial->evidence_key)))
             status = neph_fail(diag, NEPH_ERR_IO, "images are not readable after publishing");
     }
     for (int r = 0; r < trial->point->row_count && !status; r++)
-        cell_of(trial, r)->evidence = neph_arena_text(&bench->suite->arena, folder);
+        trial_cell(trial, r)->evidence = neph_arena_copy_text(&bench->suite->arena, folder);
     free(folder);
     return status;
 }
 
 /* ---- a trial --------------------------------------------------------------------------------- */
 
-static enum neph_status run_take(struct trial *trial, const struct neph_take *take,
-                                 struct neph_diag *diag)
+static enum neph_status measure_sequence_capture(struct trial *trial,
+                                                 const struct neph_capture *take,
+                                                 struct neph_diag *diag)
 {
     char key[NEPH_HASH_HEX_SIZE], *folder = NULL;
     json_t *record = NULL;
-    enum neph_status status = neph_take_key(take, key, diag);
+    enum neph_status status = neph_capture_key(take, key, diag);
     if (!status)
         status = neph_evidence_key(key, neph_scene_display(trial->point->at)->exposure_ev,
                                    trial->evidence_key, diag);
     if (!status)
-        status = neph_take_run(take, trial->bench->store, &folder, &record, diag);
+        status = neph_capture_run(take, trial->bench->store, &folder, &record, diag);
     if (!status)
         status = read_cells(trial, folder,
                             (size_t)json_integer_value(json_object_get(record, "bad_values")),
                             take->reading_count > 0, diag);
     for (int r = 0; r < trial->point->row_count && !status; r++)
-        cell_of(trial, r)->frame_key = neph_arena_text(&trial->bench->suite->arena, key);
+        trial_cell(trial, r)->frame_key = neph_arena_copy_text(&trial->bench->suite->arena, key);
     if (!status)
         status = find_evidence(trial, take, diag);
     if (!status)
@@ -338,41 +340,42 @@ static enum neph_status run_take(struct trial *trial, const struct neph_take *ta
 static enum neph_status measure(struct trial *trial, struct neph_diag *diag)
 {
     const struct neph_failing *failing = trial->point->at->failing;
-    const bool is_preset = column_of(trial)->is_preset;
-    struct neph_meter_number kept[NEPH_STRESS_KEPT_MAX];
+    const bool is_preset = trial_column(trial)->is_preset;
+    struct neph_meter_number kept[NEPH_STRESS_METRICS_MAX];
     char step[40];
-    neph_stress_kept(failing, is_preset, kept);
+    neph_stress_list_metrics(failing, is_preset, kept);
     snprintf(step, sizeof(step), "lag.step_frame=%d", failing->event_frame);
     const char *const settings[] = {failing->event_frame > 0 ? step : NULL, NULL};
-    const struct neph_reading reading = {reading_name,
-                                         NEPH_REFERENCE_AVERAGED,
-                                         trial->extractors,
-                                         settings,
-                                         viewing_of(trial->point->at),
-                                         kept,
-                                         0};
+    const struct neph_measurement_set reading = {reading_name,
+                                                 NEPH_REFERENCE_AVERAGED,
+                                                 trial->extractors,
+                                                 settings,
+                                                 make_trial_viewing(trial->point->at),
+                                                 kept,
+                                                 0};
     const bool is_read = trial->bench->params->width_px == 0 && (is_preset || trial->extractors[0]);
-    const struct neph_take take = {.job = trial->job,
-                                   .frame_count = trial->frames.count,
-                                   .frame_step = trial->frames.step,
-                                   .reference = trial->reference,
-                                   .readings = &reading,
-                                   .reading_count = is_read ? 1 : 0,
-                                   .plain = true, /* limits are compared with the values themselves
+    const struct neph_capture take = {
+        .job = trial->job,
+        .frame_count = trial->frames.count,
+        .frame_step = trial->frames.step,
+        .reference = trial->reference,
+        .readings = &reading,
+        .reading_count = is_read ? 1 : 0,
+        .plain = true, /* limits are compared with the values themselves
                                                      */
-                                   .frozen_is_fine = true,
-                                   .look = judge_and_draw,
-                                   .look_context = trial,
-                                   .counts_bad = true};
-    return run_take(trial, &take, diag);
+        .allow_frozen_frames = true,
+        .look = judge_and_draw,
+        .callback_context = trial,
+        .counts_bad = true};
+    return measure_sequence_capture(trial, &take, diag);
 }
 
 /* Renders every frame and keeps only the count of its bad values. */
 static enum neph_status count_bad_values(struct trial *trial, struct neph_diag *diag)
 {
     uint64_t bad = 0;
-    const enum neph_status status = neph_watch_sequence(&trial->job, trial->frames.count, &bad,
-                                                        diag);
+    const enum neph_status status = neph_count_bad_values(&trial->job, trial->frames.count, &bad,
+                                                          diag);
     for (int r = 0; r < trial->point->row_count && !status; r++)
         fill_cell(trial, r, (double)bad, "");
     if (!status)
@@ -382,7 +385,7 @@ static enum neph_status count_bad_values(struct trial *trial, struct neph_diag *
 
 static enum neph_status run(struct trial *trial, struct neph_diag *diag)
 {
-    const bool is_preset = column_of(trial)->is_preset;
+    const bool is_preset = trial_column(trial)->is_preset;
     struct neph_stress_point *point = trial->point;
     trial->reference = is_preset ? &point->presets : &point->engines;
     trial->frames = is_preset ? (struct neph_stress_frames){point->at->failing->frame_count, 1}
@@ -402,16 +405,16 @@ static bool is_skipped(const struct trial *trial)
 {
     const char *reason;
     for (int r = 0; r < trial->point->row_count; r++)
-        if (cell_of(trial, r)->verdict != NEPH_STRESS_NOT_ASKED &&
-            expected_of(trial, r, &reason) != NEPH_STRESS_SKIPS)
+        if (trial_cell(trial, r)->verdict != NEPH_STRESS_NOT_PLANNED &&
+            find_expectation(trial, r, &reason) != NEPH_STRESS_SKIPS)
             return false;
     return true;
 }
 
 /* Whether an error concerns one column; all others end the run. An engine or a user engine may not
  * support a scene, or not be installed; a preset must render every scenario. */
-static bool is_of_one_column(const struct neph_stress_column *column, enum neph_status status,
-                             enum neph_stress_verdict *verdict)
+static bool is_column_error(const struct neph_stress_column *column, enum neph_status status,
+                            enum neph_stress_verdict *verdict)
 {
     static const struct {
         enum neph_status status;
@@ -424,7 +427,7 @@ static bool is_of_one_column(const struct neph_stress_column *column, enum neph_
         {NEPH_ERR_UNAVAILABLE, false, NEPH_STRESS_MISSING},
         {NEPH_ERR_TIMEOUT, false, NEPH_STRESS_NOT_RENDERED},
     };
-    const bool is_promise = column->is_preset && !column->engine->is_guest;
+    const bool is_promise = column->is_preset && !column->engine->is_user_engine;
     for (size_t i = 0; i < sizeof(table) / sizeof(table[0]); i++)
         if (table[i].status == status) {
             *verdict = is_promise ? NEPH_STRESS_NO_NUMBER : table[i].verdict;
@@ -438,8 +441,8 @@ static enum neph_status try(struct trial *trial, const char *what, struct neph_d
     struct neph_diag why = {.line = 0};
     enum neph_stress_verdict verdict;
     enum neph_status status = run(trial, &why);
-    if (is_of_one_column(column_of(trial), status, &verdict)) {
-        if (neph_stress_verdicts[verdict].is_news)
+    if (is_column_error(trial_column(trial), status, &verdict)) {
+        if (neph_stress_verdicts[verdict].is_unexpected)
             neph_progress_warn("%s: %s", what, why.message);
         mark_cells(trial, verdict, why.message);
         return NEPH_OK;
@@ -449,7 +452,7 @@ static enum neph_status try(struct trial *trial, const char *what, struct neph_d
     return status;
 }
 
-enum neph_status neph_stress_try(struct neph_stress_bench *bench, struct neph_stress_point *point,
+enum neph_status neph_stress_try(struct neph_stress_context *bench, struct neph_stress_point *point,
                                  int column, struct neph_diag *diag)
 {
     struct trial trial = {.bench = bench, .point = point, .column = column};

@@ -15,7 +15,7 @@
 enum { NEPH_STRESS_KIND_REFERENCE, NEPH_STRESS_KIND_TAKE, NEPH_STRESS_KIND_ENGINE };
 
 /* State that all trials of a run share. */
-struct neph_stress_bench {
+struct neph_stress_context {
     const struct neph_stress_params *params;
     struct neph_stress_suite *suite;
     struct neph_store *store;
@@ -50,7 +50,7 @@ int neph_stress_kind(const struct neph_stress_suite *suite, int column);
 
 /* Runs a trial and fills its cells. An engine that fails or cannot render is noted in the cells; an
  * error that ends the run is returned. */
-enum neph_status neph_stress_try(struct neph_stress_bench *bench, struct neph_stress_point *point,
+enum neph_status neph_stress_try(struct neph_stress_context *bench, struct neph_stress_point *point,
                                  int column, struct neph_diag *diag);
 
 #endif

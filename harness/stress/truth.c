@@ -13,27 +13,27 @@
 #include <string.h>
 
 /* Fails to compile when a kind is added, as neph_stress_preset_truth() chooses by it. */
-_Static_assert(NEPH_FAILING_TRUTH_COUNT == 2, "a new kind");
+_Static_assert(NEPH_FAILING_REFERENCE_COUNT == 2, "a new kind");
 
-static bool stands_still(const struct neph_scene *scene)
+static bool is_static_scenario(const struct neph_scene *scene)
 {
     for (int frame = 1; frame < scene->failing->frame_count; frame++)
-        if (!neph_scene_is_same_moment(scene, 0, frame))
+        if (!neph_scene_are_frames_equal(scene, 0, frame))
             return false;
     return true;
 }
 
 struct neph_stress_frames neph_stress_engine_frames(const struct neph_scene *scene)
 {
-    return stands_still(scene)
+    return is_static_scenario(scene)
                ? (struct neph_stress_frames){1, 1}
                : (struct neph_stress_frames){3, (scene->failing->frame_count - 1) / 2};
 }
 
 /* ---- engine exact ---------------------------------------------------------------------------- */
 
-static enum neph_status make_picture(const struct neph_job *job, struct neph_store *store,
-                                     struct neph_sequence *frames, struct neph_diag *diag)
+static enum neph_status render_exact_frame(const struct neph_job *job, struct neph_store *store,
+                                           struct neph_sequence *frames, struct neph_diag *diag)
 {
     struct neph_job_result result = {.settings = NULL};
     enum neph_status status = neph_job_run(job, store, &result, diag);
@@ -81,7 +81,7 @@ static enum neph_status make_exact(const struct neph_job *test,
                                               : neph_fail_memory(diag);
     for (int i = 0; i < frames->count && !status; i++) {
         job.shot.frame = test->shot.frame + i * frames->step;
-        status = make_picture(&job, store, pictures, diag);
+        status = render_exact_frame(&job, store, pictures, diag);
     }
     if (status)
         neph_reference_finish(&made);
@@ -101,7 +101,7 @@ enum neph_status neph_stress_preset_truth(const struct neph_job *test, struct ne
     if (scene->failing->truth == NEPH_FAILING_MARCH)
         return neph_reference_make(test, scene->failing->frame_count, store, progress, reference,
                                    diag);
-    if (!stands_still(scene))
+    if (!is_static_scenario(scene))
         return neph_fail(diag, NEPH_ERR_INPUT, "%s moves: `truth: exact` needs a static scene",
                          scene->name);
     return make_exact(test, &one, store, reference, diag);

@@ -7,8 +7,8 @@
 #include "base/interrupt.h"
 #include "scenes/injection.h"
 
-static enum neph_status count_in_picture(struct neph_job *job, const struct neph_shot *shot,
-                                         uint64_t *bad, struct neph_diag *diag)
+static enum neph_status count_in_frame(struct neph_job *job, const struct neph_shot *shot,
+                                       uint64_t *bad, struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
     struct neph_cost cost;
@@ -29,17 +29,17 @@ static enum neph_status count_on_device(struct neph_job *job, const struct neph_
     const struct neph_injections *injections = neph_scene_injections(shot->scene);
     const struct neph_engine_sequence *sequence = job->engine->sequence;
     const bool flies = injections->mirror.count == 0 && injections->size_count == 0;
-    enum neph_status status = flies ? sequence->send(job->sequence, shot, diag)
-                                    : count_in_picture(job, shot, bad, diag);
+    enum neph_status status = flies ? sequence->submit(job->sequence, shot, diag)
+                                    : count_in_frame(job, shot, bad, diag);
     if (status)
         return status;
     status = sequence->watch(job->sequence, bad, diag);
     *has_images = status != NEPH_ERR_UNSUPPORTED;
-    return *has_images ? status : count_in_picture(job, shot, bad, diag);
+    return *has_images ? status : count_in_frame(job, shot, bad, diag);
 }
 
 /* Removes the engine's own warm-up, which collects its frames, and returns its length. */
-static int take_warm_up(struct neph_job *job)
+static int extract_warm_up(struct neph_job *job)
 {
     const int setting = neph_option_find(job->engine->options, "warm_up");
     if (setting < 0)
@@ -49,14 +49,14 @@ static int take_warm_up(struct neph_job *job)
     return count;
 }
 
-enum neph_status neph_watch_sequence(struct neph_job *job, int frame_count, uint64_t *bad,
-                                     struct neph_diag *diag)
+enum neph_status neph_count_bad_values(struct neph_job *job, int frame_count, uint64_t *bad,
+                                       struct neph_diag *diag)
 {
     const struct neph_engine_sequence *sequence = job->engine->sequence;
     if (!sequence || !sequence->watch)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s does not count bad values on the device",
                          job->engine->name);
-    const int warm_up = take_warm_up(job);
+    const int warm_up = extract_warm_up(job);
     bool has_images = true;
     uint64_t found = 0;
     enum neph_status status = neph_job_open(job, diag);
@@ -65,7 +65,7 @@ enum neph_status neph_watch_sequence(struct neph_job *job, int frame_count, uint
         uint64_t of_frame = 0;
         shot.frame = frame;
         status = has_images ? count_on_device(job, &shot, &has_images, &of_frame, diag)
-                            : count_in_picture(job, &shot, &of_frame, diag);
+                            : count_in_frame(job, &shot, &of_frame, diag);
         if (!status && neph_interrupted())
             status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted at frame %d", frame);
         found += of_frame;

@@ -11,7 +11,7 @@
  * these frames, that are not finite or negative. Where the settings use no image of the engine's
  * own (split=none), the collected frames are counted instead. NEPH_ERR_UNSUPPORTED: the engine
  * cannot count. NEPH_ERR_INTERRUPTED. Other errors as of neph_job_open(). */
-enum neph_status neph_watch_sequence(struct neph_job *job, int frame_count, uint64_t *bad,
-                                     struct neph_diag *diag);
+enum neph_status neph_count_bad_values(struct neph_job *job, int frame_count, uint64_t *bad,
+                                       struct neph_diag *diag);
 
 #endif

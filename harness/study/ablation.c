@@ -50,7 +50,7 @@ const char *const neph_ablation_verdict_words[NEPH_ABLATION_VERDICTS] = {
 const char *const neph_ablation_advice_words[NEPH_ABLATION_ADVICES] = {
     [NEPH_ABLATION_KEEP] = "keep",
     [NEPH_ABLATION_PERHAPS] = "perhaps",
-    [NEPH_ABLATION_UNTOLD] = "untold",
+    [NEPH_ABLATION_UNCERTAIN] = "untold",
     [NEPH_ABLATION_LEAVE_OUT] = "leave out",
     [NEPH_ABLATION_LITTLE] = "little",
     [NEPH_ABLATION_IDLE] = "idle",
@@ -72,7 +72,8 @@ int neph_ablation_measure_count(void)
 /* ---- the plan -------------------------------------------------------------------------------- */
 
 /* Adds a configuration unless it exists; returns its index. `label` is in the arena or constant. */
-static int configure(struct neph_ablation *ablation, neph_ablation_set without, const char *label)
+static int add_configuration(struct neph_ablation *ablation, neph_ablation_set without,
+                             const char *label)
 {
     const int count = ablation->configuration_count;
     for (int i = 0; i < count; i++)
@@ -84,12 +85,12 @@ static int configure(struct neph_ablation *ablation, neph_ablation_set without, 
     return ablation->configuration_count++;
 }
 
-static void compare(struct neph_ablation *ablation, int part, enum neph_ablation_place place,
-                    neph_ablation_set with, neph_ablation_set without)
+static void add_comparison(struct neph_ablation *ablation, int part, enum neph_ablation_place place,
+                           neph_ablation_set with, neph_ablation_set without)
 {
     struct neph_arena *arena = &ablation->arena;
     const char *name = part < 0 ? "all" : neph_ablation_parts[part].name;
-    const int first = configure(ablation, with, neph_arena_format(arena, "%s alone", name));
+    const int first = add_configuration(ablation, with, neph_arena_format(arena, "%s alone", name));
     const char *label = place == NEPH_ABLATION_ALONE
                             ? neph_arena_format(arena, "what %s needs", name)
                             : neph_arena_format(arena, "without %s", name);
@@ -97,11 +98,11 @@ static void compare(struct neph_ablation *ablation, int part, enum neph_ablation
         .part = part,
         .place = place,
         .with = first,
-        .without = configure(ablation, without, label)};
+        .without = add_configuration(ablation, without, label)};
 }
 
 /* The parts of the preset that the plain pipeline does not have. */
-static neph_ablation_set left_out_of_plain(const struct neph_ablation *ablation)
+static neph_ablation_set parts_missing_in_plain(const struct neph_ablation *ablation)
 {
     neph_ablation_set set = ablation->parts;
     for (int i = 0; neph_ablation_parts[i].name; i++)
@@ -113,11 +114,12 @@ static neph_ablation_set left_out_of_plain(const struct neph_ablation *ablation)
 static void plan_part(struct neph_ablation *ablation, int part)
 {
     const neph_ablation_set own = (neph_ablation_set)1 << part;
-    const neph_ablation_set plain = left_out_of_plain(ablation);
+    const neph_ablation_set plain = parts_missing_in_plain(ablation);
     const neph_ablation_set needed = neph_ablation_with_needs(part) & ~own;
-    compare(ablation, part, NEPH_ABLATION_IN_PRESET, 0, own);
+    add_comparison(ablation, part, NEPH_ABLATION_IN_PRESET, 0, own);
     if (!neph_ablation_parts[part].stays)
-        compare(ablation, part, NEPH_ABLATION_ALONE, plain & ~needed & ~own, plain & ~needed);
+        add_comparison(ablation, part, NEPH_ABLATION_ALONE, plain & ~needed & ~own,
+                       plain & ~needed);
 }
 
 static enum neph_status refuse_part(struct neph_ablation *ablation, const char *name,
@@ -142,8 +144,8 @@ static enum neph_status refuse_absent(const struct neph_ablation *ablation, int 
     return NEPH_ERR_USAGE;
 }
 
-static enum neph_status choose(struct neph_ablation *ablation, const char *const *only,
-                               int only_count, struct neph_diag *diag)
+static enum neph_status choose_parts(struct neph_ablation *ablation, const char *const *only,
+                                     int only_count, struct neph_diag *diag)
 {
     ablation->asked = only_count > 0 ? 0 : ablation->parts;
     for (int i = 0; i < only_count; i++) {
@@ -161,16 +163,16 @@ enum neph_status neph_ablation_plan(const char *preset, const char *const *only,
                                     struct neph_ablation *ablation, struct neph_diag *diag)
 {
     ablation->preset = preset;
-    enum neph_status status = neph_ablation_parts_of(preset, &ablation->parts, diag);
+    enum neph_status status = neph_ablation_find_parts(preset, &ablation->parts, diag);
     for (int i = 0; neph_ablation_parts[i].name && !status; i++)
         status = neph_ablation_part_values(&ablation->arena, preset, i, &ablation->values[i], diag);
     if (!status)
-        status = choose(ablation, only, only_count, diag);
+        status = choose_parts(ablation, only, only_count, diag);
     if (status)
         return status;
-    configure(ablation, 0, preset);
-    configure(ablation, left_out_of_plain(ablation), "plain");
-    compare(ablation, -1, NEPH_ABLATION_IN_PRESET, 0, left_out_of_plain(ablation));
+    add_configuration(ablation, 0, preset);
+    add_configuration(ablation, parts_missing_in_plain(ablation), "plain");
+    add_comparison(ablation, -1, NEPH_ABLATION_IN_PRESET, 0, parts_missing_in_plain(ablation));
     for (int i = 0; neph_ablation_parts[i].name; i++)
         if (ablation->asked >> i & 1)
             plan_part(ablation, i);
@@ -232,7 +234,7 @@ static struct neph_ablation_effect summarise(const double *changes, int count, d
     return effect;
 }
 
-static enum neph_ablation_verdict judge(const struct neph_ablation_effect *effect)
+static enum neph_ablation_verdict judge_effect(const struct neph_ablation_effect *effect)
 {
     if (effect->scene_count == 0)
         return NEPH_ABLATION_NO_NUMBER;
@@ -262,7 +264,7 @@ enum neph_ablation_advice neph_ablation_advise(const struct neph_ablation_compar
     if (counts[NEPH_ABLATION_MAY_BUY] > 0)
         return NEPH_ABLATION_PERHAPS;
     if (counts[NEPH_ABLATION_UNDECIDED] > 0)
-        return NEPH_ABLATION_UNTOLD;
+        return NEPH_ABLATION_UNCERTAIN;
     if (counts[NEPH_ABLATION_COSTS] + counts[NEPH_ABLATION_MAY_COST] > 0)
         return NEPH_ABLATION_LEAVE_OUT;
     if (counts[NEPH_ABLATION_NOTHING] > 0)
@@ -274,7 +276,7 @@ enum neph_ablation_advice neph_ablation_advise(const struct neph_ablation_compar
 
 /* Holm's family: numbers with an interval, except those equal in all scenes and those of a clock. A
  * number that cannot be wrong by chance must not weaken the others. */
-static bool is_of_family(const struct neph_ablation_effect *effect, int measure)
+static bool in_holm_family(const struct neph_ablation_effect *effect, int measure)
 {
     return effect->has_interval && effect->alike < effect->scene_count &&
            !neph_ablation_measures[measure].is_time;
@@ -290,7 +292,7 @@ static void adjust(struct neph_ablation *ablation)
     for (int c = 0; c < ablation->comparison_count; c++)
         for (int m = 0; neph_ablation_measures[m].name; m++) {
             struct neph_ablation_effect *effect = &ablation->comparisons[c].effects[m];
-            if (!is_of_family(effect, m))
+            if (!in_holm_family(effect, m))
                 continue;
             p[count] = effect->p;
             family[count++] = effect;
@@ -343,8 +345,8 @@ enum neph_status neph_ablation_judge(struct neph_ablation *ablation, struct neph
     const enum neph_status status = check_scenes(ablation, diag);
     if (status)
         return status;
-    double *changes = neph_arena_zeroed(&ablation->arena, count * size + scene_count,
-                                        sizeof(*changes));
+    double *changes = neph_arena_allocate(&ablation->arena, count * size + scene_count,
+                                          sizeof(*changes));
     if (!changes)
         return neph_fail_memory(diag);
     for (size_t c = 0; c < count; c++)
@@ -353,7 +355,7 @@ enum neph_status neph_ablation_judge(struct neph_ablation *ablation, struct neph
     adjust(ablation);
     for (size_t c = 0; c < count; c++)
         for (int m = 0; neph_ablation_measures[m].name; m++)
-            ablation->comparisons[c].effects[m].verdict = judge(
+            ablation->comparisons[c].effects[m].verdict = judge_effect(
                 &ablation->comparisons[c].effects[m]);
     return NEPH_OK;
 }

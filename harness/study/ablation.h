@@ -116,7 +116,7 @@ const struct neph_ablation_comparison *neph_ablation_find(const struct neph_abla
 enum neph_ablation_advice {
     NEPH_ABLATION_KEEP,       /* it improves a measure */
     NEPH_ABLATION_PERHAPS,    /* it may improve a measure */
-    NEPH_ABLATION_UNTOLD,     /* at least one measure is undecided, and none improves */
+    NEPH_ABLATION_UNCERTAIN,  /* at least one measure is undecided, and none improves */
     NEPH_ABLATION_LEAVE_OUT,  /* it improves no measure, and worsens one, or may do so */
     NEPH_ABLATION_LITTLE,     /* it changes no measure by 5 % */
     NEPH_ABLATION_IDLE,       /* it changes no value in any scene */

@@ -178,14 +178,14 @@ static const struct neph_engine *realtime(void)
     return neph_engine_find("realtime");
 }
 
-static enum neph_status settings_of(const char *words, struct neph_settings *settings,
-                                    struct neph_diag *diag)
+static enum neph_status parse_settings(const char *words, struct neph_settings *settings,
+                                       struct neph_diag *diag)
 {
-    return neph_settings_words(realtime(), words, "steps=64", settings, diag);
+    return neph_settings_parse_words(realtime(), words, "steps=64", settings, diag);
 }
 
 /* Writes the option indices of a part, in the order of its words; returns their number. */
-static int options_of(const struct neph_ablation_part *part, int *indices, int most)
+static int list_part_options(const struct neph_ablation_part *part, int *indices, int most)
 {
     char name[64];
     int count = 0;
@@ -203,21 +203,21 @@ static enum neph_status has_setting(const char *preset, int part, bool *has, str
     struct neph_arena arena = {.last = NULL};
     struct neph_settings with, without;
     int option;
-    options_of(&neph_ablation_parts[part], &option, 1);
+    list_part_options(&neph_ablation_parts[part], &option, 1);
     const char *words = neph_ablation_words(&arena, preset, (neph_ablation_set)1 << part);
     enum neph_status status = neph_arena_check(&arena, diag);
     if (!status)
-        status = settings_of(preset, &with, diag);
+        status = parse_settings(preset, &with, diag);
     if (!status)
-        status = settings_of(words, &without, diag);
+        status = parse_settings(words, &without, diag);
     neph_arena_finish(&arena);
     if (!status)
         *has = with.values[option] != without.values[option];
     return status;
 }
 
-enum neph_status neph_ablation_parts_of(const char *preset, neph_ablation_set *parts,
-                                        struct neph_diag *diag)
+enum neph_status neph_ablation_find_parts(const char *preset, neph_ablation_set *parts,
+                                          struct neph_diag *diag)
 {
     neph_ablation_set set = 0, all = 0;
     for (int i = 0; neph_ablation_parts[i].name; i++) {
@@ -237,7 +237,7 @@ enum neph_status neph_ablation_parts_of(const char *preset, neph_ablation_set *p
 const char *neph_ablation_words(struct neph_arena *arena, const char *preset,
                                 neph_ablation_set without)
 {
-    const char *words = neph_arena_text(arena, preset);
+    const char *words = neph_arena_copy_text(arena, preset);
     for (int i = 0; neph_ablation_parts[i].name; i++)
         if (without >> i & 1)
             words = neph_arena_format(arena, "%s+%s", words, neph_ablation_parts[i].off);
@@ -251,8 +251,8 @@ enum neph_status neph_ablation_part_values(struct neph_arena *arena, const char 
 {
     struct neph_settings settings;
     int options[OPTIONS_MAX];
-    const int count = options_of(&neph_ablation_parts[part], options, OPTIONS_MAX);
-    const enum neph_status status = settings_of(preset, &settings, diag);
+    const int count = list_part_options(&neph_ablation_parts[part], options, OPTIONS_MAX);
+    const enum neph_status status = parse_settings(preset, &settings, diag);
     const char *values = "";
     for (int i = 0; i < count && !status; i++) {
         const struct neph_option *option = &realtime()->options[options[i]];

@@ -45,16 +45,16 @@ typedef uint64_t neph_ablation_set;
 neph_ablation_set neph_ablation_with_needs(int part);
 
 /* The parts of a preset ("NAME" or "NAME+KEY=VALUE+...") whose needs the preset has as well.
- * NEPH_ERR_USAGE as of neph_settings_words(). */
-enum neph_status neph_ablation_parts_of(const char *preset, neph_ablation_set *parts,
-                                        struct neph_diag *diag);
+ * NEPH_ERR_USAGE as of neph_settings_parse_words(). */
+enum neph_status neph_ablation_find_parts(const char *preset, neph_ablation_set *parts,
+                                          struct neph_diag *diag);
 
 /* The preset without some parts, as preset words. */
 const char *neph_ablation_words(struct neph_arena *arena, const char *preset,
                                 neph_ablation_set without);
 
 /* The settings of a part as a preset has them, for example "override=sequential". Errors as of
- * neph_ablation_parts_of(), and NEPH_ERR_MEMORY. */
+ * neph_ablation_find_parts(), and NEPH_ERR_MEMORY. */
 enum neph_status neph_ablation_part_values(struct neph_arena *arena, const char *preset, int part,
                                            const char **text, struct neph_diag *diag);
 

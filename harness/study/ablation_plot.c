@@ -27,9 +27,9 @@ static const double letter_px = 6.6;
 struct chart {
     const struct neph_ablation *ablation;
     int measures[NEPH_ABLATION_MEASURES_MAX], measure_count;
-    int rows[NEPH_ABLATION_PARTS_MAX], row_count;    /* parts that change a measure */
-    int quiet[NEPH_ABLATION_PARTS_MAX], quiet_count; /* the other parts */
-    double top_px;                                   /* of the first row */
+    int rows[NEPH_ABLATION_PARTS_MAX], row_count;                  /* parts that change a measure */
+    int unchanged_parts[NEPH_ABLATION_PARTS_MAX], unchanged_count; /* the other parts */
+    double top_px;                                                 /* of the first row */
 };
 
 struct column {
@@ -49,7 +49,7 @@ static const struct neph_ablation_effect *find_effect(const struct neph_ablation
 
 /* Whether a cell needs no bar: the change is below 5 %, or it is a time whose change is not
  * certain. */
-static bool is_quiet(int measure, const struct neph_ablation_effect *effect)
+static bool has_no_row(int measure, const struct neph_ablation_effect *effect)
 {
     const bool is_small = effect && fabs(effect->mean) < NEPH_ABLATION_NOTHING_DECADES;
     return !effect || effect->verdict == NEPH_ABLATION_SAME ||
@@ -62,8 +62,8 @@ static bool is_drawn(const struct chart *chart, int part)
 {
     for (int m = 0; m < chart->measure_count; m++)
         for (int place = 0; place < NEPH_ABLATION_PLACES; place++)
-            if (!is_quiet(chart->measures[m],
-                          find_effect(chart->ablation, chart->measures[m], part, place)))
+            if (!has_no_row(chart->measures[m],
+                            find_effect(chart->ablation, chart->measures[m], part, place)))
                 return true;
     return false;
 }
@@ -76,7 +76,7 @@ static double largest_change(const struct chart *chart, int part)
         const int measure = chart->measures[m];
         const struct neph_ablation_effect *effect = find_effect(chart->ablation, measure, part,
                                                                 NEPH_ABLATION_IN_PRESET);
-        if (!neph_ablation_measures[measure].is_time && !is_quiet(measure, effect))
+        if (!neph_ablation_measures[measure].is_time && !has_no_row(measure, effect))
             largest = fmax(largest, fabs(effect->mean));
     }
     return largest;
@@ -88,7 +88,7 @@ static void sort_parts(struct chart *chart)
         if ((chart->ablation->asked >> part & 1) == 0)
             continue;
         if (!is_drawn(chart, part)) {
-            chart->quiet[chart->quiet_count++] = part;
+            chart->unchanged_parts[chart->unchanged_count++] = part;
             continue;
         }
         const double change = largest_change(chart, part);
@@ -114,7 +114,7 @@ static void fit_axis(struct column *column)
         for (int i = 0; i < column->chart->row_count * NEPH_ABLATION_PLACES; i++) {
             const struct neph_ablation_effect *effect = cell(column, i / NEPH_ABLATION_PLACES,
                                                              i % NEPH_ABLATION_PLACES);
-            if (is_quiet(column->measure, effect))
+            if (has_no_row(column->measure, effect))
                 continue;
             const bool has_interval = pass && effect->has_interval;
             low = fmin(low, has_interval ? fmax(effect->low, -most) : effect->mean);
@@ -197,7 +197,7 @@ static void draw_bar(const struct column *column, const struct neph_ablation_eff
                      int place, double y_px, FILE *out)
 {
     static const char *const fills[NEPH_ABLATION_PLACES] = {"#888", "#fff"};
-    if (is_quiet(column->measure, effect))
+    if (has_no_row(column->measure, effect))
         return;
     const double zero_px = at_px(column, 0.0), end_px = at_px(column, effect->mean);
     fprintf(out,
@@ -276,15 +276,15 @@ static void draw_names(const struct chart *chart, FILE *out)
 }
 
 /* The parts without a row. Returns the foot of the last line. */
-static double draw_quiet(const struct chart *chart, double y_px, FILE *out)
+static double draw_unchanged_parts(const struct chart *chart, double y_px, FILE *out)
 {
     char words[64 * NEPH_ABLATION_PARTS_MAX] = "Less than 5 % in every measure:";
-    if (chart->quiet_count == 0)
+    if (chart->unchanged_count == 0)
         return y_px;
-    for (int i = 0; i < chart->quiet_count; i++) {
+    for (int i = 0; i < chart->unchanged_count; i++) {
         const size_t used = strlen(words);
         snprintf(words + used, sizeof(words) - used, " %s",
-                 neph_ablation_parts[chart->quiet[i]].name);
+                 neph_ablation_parts[chart->unchanged_parts[i]].name);
     }
     return draw_words(words, MARGIN, WIDTH - 2 * MARGIN, y_px + LINE, out);
 }
@@ -338,7 +338,7 @@ static double draw_chart(const struct neph_ablation *ablation, FILE *out)
     draw_names(&chart, out);
     for (int i = 0; i < chart.measure_count && chart.row_count > 0; i++)
         draw_column(&chart, i, out);
-    return draw_quiet(&chart, chart.top_px + ROW * chart.row_count, out) + MARGIN;
+    return draw_unchanged_parts(&chart, chart.top_px + ROW * chart.row_count, out) + MARGIN;
 }
 
 enum neph_status neph_ablation_plot(const struct neph_ablation *ablation, FILE *out,

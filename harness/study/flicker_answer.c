@@ -22,8 +22,8 @@ static bool is_before(const struct neph_study_level *a, const struct neph_study_
     return a->mean < b->mean || (isfinite(a->mean) && isnan(b->mean));
 }
 
-static enum neph_status rank(const struct neph_flicker_study *study, int metric,
-                             struct ranking *ranking, struct neph_diag *diag)
+static enum neph_status rank_presets(const struct neph_flicker_study *study, int metric,
+                                     struct ranking *ranking, struct neph_diag *diag)
 {
     const enum neph_status status = neph_study_levels(study, metric, 0, ranking->levels, diag);
     ranking->metric = metric;
@@ -145,7 +145,7 @@ enum neph_status neph_flicker_answer(const struct neph_flicker_study *study,
     snprintf(end, sizeof(end), " (%d scene%s, %d seed%s)", scene_count, scene_count == 1 ? "" : "s",
              params->seed_count, params->seed_count == 1 ? "" : "s");
     const int metric = first_metric(study, 0);
-    enum neph_status status = metric < 0 ? NEPH_OK : rank(study, metric, &ranking, diag);
+    enum neph_status status = metric < 0 ? NEPH_OK : rank_presets(study, metric, &ranking, diag);
     if (!status && metric >= 0 && params->preset_count == 1)
         answer_single(study, &ranking, end, answer);
     else if (!status && metric >= 0)

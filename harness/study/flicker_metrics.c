@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Fails to compile when a kind is added, as the table of sequences needs a row for it. */
-_Static_assert(NEPH_STUDY_TAKES == 4, "a new kind");
+_Static_assert(NEPH_STUDY_CAPTURES == 4, "a new kind");
 
 static const char *const of_flicker[] = {"seen", "cycles", "flicker", "error", NULL};
 static const char *const of_lag[] = {"lag", NULL};
@@ -18,7 +18,7 @@ static const char *const at_event[] = {"lag.step_frame=32", NULL};
 static const char *const at_periods[] = {"follow.period_1=16", "follow.period_2=32",
                                          "follow.period_3=64", NULL};
 
-const struct neph_study_take neph_study_takes[NEPH_STUDY_TAKES] = {
+const struct neph_study_capture neph_study_captures[NEPH_STUDY_CAPTURES] = {
     [NEPH_STUDY_FLICKER] = {"flicker", NEPH_VARIANT_KIND_COUNT, 0, of_flicker, NULL},
     [NEPH_STUDY_STEP] = {"step", NEPH_VARIANT_SUN_STEP, 80, of_lag, at_event},
     [NEPH_STUDY_SINE] = {"sine", NEPH_VARIANT_SUN_SINE, 128, of_follow, at_periods},
@@ -71,10 +71,10 @@ const struct neph_study_metric neph_study_metrics[] = {
     {.title = NULL},
 };
 
-int neph_study_take_find(const char *name)
+int neph_study_capture_find(const char *name)
 {
     int id = 0;
-    while (id < NEPH_STUDY_TAKES && strcmp(name, neph_study_takes[id].name) != 0)
+    while (id < NEPH_STUDY_CAPTURES && strcmp(name, neph_study_captures[id].name) != 0)
         id++;
     return id;
 }
@@ -96,7 +96,7 @@ int neph_study_metric_find(const char *metric, const char *mask)
     return index;
 }
 
-int neph_study_headline(void)
+int neph_study_find_headline(void)
 {
     int index = 0;
     while (!neph_study_metrics[index].of_the_eye)
@@ -104,7 +104,7 @@ int neph_study_headline(void)
     return index;
 }
 
-int neph_study_lag(void)
+int neph_study_find_lag(void)
 {
     int index = 0;
     while (neph_study_metrics[index].take != NEPH_STUDY_STEP)

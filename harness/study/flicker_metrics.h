@@ -14,25 +14,25 @@
 enum { NEPH_STUDY_EVENT_FRAME = 32 };
 
 /* Sequences rendered for a scene. */
-enum neph_study_take_id {
+enum neph_study_capture_id {
     NEPH_STUDY_FLICKER, /* the scene as it is */
     NEPH_STUDY_STEP,    /* the sun becomes brighter in one frame */
     NEPH_STUDY_SINE,    /* the sun's brightness swings */
     NEPH_STUDY_CUT,     /* the camera jumps */
-    NEPH_STUDY_TAKES,
+    NEPH_STUDY_CAPTURES,
 };
 
-struct neph_study_take {
+struct neph_study_capture {
     const char *name;               /* on the command line */
     enum neph_variant_kind variant; /* NEPH_VARIANT_KIND_COUNT: the scene itself */
     int frame_count;                /* 0: the requested number */
     const char *const *extractors;  /* NULL-terminated */
     const char *const *settings;    /* of the extractors; NULL: none */
 };
-extern const struct neph_study_take neph_study_takes[NEPH_STUDY_TAKES];
+extern const struct neph_study_capture neph_study_captures[NEPH_STUDY_CAPTURES];
 
-/* Index of a sequence by name; NEPH_STUDY_TAKES: none. */
-int neph_study_take_find(const char *name);
+/* Index of a sequence by name; NEPH_STUDY_CAPTURES: none. */
+int neph_study_capture_find(const char *name);
 
 /* The displays for which rankings are computed; all other values are for the first one. */
 struct neph_study_display {
@@ -47,7 +47,7 @@ extern const char *const neph_study_eye_extractors[];
 /* A metric of a sequence. Smaller is better for all of them. */
 struct neph_study_metric {
     const char *title; /* with the unit */
-    enum neph_study_take_id take;
+    enum neph_study_capture_id take;
     const char *metric, *mask; /* of the radiance */
     double scale;              /* factor in tables and texts */
     double floor;              /* values below it count as equal; in units of the metric */
@@ -70,8 +70,8 @@ int neph_study_metric_find(const char *metric, const char *mask);
 
 /* Index of the metric that ranks presets, the first of the eye; and of the lag shown beside it, the
  * first of the step. */
-int neph_study_headline(void);
-int neph_study_lag(void);
+int neph_study_find_headline(void);
+int neph_study_find_lag(void);
 
 /* The largest share of pixels that never settle for which a time counts. */
 #define NEPH_STUDY_NEVER_MOST 0.05

@@ -14,7 +14,8 @@
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 
 /* The metric's floor, or the highest upper bound that replaces a value of the preset. */
-static double floor_of(const struct neph_flicker_study *study, int metric, int scene, int preset)
+static double find_comparison_floor(const struct neph_flicker_study *study, int metric, int scene,
+                                    int preset)
 {
     double floor = neph_study_metrics[metric].floor;
     for (int seed = 0; seed < study->params->seed_count; seed++) {
@@ -45,7 +46,7 @@ static double decades(const struct neph_flicker_study *study, int metric, int di
                       int preset)
 {
     return decades_above(study, metric, display, scene, preset,
-                         floor_of(study, metric, scene, preset));
+                         find_comparison_floor(study, metric, scene, preset));
 }
 
 double neph_study_cost_decades(const struct neph_flicker_study *study, size_t cost, int scene,
@@ -65,8 +66,8 @@ double neph_study_cost_decades(const struct neph_flicker_study *study, size_t co
 double neph_study_difference(const struct neph_flicker_study *study, int metric, int display,
                              int first, int second, int scene)
 {
-    const double floor = fmax(floor_of(study, metric, scene, first),
-                              floor_of(study, metric, scene, second));
+    const double floor = fmax(find_comparison_floor(study, metric, scene, first),
+                              find_comparison_floor(study, metric, scene, second));
     return decades_above(study, metric, display, scene, first, floor) -
            decades_above(study, metric, display, scene, second, floor);
 }
@@ -91,8 +92,8 @@ enum neph_status neph_study_pair(const struct neph_flicker_study *study, int met
         return neph_fail_memory(diag);
     struct neph_study_pair found = {.mean = NAN, .p_sign = 1.0};
     for (int scene = 0; scene < scene_count; scene++) {
-        const double floor = fmax(floor_of(study, metric, scene, first),
-                                  floor_of(study, metric, scene, second));
+        const double floor = fmax(find_comparison_floor(study, metric, scene, first),
+                                  find_comparison_floor(study, metric, scene, second));
         a[found.scene_count] = decades_above(study, metric, display, scene, first, floor);
         b[found.scene_count] = decades_above(study, metric, display, scene, second, floor);
         found.scene_count += !isnan(a[found.scene_count]) && !isnan(b[found.scene_count]);
@@ -167,8 +168,8 @@ enum neph_status neph_study_ranking(const struct neph_flicker_study *study, int 
                                     struct neph_diag *diag)
 {
     struct neph_study_level levels[NEPH_STUDY_PRESETS_MAX];
-    const enum neph_status status = neph_study_levels(study, neph_study_headline(), display, levels,
-                                                      diag);
+    const enum neph_status status = neph_study_levels(study, neph_study_find_headline(), display,
+                                                      levels, diag);
     for (int preset = 0; preset < study->params->preset_count && !status; preset++) {
         int place = preset; /* insertion sort: equal presets keep their order */
         for (; place > 0 && levels[order[place - 1]].mean > levels[preset].mean; place--)

@@ -155,9 +155,9 @@ enum neph_status neph_flicker_study_plot(const struct neph_flicker_study *study,
                                          struct neph_diag *diag)
 {
     struct neph_study_level lag[NEPH_STUDY_PRESETS_MAX], flicker[NEPH_STUDY_PRESETS_MAX];
-    enum neph_status status = neph_study_levels(study, neph_study_lag(), 0, lag, diag);
+    enum neph_status status = neph_study_levels(study, neph_study_find_lag(), 0, lag, diag);
     if (!status)
-        status = neph_study_levels(study, neph_study_headline(), 0, flicker, diag);
+        status = neph_study_levels(study, neph_study_find_headline(), 0, flicker, diag);
     if (status)
         return status;
     fprintf(out,
@@ -176,8 +176,8 @@ enum neph_status neph_flicker_study_plot(const struct neph_flicker_study *study,
         "<text x=\"%d\" y=\"%d\" font-size=\"11\">preset differs from the mean of all in the same "
         "scene. Reference: 16 rays a pixel, %d steps, of the same moment.</text>\n</svg>\n",
         (LEFT + WIDTH - RIGHT) / 2, HEIGHT - BOTTOM + 42,
-        neph_study_metrics[neph_study_lag()].title, (TOP + HEIGHT - BOTTOM) / 2,
-        neph_study_metrics[neph_study_headline()].title, LEFT, HEIGHT - 40, flicker[0].scene_count,
-        lag[0].scene_count, LEFT, HEIGHT - 24, study->params->steps);
+        neph_study_metrics[neph_study_find_lag()].title, (TOP + HEIGHT - BOTTOM) / 2,
+        neph_study_metrics[neph_study_find_headline()].title, LEFT, HEIGHT - 40,
+        flicker[0].scene_count, lag[0].scene_count, LEFT, HEIGHT - 24, study->params->steps);
     return NEPH_OK;
 }

@@ -29,9 +29,9 @@ enum { KIND_REFERENCE, KIND_TAKE }; /* of progress steps */
 static const double reference_typical_s = 10.0, take_typical_s = 30.0;
 
 /* One sequence of the study. */
-struct spot {
+struct study_cell_id {
     int scene;
-    enum neph_study_take_id take;
+    enum neph_study_capture_id take;
     int preset, seed;
 };
 
@@ -40,12 +40,14 @@ struct work {
     struct neph_flicker_study *study;
     struct neph_store *store;
     struct neph_progress progress;
-    struct neph_engine_info info, guest; /* of `realtime`, and of the user engine where a preset
+    struct neph_engine_info info,
+        user_engine_info;            /* of `realtime`, and of the user engine where a preset
                                             names it */
-    struct neph_reference reference;     /* of the current sequence */
+    struct neph_reference reference; /* of the current sequence */
 };
 
-static int index_of(const struct neph_flicker_study_params *params, int scene, int preset, int seed)
+static int compute_row_index(const struct neph_flicker_study_params *params, int scene, int preset,
+                             int seed)
 {
     return (scene * params->preset_count + preset) * params->seed_count + seed;
 }
@@ -53,14 +55,14 @@ static int index_of(const struct neph_flicker_study_params *params, int scene, i
 struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *study, int scene,
                                            int preset, int seed, int metric)
 {
-    const int row = index_of(study->params, scene, preset, seed);
+    const int row = compute_row_index(study->params, scene, preset, seed);
     return &study->cells[row * neph_study_metric_count() + metric];
 }
 
 struct neph_study_cost *neph_study_cost_at(const struct neph_flicker_study *study, int scene,
                                            int preset, int seed)
 {
-    return &study->costs[index_of(study->params, scene, preset, seed)];
+    return &study->costs[compute_row_index(study->params, scene, preset, seed)];
 }
 
 /* ---- jobs ------------------------------------------------------------------------------------ */
@@ -74,17 +76,17 @@ static enum neph_status make_job(const struct work *work, const struct neph_scen
                                       .width_px = params->width_px,
                                       .height_px = params->height_px,
                                       .layers = NEPH_LAYERS_ALL,
-                                      .time_limit_s = NEPH_GUEST_LIMIT_S,
+                                      .time_limit_s = NEPH_USER_ENGINE_LIMIT_S,
                                       .device = params->device,
-                                      .seed = scene ? neph_seed_of(scene, seed) : 1}};
+                                      .seed = scene ? neph_seed_for_scene(scene, seed) : 1}};
     char steps[32];
     snprintf(steps, sizeof(steps), "steps=%d", params->steps);
-    const enum neph_status status = neph_engine_words(words, steps, &job->engine,
-                                                      &job->shot.settings, diag);
+    const enum neph_status status = neph_engine_parse_words(words, steps, &job->engine,
+                                                            &job->shot.settings, diag);
     if (!status && scene)
-        neph_settings_meet(job->engine, scene, &job->shot.settings);
+        neph_settings_adapt_to_scene(job->engine, scene, &job->shot.settings);
     if (!status)
-        job->info = job->engine->is_guest ? &work->guest : &work->info;
+        job->info = job->engine->is_user_engine ? &work->user_engine_info : &work->info;
     return status;
 }
 
@@ -92,7 +94,7 @@ static enum neph_status make_job(const struct work *work, const struct neph_scen
 
 enum { READINGS_MAX = 2 + NEPH_STUDY_DISPLAYS, KEPT_MAX = 4 * NEPH_STUDY_METRICS_MAX + 1 };
 
-static struct neph_viewing viewing_of(const struct neph_scene *scene, int display)
+static struct neph_viewing make_display_viewing(const struct neph_scene *scene, int display)
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     viewing.exposure_ev = neph_scene_display(scene)->exposure_ev;
@@ -107,7 +109,7 @@ static const char centre_name[] = "centre";
 
 /* Lists the metrics of the tables for a sequence, with the metrics that decide whether they count.
  */
-static void list_kept(enum neph_study_take_id id, struct neph_meter_number kept[KEPT_MAX])
+static void list_kept(enum neph_study_capture_id id, struct neph_meter_number kept[KEPT_MAX])
 {
     int count = 0;
     for (const struct neph_study_metric *metric = neph_study_metrics; metric->title; metric++) {
@@ -122,19 +124,19 @@ static void list_kept(enum neph_study_take_id id, struct neph_meter_number kept[
 
 /* Lists the measurement sets of a sequence: all metrics against the averaged reference; unless
  * `brief`, also against the centre rays, and the eye's metrics for the other displays. */
-static int readings_of(const struct neph_scene *scene, enum neph_study_take_id id, bool brief,
-                       const struct neph_meter_number *kept,
-                       struct neph_reading readings[READINGS_MAX])
+static int list_measurement_sets(const struct neph_scene *scene, enum neph_study_capture_id id,
+                                 bool brief, const struct neph_meter_number *kept,
+                                 struct neph_measurement_set readings[READINGS_MAX])
 {
-    const struct neph_study_take *take = &neph_study_takes[id];
-    const struct neph_viewing viewing = viewing_of(scene, 0);
+    const struct neph_study_capture *take = &neph_study_captures[id];
+    const struct neph_viewing viewing = make_display_viewing(scene, 0);
     int count = 0;
-    const struct neph_reading averaged = {.name = display_names[0],
-                                          .against = NEPH_REFERENCE_AVERAGED,
-                                          .extractors = take->extractors,
-                                          .settings = take->settings,
-                                          .viewing = viewing,
-                                          .kept = kept};
+    const struct neph_measurement_set averaged = {.name = display_names[0],
+                                                  .against = NEPH_REFERENCE_AVERAGED,
+                                                  .extractors = take->extractors,
+                                                  .settings = take->settings,
+                                                  .viewing = viewing,
+                                                  .kept = kept};
     readings[count++] = averaged;
     if (brief)
         return count;
@@ -142,81 +144,87 @@ static int readings_of(const struct neph_scene *scene, enum neph_study_take_id i
     readings[count].name = centre_name;
     readings[count++].against = NEPH_REFERENCE_CENTRE;
     for (int d = 1; d < NEPH_STUDY_DISPLAYS && id == NEPH_STUDY_FLICKER; d++)
-        readings[count++] = (struct neph_reading){.name = display_names[d],
-                                                  .against = NEPH_REFERENCE_AVERAGED,
-                                                  .extractors = neph_study_eye_extractors,
-                                                  .viewing = viewing_of(scene, d),
-                                                  .kept = kept};
+        readings[count++] = (struct neph_measurement_set){.name = display_names[d],
+                                                          .against = NEPH_REFERENCE_AVERAGED,
+                                                          .extractors = neph_study_eye_extractors,
+                                                          .viewing = make_display_viewing(scene, d),
+                                                          .kept = kept};
     return count;
 }
 
 /* ---- values ---------------------------------------------------------------------------------- */
 
-static double number_of(const json_t *document, const char *metric, const char *mask)
+static double read_metric_value(const json_t *document, const char *metric, const char *mask)
 {
-    return neph_json_real(neph_take_find(document, metric, mask), "value");
+    return neph_json_real(neph_capture_find_value(document, metric, mask), "value");
 }
 
-static void say_why(struct neph_study_cell *cell, const char *why)
+static void set_cell_reason(struct neph_study_cell *cell, const char *why)
 {
     snprintf(cell->because, sizeof(cell->because), "%s", why);
 }
 
 /* Decides whether a value takes part in comparisons; `because` gets the reason if not. */
-static void judge(const struct neph_study_metric *metric, const json_t *document,
-                  struct neph_study_cell *cell)
+static void judge_cell(const struct neph_study_metric *metric, const json_t *document,
+                       struct neph_study_cell *cell)
 {
-    const json_t *found = neph_take_find(document, metric->metric, metric->mask);
-    const double alone = metric->alone ? number_of(document, metric->alone, metric->mask) : NAN;
-    const double bound = metric->at_most ? number_of(document, metric->at_most, metric->mask) : NAN;
+    const json_t *found = neph_capture_find_value(document, metric->metric, metric->mask);
+    const double alone = metric->alone ? read_metric_value(document, metric->alone, metric->mask)
+                                       : NAN;
+    const double bound = metric->at_most
+                             ? read_metric_value(document, metric->at_most, metric->mask)
+                             : NAN;
     const double never = metric->never_share
-                             ? number_of(document, metric->never_share, metric->mask)
+                             ? read_metric_value(document, metric->never_share, metric->mask)
                              : NAN;
     if (found && isnan(cell->value) && !isnan(bound)) {
         cell->value = cell->displays[0] = bound;
         cell->is_bound = bound > 0.0; /* a bound of 0 is exact: all parts of a zero are zero */
     }
     if (!found)
-        say_why(cell, "the scene has no such pixels");
+        set_cell_reason(cell, "the scene has no such pixels");
     else if (isnan(cell->value))
-        say_why(cell, neph_json_text(found, "undefined_because"));
+        set_cell_reason(cell, neph_json_text(found, "undefined_because"));
     else if (alone > 0.0 && neph_flicker_reference_limited(cell->value, alone))
-        say_why(cell, "reference-limited: the reference alone has more than a third of it");
+        set_cell_reason(cell, "reference-limited: the reference alone has more than a third of it");
     else if (never > NEPH_STUDY_NEVER_MOST)
-        say_why(cell, "more than 5 % of the pixels never get there");
+        set_cell_reason(cell, "more than 5 % of the pixels never get there");
     else
         cell->counts = true;
     if (cell->counts)
-        say_why(cell, "");
+        set_cell_reason(cell, "");
 }
 
-static struct neph_study_cell *cell_at(const struct work *work, const struct spot *spot, int metric)
+static struct neph_study_cell *cell_at(const struct work *work,
+                                       const struct study_cell_id *study_cell_id, int metric)
 {
-    return neph_study_cell_at(work->study, spot->scene, spot->preset, spot->seed, metric);
+    return neph_study_cell_at(work->study, study_cell_id->scene, study_cell_id->preset,
+                              study_cell_id->seed, metric);
 }
 
 static enum neph_status read_cells(const struct work *work, const char *folder,
-                                   const struct spot *spot, struct neph_diag *diag)
+                                   const struct study_cell_id *study_cell_id,
+                                   struct neph_diag *diag)
 {
     json_t *documents[NEPH_STUDY_DISPLAYS] = {NULL}, *centre = NULL;
     const bool brief = work->params->brief;
-    const bool is_flicker = spot->take == NEPH_STUDY_FLICKER;
+    const bool is_flicker = study_cell_id->take == NEPH_STUDY_FLICKER;
     const int display_count = is_flicker && !brief ? NEPH_STUDY_DISPLAYS : 1;
     enum neph_status status = brief ? NEPH_OK
-                                    : neph_take_document(folder, centre_name, &centre, diag);
+                                    : neph_capture_document(folder, centre_name, &centre, diag);
     for (int d = 0; d < display_count && !status; d++)
-        status = neph_take_document(folder, display_names[d], &documents[d], diag);
+        status = neph_capture_document(folder, display_names[d], &documents[d], diag);
     for (int m = 0; neph_study_metrics[m].title && !status; m++) {
         const struct neph_study_metric *metric = &neph_study_metrics[m];
-        struct neph_study_cell *cell = cell_at(work, spot, m);
-        if (metric->take != spot->take)
+        struct neph_study_cell *cell = cell_at(work, study_cell_id, m);
+        if (metric->take != study_cell_id->take)
             continue;
-        cell->value = number_of(documents[0], metric->metric, metric->mask);
-        cell->centre = number_of(centre, metric->metric, metric->mask);
+        cell->value = read_metric_value(documents[0], metric->metric, metric->mask);
+        cell->centre = read_metric_value(centre, metric->metric, metric->mask);
         cell->displays[0] = cell->value;
         for (int d = 1; d < display_count && metric->of_the_eye; d++)
-            cell->displays[d] = number_of(documents[d], metric->metric, metric->mask);
-        judge(metric, documents[0], cell);
+            cell->displays[d] = read_metric_value(documents[d], metric->metric, metric->mask);
+        judge_cell(metric, documents[0], cell);
     }
     for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
         json_decref(documents[d]);
@@ -225,19 +233,21 @@ static enum neph_status read_cells(const struct work *work, const char *folder,
 }
 
 /* Sets one reason for all metrics of a sequence. */
-static void mark_cells(const struct work *work, const struct spot *spot, const char *why)
+static void mark_cells(const struct work *work, const struct study_cell_id *study_cell_id,
+                       const char *why)
 {
     for (int m = 0; neph_study_metrics[m].title; m++)
-        if (neph_study_metrics[m].take == spot->take)
-            say_why(cell_at(work, spot, m), why);
+        if (neph_study_metrics[m].take == study_cell_id->take)
+            set_cell_reason(cell_at(work, study_cell_id, m), why);
 }
 
-static void read_cost(const struct work *work, const json_t *record, const struct spot *spot)
+static void read_cost(const struct work *work, const json_t *record,
+                      const struct study_cell_id *study_cell_id)
 {
     const double pixels = neph_json_real(record, "frames") * (double)work->params->width_px *
                           work->params->height_px;
-    *neph_study_cost_at(work->study, spot->scene, spot->preset,
-                        spot->seed) = (struct neph_study_cost){
+    *neph_study_cost_at(work->study, study_cell_id->scene, study_cell_id->preset,
+                        study_cell_id->seed) = (struct neph_study_cost){
         .density_evaluations = neph_json_real(record, "density_evaluations") / pixels,
         .traffic_bytes = neph_json_real(record, "traffic_bytes") / pixels,
         .gpu_ms = neph_json_real(record, "gpu_ms_median"),
@@ -248,14 +258,14 @@ static void read_cost(const struct work *work, const json_t *record, const struc
 
 /* Gets the reference of a sequence. Presets with the same steps share it. The reference of a user
  * engine is the marcher at the study's settings. */
-static enum neph_status have_reference(struct work *work, const struct neph_job *asked, int count,
-                                       struct neph_study_scene *row, struct neph_diag *diag)
+static enum neph_status ensure_reference(struct work *work, const struct neph_job *asked, int count,
+                                         struct neph_study_scene *row, struct neph_diag *diag)
 {
     char key[NEPH_HASH_HEX_SIZE];
     struct neph_reference *reference = &work->reference;
     struct neph_job march;
     enum neph_status status = make_job(work, asked->shot.scene, "off", 1, &march, diag);
-    const struct neph_job *job = asked->engine->is_guest ? &march : asked;
+    const struct neph_job *job = asked->engine->is_user_engine ? &march : asked;
     if (!status)
         status = neph_reference_key(job, count, key, diag);
     if (status || (reference->text && strcmp(reference->key, key) == 0))
@@ -268,42 +278,45 @@ static enum neph_status have_reference(struct work *work, const struct neph_job 
     row->picture_count += reference->picture_count;
     row->reference_s += reference->cost.cpu_s;
     if (!row->reference)
-        row->reference = neph_arena_text(&work->study->arena, reference->text);
+        row->reference = neph_arena_copy_text(&work->study->arena, reference->text);
     return NEPH_OK;
 }
 
-static int frames_of(const struct neph_study_scene *row, enum neph_study_take_id id)
+static int count_capture_frames(const struct neph_study_scene *row, enum neph_study_capture_id id)
 {
-    return neph_study_takes[id].frame_count ? neph_study_takes[id].frame_count : row->frame_count;
+    return neph_study_captures[id].frame_count ? neph_study_captures[id].frame_count
+                                               : row->frame_count;
 }
 
-static enum neph_status run_take(struct work *work, const struct neph_job *job,
-                                 const struct spot *spot, struct neph_diag *diag)
+static enum neph_status run_capture(struct work *work, const struct neph_job *job,
+                                    const struct study_cell_id *study_cell_id,
+                                    struct neph_diag *diag)
 {
-    struct neph_study_scene *row = &work->study->scenes[spot->scene];
-    struct neph_reading readings[READINGS_MAX];
+    struct neph_study_scene *row = &work->study->scenes[study_cell_id->scene];
+    struct neph_measurement_set readings[READINGS_MAX];
     struct neph_meter_number kept[KEPT_MAX];
     char *folder = NULL;
     json_t *record = NULL;
-    struct neph_take take = {.job = *job,
-                             .frame_count = frames_of(row, spot->take),
-                             .reference = &work->reference,
-                             .readings = readings,
-                             .plain = true, /* the scenes are the sample: no intervals within one */
-                             .frozen_is_fine = true};
-    enum neph_status status = have_reference(work, job, take.frame_count, row, diag);
+    struct neph_capture take = {
+        .job = *job,
+        .frame_count = count_capture_frames(row, study_cell_id->take),
+        .reference = &work->reference,
+        .readings = readings,
+        .plain = true, /* the scenes are the sample: no intervals within one */
+        .allow_frozen_frames = true};
+    enum neph_status status = ensure_reference(work, job, take.frame_count, row, diag);
     if (status)
         return status;
-    list_kept(spot->take, kept);
-    take.reading_count = readings_of(job->shot.scene, spot->take, work->params->brief, kept,
-                                     readings);
-    status = neph_take_run(&take, work->store, &folder, &record, diag);
+    list_kept(study_cell_id->take, kept);
+    take.reading_count = list_measurement_sets(job->shot.scene, study_cell_id->take,
+                                               work->params->brief, kept, readings);
+    status = neph_capture_run(&take, work->store, &folder, &record, diag);
     if (!status)
-        status = read_cells(work, folder, spot, diag);
+        status = read_cells(work, folder, study_cell_id, diag);
     if (!status)
         row->takes_s += json_number_value(json_object_get(record, "cpu_s"));
-    if (!status && spot->take == NEPH_STUDY_FLICKER)
-        read_cost(work, record, spot);
+    if (!status && study_cell_id->take == NEPH_STUDY_FLICKER)
+        read_cost(work, record, study_cell_id);
     json_decref(record);
     free(folder);
     return status;
@@ -311,28 +324,30 @@ static enum neph_status run_take(struct work *work, const struct neph_job *job,
 
 /* Measures one sequence. A failure of one sequence is noted in its cells; an unsupported scene and
  * an interruption are returned. */
-static enum neph_status try_take(struct work *work, const struct neph_scene *scene,
-                                 const struct spot *spot, struct neph_diag *diag)
+static enum neph_status try_capture(struct work *work, const struct neph_scene *scene,
+                                    const struct study_cell_id *study_cell_id,
+                                    struct neph_diag *diag)
 {
     struct neph_job job;
     struct neph_diag why = {.line = 0};
     char what[256];
     const struct neph_flicker_study_params *params = work->params;
-    snprintf(what, sizeof(what), "%s, %s, %s%s, seed %d", work->study->scenes[spot->scene].name,
-             neph_study_takes[spot->take].name, params->labels ? "" : "preset ",
-             (params->labels ? params->labels : params->presets)[spot->preset],
-             params->seeds_before + spot->seed + 1);
+    snprintf(what, sizeof(what), "%s, %s, %s%s, seed %d",
+             work->study->scenes[study_cell_id->scene].name,
+             neph_study_captures[study_cell_id->take].name, params->labels ? "" : "preset ",
+             (params->labels ? params->labels : params->presets)[study_cell_id->preset],
+             params->seeds_before + study_cell_id->seed + 1);
     neph_progress_begin(&work->progress, what);
-    enum neph_status status = make_job(work, scene, params->presets[spot->preset],
-                                       params->seeds_before + spot->seed + 1, &job, &why);
+    enum neph_status status = make_job(work, scene, params->presets[study_cell_id->preset],
+                                       params->seeds_before + study_cell_id->seed + 1, &job, &why);
     const double start_s = neph_wall_s();
     if (!status)
-        status = run_take(work, &job, spot, &why);
+        status = run_capture(work, &job, study_cell_id, &why);
     work->progress.kind = KIND_TAKE;
     if (status == NEPH_ERR_ENGINE || status == NEPH_ERR_GATE || status == NEPH_ERR_TIMEOUT) {
         work->study->failed_count++;
         neph_progress_warn("%s: %s", what, why.message);
-        mark_cells(work, spot, why.message);
+        mark_cells(work, study_cell_id, why.message);
         status = NEPH_OK;
     }
     if (status && diag)
@@ -345,11 +360,11 @@ static enum neph_status try_take(struct work *work, const struct neph_scene *sce
 /* ---- one scene ------------------------------------------------------------------------------- */
 
 /* Renders a sequence of a scene with all presets and seeds, or only counts it for the progress. */
-static enum neph_status walk_take(struct work *work, const struct neph_scene *scene, int index,
-                                  enum neph_study_take_id id, bool is_counted,
-                                  struct neph_diag *diag)
+static enum neph_status walk_capture(struct work *work, const struct neph_scene *scene, int index,
+                                     enum neph_study_capture_id id, bool is_counted,
+                                     struct neph_diag *diag)
 {
-    const struct neph_study_take *take = &neph_study_takes[id];
+    const struct neph_study_capture *take = &neph_study_captures[id];
     const bool is_scene = take->variant == NEPH_VARIANT_KIND_COUNT;
     const struct neph_variant change = {take->variant, NEPH_STUDY_EVENT_FRAME, take->frame_count};
     const char *obstacle = is_scene ? NULL : neph_variant_obstacle(scene, take->variant);
@@ -361,18 +376,18 @@ static enum neph_status walk_take(struct work *work, const struct neph_scene *sc
         status = neph_scene_variant(scene, &change, &variant, diag);
     const struct neph_scene *shown = variant ? variant : scene;
     if (is_counted && !obstacle && !status) {
-        const int frame_count = frames_of(&work->study->scenes[index], id);
+        const int frame_count = count_capture_frames(&work->study->scenes[index], id);
         neph_progress_expect(&work->progress, KIND_REFERENCE,
-                             neph_reference_picture_count(shown, 0, frame_count),
+                             neph_reference_frame_count(shown, 0, frame_count),
                              reference_typical_s);
         neph_progress_expect(&work->progress, KIND_TAKE, count, take_typical_s);
     }
     for (int i = 0; i < count && !is_counted && !status; i++) {
-        const struct spot spot = {index, id, i / seed_count, i % seed_count};
+        const struct study_cell_id study_cell_id = {index, id, i / seed_count, i % seed_count};
         if (obstacle)
-            mark_cells(work, &spot, obstacle);
+            mark_cells(work, &study_cell_id, obstacle);
         else
-            status = try_take(work, shown, &spot, diag);
+            status = try_capture(work, shown, &study_cell_id, diag);
     }
     neph_scene_destroy(variant);
     return status;
@@ -398,8 +413,8 @@ static void describe(const struct work *work, const struct neph_scene *scene,
     row->moves = !neph_scene_is_static(scene);
     row->frame_count = row->moves && scene->frame_count < asked ? scene->frame_count / 4 * 4
                                                                 : asked;
-    row->name = neph_arena_text(&work->study->arena, scene->name);
-    row->title = neph_arena_text(&work->study->arena, scene->title);
+    row->name = neph_arena_copy_text(&work->study->arena, scene->name);
+    row->title = neph_arena_copy_text(&work->study->arena, scene->title);
 }
 
 /* Walks all sequences of a scene, if every preset can render it. */
@@ -414,10 +429,11 @@ static enum neph_status walk_scene(struct work *work, int index, bool is_counted
         describe(work, scene, row);
     const bool can = !status && can_render(work, scene, why, sizeof(why));
     if (!status && !can)
-        row->left_out = neph_arena_text(&work->study->arena, why);
-    for (int id = 0; id < NEPH_STUDY_TAKES && can && !status; id++)
+        row->left_out = neph_arena_copy_text(&work->study->arena, why);
+    for (int id = 0; id < NEPH_STUDY_CAPTURES && can && !status; id++)
         if (work->params->takes[id])
-            status = walk_take(work, scene, index, (enum neph_study_take_id)id, is_counted, diag);
+            status = walk_capture(work, scene, index, (enum neph_study_capture_id)id, is_counted,
+                                  diag);
     neph_scene_destroy(scene);
     return status;
 }
@@ -427,13 +443,13 @@ static enum neph_status walk_scene(struct work *work, int index, bool is_counted
 enum neph_status neph_flicker_study_begin(const struct neph_flicker_study_params *params,
                                           struct neph_flicker_study *study, struct neph_diag *diag)
 {
-    const size_t rows = (size_t)index_of(params, params->scene_count, 0, 0);
+    const size_t rows = (size_t)compute_row_index(params, params->scene_count, 0, 0);
     const size_t cells = rows * (size_t)neph_study_metric_count();
     *study = (struct neph_flicker_study){.params = params};
-    study->scenes = neph_arena_zeroed(&study->arena, (size_t)params->scene_count,
-                                      sizeof(*study->scenes));
-    study->cells = neph_arena_zeroed(&study->arena, cells, sizeof(*study->cells));
-    study->costs = neph_arena_zeroed(&study->arena, rows, sizeof(*study->costs));
+    study->scenes = neph_arena_allocate(&study->arena, (size_t)params->scene_count,
+                                        sizeof(*study->scenes));
+    study->cells = neph_arena_allocate(&study->arena, cells, sizeof(*study->cells));
+    study->costs = neph_arena_allocate(&study->arena, rows, sizeof(*study->costs));
     return neph_arena_check(&study->arena, diag);
 }
 
@@ -445,7 +461,7 @@ static enum neph_status describe_presets(struct work *work, struct neph_diag *di
         struct neph_job job;
         status = make_job(work, NULL, work->params->presets[preset], 1, &job, diag);
         char *text = status ? NULL : neph_settings_text(job.engine, &job.shot.settings);
-        study->settings[preset] = neph_arena_text(&study->arena, text);
+        study->settings[preset] = neph_arena_copy_text(&study->arena, text);
         if (!status && !text)
             status = neph_fail_memory(diag);
         free(text);
@@ -457,14 +473,14 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
 {
     struct neph_flicker_study *study = work->study;
     const enum neph_status status = neph_flicker_study_begin(work->params, study, diag);
-    const int rows = status ? 0 : index_of(work->params, work->params->scene_count, 0, 0);
+    const int rows = status ? 0 : compute_row_index(work->params, work->params->scene_count, 0, 0);
     for (int i = 0; i < rows; i++)
         study->costs[i] = (struct neph_study_cost){NAN, NAN, NAN};
     for (int i = 0; i < rows * neph_study_metric_count(); i++) {
         study->cells[i] = (struct neph_study_cell){.value = NAN, .centre = NAN};
         for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
             study->cells[i].displays[d] = NAN;
-        say_why(&study->cells[i], "not asked for");
+        set_cell_reason(&study->cells[i], "not asked for");
     }
     snprintf(study->device, sizeof(study->device), "%s", work->info.device);
     return status ? status : describe_presets(work, diag);
@@ -479,7 +495,7 @@ enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *
                         .store = store,
                         .progress = neph_progress_start(params->quiet, 0)};
     neph_engine_probe(neph_engine_find("realtime"), params->device, &work.info);
-    neph_engine_probe(neph_engine_find("command"), params->device, &work.guest);
+    neph_engine_probe(neph_engine_find("command"), params->device, &work.user_engine_info);
     enum neph_status status = prepare(&work, diag);
     /* first pass: load every scene, so that a wrong name is an error before any rendering */
     for (int i = 0; i < 2 * params->scene_count && !status; i++)

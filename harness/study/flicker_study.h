@@ -24,7 +24,7 @@ struct neph_flicker_study_params {
     int frame_count;  /* a multiple of 4; a moving scene has at most its own frames */
     int steps;
     int width_px, height_px;
-    bool takes[NEPH_STUDY_TAKES];
+    bool takes[NEPH_STUDY_CAPTURES];
     bool brief; /* only the first display, and no comparison with centre rays */
     struct neph_shared_device *device; /* like neph_shot.device */
     bool quiet;

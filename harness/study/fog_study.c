@@ -14,7 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Fails to compile when a kind is added, as seam_m() knows the series of each model. */
+/* Fails to compile when a kind is added, as compute_series_switch_m() knows the series of each model. */
 _Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
 
 static double mean(struct neph_rgb rgb)
@@ -42,7 +42,7 @@ struct work {
 enum { VIEWS_OF_A_TASK = 256 };
 
 /* Radiance of the surface that a ray hits, evaluated so close that no fog lies in between. */
-static double behind_of(const struct neph_scene *scene, const struct view *view)
+static double compute_radiance_behind(const struct neph_scene *scene, const struct view *view)
 {
     if (isinf(view->hit_m))
         return mean(scene->background_w_per_m2_sr);
@@ -68,7 +68,7 @@ static void find_near(const struct neph_scene *scene, double start_m, struct vie
     view->near_volume = view->volume - view->near_transmittance * mean(rest.volume);
 }
 
-static void look_at_exact(int task, void *context)
+static void trace_exact_rays(int task, void *context)
 {
     struct work *work = context;
     const struct neph_scene *scene = work->study->params->scene;
@@ -81,7 +81,7 @@ static void look_at_exact(int task, void *context)
         view->radiance = mean(light.radiance);
         view->volume = mean(light.volume);
         view->transmittance = mean(light.transmittance);
-        view->behind = behind_of(scene, view);
+        view->behind = compute_radiance_behind(scene, view);
         if (work->start_m > 0.0)
             find_near(scene, work->start_m, view);
     }
@@ -116,7 +116,7 @@ static enum neph_status find_exact(struct work *work, struct neph_diag *diag)
                                        : direction_over_sphere(of_sphere, params->directions)};
     }
     return neph_parallel_rows((work->view_count + VIEWS_OF_A_TASK - 1) / VIEWS_OF_A_TASK,
-                              look_at_exact, work, diag);
+                              trace_exact_rays, work, diag);
 }
 
 static void sum_exact(const struct work *work)
@@ -132,36 +132,38 @@ static void sum_exact(const struct work *work)
 
 /* ---- a row over frame and sphere ------------------------------------------------------------- */
 
-struct seen {
+struct fog_ray_result {
     double transmittance, volume, radiance;
 };
 
-static struct seen see(const struct neph_fog_study *study, const struct neph_fog_row *row,
-                       const struct view *view)
+static struct fog_ray_result evaluate_fog_row(const struct neph_fog_study *study,
+                                              const struct neph_fog_row *row,
+                                              const struct view *view)
 {
     const struct neph_fog_look_light fog = neph_fog_look_ray(
         study->params->scene, &row->look, row->model, view->origin_m, view->direction, view->hit_m);
-    struct seen seen = {fog.transmittance, mean(fog.volume), 0.0};
+    struct fog_ray_result fog_ray_result = {fog.transmittance, mean(fog.volume), 0.0};
     if (row->near_by_physics) {
-        seen.volume = view->near_volume + view->near_transmittance * seen.volume;
-        seen.transmittance *= view->near_transmittance;
+        fog_ray_result.volume = view->near_volume +
+                                view->near_transmittance * fog_ray_result.volume;
+        fog_ray_result.transmittance *= view->near_transmittance;
     }
-    seen.radiance = seen.volume + seen.transmittance * view->behind;
-    return seen;
+    fog_ray_result.radiance = fog_ray_result.volume + fog_ray_result.transmittance * view->behind;
+    return fog_ray_result;
 }
 
-static void measure_picture(const struct work *work, struct neph_fog_row *row)
+static void measure_fog_frame(const struct work *work, struct neph_fog_row *row)
 {
     const double pixels = work->picture_count, exact = work->study->exact_radiance;
     double radiance = 0.0, squares = 0.0, transmittance = 0.0;
     for (int i = 0; i < work->picture_count; i++) {
         const struct view *view = &work->views[i];
-        const struct seen seen = see(work->study, row, view);
-        const double off = seen.transmittance - view->transmittance;
+        const struct fog_ray_result fog_ray_result = evaluate_fog_row(work->study, row, view);
+        const double off = fog_ray_result.transmittance - view->transmittance;
         transmittance += off;
         row->transmittance_worst = fmax(row->transmittance_worst, fabs(off));
-        radiance += seen.radiance - view->radiance;
-        squares += pow(seen.radiance - view->radiance, 2.0);
+        radiance += fog_ray_result.radiance - view->radiance;
+        squares += pow(fog_ray_result.radiance - view->radiance, 2.0);
     }
     row->transmittance_bias = transmittance / pixels;
     row->radiance_bias = radiance / pixels / exact;
@@ -175,9 +177,9 @@ static void measure_sphere(const struct work *work, const struct neph_fog_row *n
     const struct neph_fog_study *study = work->study;
     double fog = 0.0, all = 0.0;
     for (int i = work->picture_count; i < work->view_count; i++) {
-        const struct seen seen = see(study, row, &work->views[i]);
-        fog += seen.volume / study->params->directions;
-        all += seen.radiance / study->params->directions;
+        const struct fog_ray_result fog_ray_result = evaluate_fog_row(study, row, &work->views[i]);
+        fog += fog_ray_result.volume / study->params->directions;
+        all += fog_ray_result.radiance / study->params->directions;
     }
     row->fog_light = fog / study->exact_fog_light - 1.0;
     row->all_light = all / study->exact_all_light - 1.0;
@@ -188,7 +190,7 @@ static void measure_sphere(const struct work *work, const struct neph_fog_row *n
 static void measure_lobe(const struct neph_scene *scene, struct neph_fog_row *row)
 {
     const struct neph_rgb sun = scene->sun.irradiance_w_per_m2,
-                          albedo = neph_fog_look_medium(scene)->albedo;
+                          albedo = neph_fog_look_find_medium(scene)->albedo;
     const struct neph_rgb scattered = {sun.r * albedo.r, sun.g * albedo.g, sun.b * albedo.b};
     const double sphere_sr = 2.0 * M_PI / (row->look.directional_exponent + 1.0);
     row->lobe_over_sun = NAN;
@@ -202,28 +204,31 @@ static void measure_lobe(const struct neph_scene *scene, struct neph_fog_row *ro
 enum { INTERVALS = 100, JUMP_SPHERE = 12 };
 
 /* Transmittance or fog light along a ray, as a function of the hit distance. */
-struct course {
+struct ray_profile {
     const struct neph_scene *scene;
     const struct neph_fog_row *row;
     struct neph_vec3 origin_m, direction;
     bool is_light; /* light of the fog; otherwise transmittance */
 };
 
-static double value_at(const struct course *course, double distance_m)
+static double evaluate_ray_profile(const struct ray_profile *ray_profile, double distance_m)
 {
-    const struct neph_fog_look_light light = neph_fog_look_ray(course->scene, &course->row->look,
-                                                               course->row->model, course->origin_m,
-                                                               course->direction, distance_m);
-    return course->is_light ? mean(light.volume) : light.transmittance;
+    const struct neph_fog_look_light light = neph_fog_look_ray(
+        ray_profile->scene, &ray_profile->row->look, ray_profile->row->model, ray_profile->origin_m,
+        ray_profile->direction, distance_m);
+    return ray_profile->is_light ? mean(light.volume) : light.transmittance;
 }
 
 /* Finds the step within an interval: halves it 52 times towards the half with the larger change.
  * Returns the remaining change; a continuous function leaves none. */
-static double jump_within(const struct course *course, double near_m, double far_m, double *at_m)
+static double jump_within(const struct ray_profile *ray_profile, double near_m, double far_m,
+                          double *at_m)
 {
-    double before = value_at(course, near_m), after = value_at(course, far_m);
+    double before = evaluate_ray_profile(ray_profile, near_m),
+           after = evaluate_ray_profile(ray_profile, far_m);
     for (int i = 0; i < 52; i++) {
-        const double middle_m = 0.5 * (near_m + far_m), middle = value_at(course, middle_m);
+        const double middle_m = 0.5 * (near_m + far_m),
+                     middle = evaluate_ray_profile(ray_profile, middle_m);
         const bool is_nearer = fabs(middle - before) > fabs(after - middle);
         *(is_nearer ? &far_m : &near_m) = middle_m;
         *(is_nearer ? &after : &before) = middle;
@@ -233,14 +238,15 @@ static double jump_within(const struct course *course, double near_m, double far
 }
 
 /* Distance at which a model switches between its series and the closed form. */
-static double seam_m(const struct course *course, const struct neph_fog_layer *layer)
+static double compute_series_switch_m(const struct ray_profile *ray_profile,
+                                      const struct neph_fog_layer *layer)
 {
-    const bool is_unreal = course->row->model == NEPH_FOG_UNREAL;
-    const struct neph_fog_look *look = &course->row->look;
+    const bool is_unreal = ray_profile->row->model == NEPH_FOG_UNREAL;
+    const struct neph_fog_look *look = &ray_profile->row->look;
     const double level = is_unreal ? NEPH_FOG_UNREAL_LEVEL * M_LN2 : NEPH_FOG_FILAMENT_LEVEL;
     const double start_m = is_unreal ? fmax(look->start_distance_m, look->volumetric_fog_distance_m)
                                      : 0.0;
-    return start_m + level / (layer->falloff_per_m * fabs(course->direction.y));
+    return start_m + level / (layer->falloff_per_m * fabs(ray_profile->direction.y));
 }
 
 struct jump {
@@ -256,23 +262,23 @@ static void take_larger(struct jump *jump, double size, double at_m)
 /* Finds the largest step along a ray. Steps that exceed the smooth changes are found by halving.
  * The series' switch distances are evaluated directly, as their steps are smaller than the changes
  * around. */
-static void find_jump(const struct course *course, struct jump *jump)
+static void find_jump(const struct ray_profile *ray_profile, struct jump *jump)
 {
     const double first_m = 0.01, step = pow(1e7, 1.0 / INTERVALS); /* up to 100 km */
     for (int i = 0; i < INTERVALS; i++) {
         double at_m;
-        const double size = jump_within(course, first_m * pow(step, i), first_m * pow(step, i + 1),
-                                        &at_m);
+        const double size = jump_within(ray_profile, first_m * pow(step, i),
+                                        first_m * pow(step, i + 1), &at_m);
         take_larger(jump, size, at_m);
     }
-    const struct neph_medium *fog = neph_fog_look_medium(course->scene);
+    const struct neph_medium *fog = neph_fog_look_find_medium(ray_profile->scene);
     for (int l = 0; l < fog->layer_count; l++) {
-        const double at_m = seam_m(course, &fog->layers[l]), near = 1e-12;
+        const double at_m = compute_series_switch_m(ray_profile, &fog->layers[l]), near = 1e-12;
         if (isfinite(at_m))
-            take_larger(
-                jump,
-                fabs(value_at(course, at_m * (1.0 + near)) - value_at(course, at_m * (1.0 - near))),
-                at_m);
+            take_larger(jump,
+                        fabs(evaluate_ray_profile(ray_profile, at_m * (1.0 + near)) -
+                             evaluate_ray_profile(ray_profile, at_m * (1.0 - near))),
+                        at_m);
     }
 }
 
@@ -295,14 +301,15 @@ static struct neph_vec3 jump_direction(const struct neph_scene *scene, int index
 static void measure_jumps(const struct neph_fog_study *study, struct neph_fog_row *row)
 {
     const struct neph_scene *scene = study->params->scene;
-    struct course course = {scene, row, .origin_m = neph_scene_camera(scene, 0.0).position_m};
+    struct ray_profile ray_profile = {scene, row,
+                                      .origin_m = neph_scene_camera(scene, 0.0).position_m};
     struct jump transmittance = {0.0, 0.0}, light = {0.0, 0.0};
     for (int i = 0; i < JUMP_SPHERE + 8; i++) {
-        course.direction = jump_direction(scene, i);
-        course.is_light = false;
-        find_jump(&course, &transmittance);
-        course.is_light = true;
-        find_jump(&course, &light);
+        ray_profile.direction = jump_direction(scene, i);
+        ray_profile.is_light = false;
+        find_jump(&ray_profile, &transmittance);
+        ray_profile.is_light = true;
+        find_jump(&ray_profile, &light);
     }
     row->transmittance_jump = transmittance.size;
     row->transmittance_jump_m = transmittance.at_m;
@@ -317,13 +324,14 @@ static struct neph_fog_row *add_row(struct neph_fog_study *study, enum neph_fog_
 {
     struct neph_fog_row *row = &study->rows[study->row_count++];
     *row = (struct neph_fog_row){
-        .model = model, .look = neph_fog_look_only(&study->params->scene->fog_look, controls)};
+        .model = model,
+        .look = neph_fog_look_mask_controls(&study->params->scene->fog_look, controls)};
     snprintf(row->name, sizeof(row->name), "%s", name);
     return row;
 }
 
 /* The set of one control; directional_start needs `directional` to have an effect. */
-static unsigned alone(enum neph_fog_control control)
+static unsigned single_control_set(enum neph_fog_control control)
 {
     return 1u << control |
            (control == NEPH_FOG_DIRECTIONAL_START ? 1u << NEPH_FOG_DIRECTIONAL : 0u);
@@ -338,15 +346,15 @@ static void add_controls(struct neph_fog_study *study, enum neph_fog_model model
         if (!neph_fog_control_is_on(look, control) ||
             (model == NEPH_FOG_FILAMENT && !words->filament))
             continue;
-        add_row(study, model, words->name, alone(control));
+        add_row(study, model, words->name, single_control_set(control));
         if (control == NEPH_FOG_HAND_OVER)
-            add_row(study, model, "the same, near fog by physics", alone(control))
+            add_row(study, model, "the same, near fog by physics", single_control_set(control))
                 ->near_by_physics = true;
     }
 }
 
 /* The physical parameters, with the sun as dimmed by the fog at the camera. */
-static struct neph_fog_look look_at_the_camera(const struct neph_scene *scene)
+static struct neph_fog_look make_dimmed_sun_parameters(const struct neph_scene *scene)
 {
     struct neph_scene dimmed = *scene; /* a shallow copy, which is not freed */
     const double depth = neph_scene_optical_depth(scene, neph_scene_camera(scene, 0.0).position_m,
@@ -354,7 +362,7 @@ static struct neph_fog_look look_at_the_camera(const struct neph_scene *scene)
                              .r;
     struct neph_rgb *sun = &dimmed.sun.irradiance_w_per_m2;
     *sun = (struct neph_rgb){sun->r * exp(-depth), sun->g * exp(-depth), sun->b * exp(-depth)};
-    return neph_fog_look_of_physics(&dimmed, neph_fog_look_medium(&dimmed));
+    return neph_fog_look_from_physics(&dimmed, neph_fog_look_find_medium(&dimmed));
 }
 
 static void add_model(struct neph_fog_study *study, enum neph_fog_model model)
@@ -363,9 +371,10 @@ static void add_model(struct neph_fog_study *study, enum neph_fog_model model)
     add_row(study, model, "none", 0);
     add_controls(study, model);
     add_row(study, model, "all", NEPH_FOG_CONTROLS_ALL);
-    add_row(study, model, "of physics", 0)->look = neph_fog_look_of_physics(
-        scene, neph_fog_look_medium(scene));
-    add_row(study, model, "of physics, sun as at the camera", 0)->look = look_at_the_camera(scene);
+    add_row(study, model, "of physics", 0)->look = neph_fog_look_from_physics(
+        scene, neph_fog_look_find_medium(scene));
+    add_row(study, model, "of physics, sun as at the camera", 0)->look = make_dimmed_sun_parameters(
+        scene);
 }
 
 static void measure(const struct work *work)
@@ -376,7 +385,7 @@ static void measure(const struct work *work)
         struct neph_fog_row *row = &study->rows[i];
         if (!none || none->model != row->model)
             none = row; /* the first row of its model */
-        measure_picture(work, row);
+        measure_fog_frame(work, row);
         measure_sphere(work, none, row);
         measure_lobe(study->params->scene, row);
         row->transmittance_jump = row->light_jump = NAN;
@@ -390,7 +399,7 @@ static enum neph_status check(const struct neph_fog_study_params *params, struct
     char reason[256];
     const enum neph_fog_model model = params->model < 0 ? NEPH_FOG_UNREAL
                                                         : (enum neph_fog_model)params->model;
-    if (!neph_fog_look_is_of(params->scene, model, reason, sizeof(reason)))
+    if (!neph_fog_look_can_model(params->scene, model, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s: cannot: %s", params->scene->name, reason);
     if (!neph_transport_is_exact(params->scene, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s: exact cannot: %s", params->scene->name,
@@ -410,7 +419,7 @@ enum neph_status neph_fog_study_run(const struct neph_fog_study_params *params,
     *study = (struct neph_fog_study){.params = params};
     for (int m = 0; m < NEPH_FOG_MODEL_COUNT; m++)
         if ((params->model < 0 || params->model == m) &&
-            neph_fog_look_is_of(params->scene, (enum neph_fog_model)m, reason, sizeof(reason)))
+            neph_fog_look_can_model(params->scene, (enum neph_fog_model)m, reason, sizeof(reason)))
             add_model(study, (enum neph_fog_model)m);
     status = find_exact(&work, diag);
     if (!status) {

@@ -24,8 +24,8 @@ enum neph_status neph_light_model_set(struct neph_light_model *model, const char
     return neph_settings_set(model->engine, &model->settings, assignment, diag);
 }
 
-struct neph_light_model neph_light_model_of(const struct neph_engine *engine,
-                                            struct neph_shared_device *device)
+struct neph_light_model neph_light_model_default(const struct neph_engine *engine,
+                                                 struct neph_shared_device *device)
 {
     struct neph_light_model model = {.engine = engine, .settings = neph_settings_default(engine)};
     neph_engine_probe(engine, device, &model.info);
@@ -60,13 +60,13 @@ static enum neph_status find_engine(const char *name, struct neph_shared_device 
                                     struct neph_light_model *model, struct neph_diag *diag)
 {
     const struct neph_engine *engine = neph_engine_find(name);
-    if (!engine || engine->rung != NEPH_RUNG_MODEL) {
+    if (!engine || engine->rung != NEPH_LEVEL_MODEL) {
         neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no lighting model", name);
         neph_hint(diag, "march, march_octaves and the other engines called march_; "
                         "realtime+lighting=WORD");
         return NEPH_ERR_USAGE;
     }
-    *model = neph_light_model_of(engine, device);
+    *model = neph_light_model_default(engine, device);
     return NEPH_OK;
 }
 
@@ -90,9 +90,9 @@ enum neph_status neph_light_model_parse(const char *words, int steps,
     return status;
 }
 
-bool neph_light_model_is_look(const struct neph_light_model *model)
+bool neph_light_model_is_non_physical(const struct neph_light_model *model)
 {
-    return neph_is_look(model->engine, &model->settings);
+    return neph_is_non_physical(model->engine, &model->settings);
 }
 
 /* ---- frames ---------------------------------------------------------------------------------- */
@@ -136,11 +136,11 @@ static void list_model(const char *engine, const char *lighting, int *count, FIL
 static void list_lightings(const struct neph_engine *engine, int *count, FILE *out)
 {
     const int index = neph_option_find(engine->options, "lighting");
-    if (engine->rung != NEPH_RUNG_MODEL || index < 0)
+    if (engine->rung != NEPH_LEVEL_MODEL || index < 0)
         return;
     const char *const *choices = engine->options[index].choices;
     for (int i = 1; choices && choices[i - 1] && choices[i]; i++)
-        if (!neph_engine_lit_like(choices[i]))
+        if (!neph_engine_find_by_lighting(choices[i]))
             list_model(engine->name, choices[i], count, out);
 }
 
@@ -150,16 +150,16 @@ static void list_models(const void *unused, FILE *out)
     const struct neph_engine *const *engines = neph_engines(&engine_count);
     (void)unused;
     for (int e = 0; e < engine_count; e++)
-        if (engines[e]->rung == NEPH_RUNG_MODEL && !engines[e]->shortcut_of &&
+        if (engines[e]->rung == NEPH_LEVEL_MODEL && !engines[e]->shortcut_of &&
             !engines[e]->is_narrow)
             list_model(engines[e]->name, NULL, &count, out);
     for (int e = 0; e < engine_count; e++)
         list_lightings(engines[e], &count, out);
 }
 
-char *neph_light_models_offered(void)
+char *neph_light_models_list(void)
 {
     char *words = NULL;
-    (void)neph_written(list_models, NULL, &words, NULL);
+    (void)neph_write_to_text(list_models, NULL, &words, NULL);
     return words;
 }

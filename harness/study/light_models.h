@@ -27,8 +27,8 @@ enum neph_status neph_light_model_parse(const char *words, int steps,
                                         struct neph_light_model *model, struct neph_diag *diag);
 
 /* An engine at its defaults. */
-struct neph_light_model neph_light_model_of(const struct neph_engine *engine,
-                                            struct neph_shared_device *device);
+struct neph_light_model neph_light_model_default(const struct neph_engine *engine,
+                                                 struct neph_shared_device *device);
 
 /* Errors as of neph_settings_set(). */
 enum neph_status neph_light_model_set(struct neph_light_model *model, const char *key, double value,
@@ -46,7 +46,7 @@ enum neph_status neph_light_model_render(const struct neph_light_model *model,
                                          struct neph_diag *diag);
 
 /* Whether the model is non-physical (harness/engines/look.h). */
-bool neph_light_model_is_look(const struct neph_light_model *model);
+bool neph_light_model_is_non_physical(const struct neph_light_model *model);
 
 /* All models that engines offer, as "A,B", at most NEPH_LIGHT_MODELS_MAX:
  *
@@ -55,6 +55,6 @@ bool neph_light_model_is_look(const struct neph_light_model *model);
  *   provides.
  *
  * The caller frees the text; NULL: out of memory. */
-char *neph_light_models_offered(void);
+char *neph_light_models_list(void);
 
 #endif

@@ -24,7 +24,7 @@ int neph_light_sweep_count(const struct neph_light_sweep *sweep)
 }
 
 /* Takes the next digit of a mixed-radix index: one digit for each list. */
-static double take(const double *list, int count, int *index)
+static double take_list_digit(const double *list, int count, int *index)
 {
     const int digit = *index % at_least_one(count);
     *index /= at_least_one(count);
@@ -34,9 +34,9 @@ static double take(const double *list, int count, int *index)
 struct neph_relight neph_light_sweep_at(const struct neph_light_sweep *sweep, int index)
 {
     struct neph_relight light = {NAN, NAN, NAN, NAN, NAN, 0.0};
-    light.density = take(sweep->density, sweep->density_count, &index);
-    light.albedo = take(sweep->albedo, sweep->albedo_count, &index);
-    light.g = take(sweep->g, sweep->g_count, &index);
+    light.density = take_list_digit(sweep->density, sweep->density_count, &index);
+    light.albedo = take_list_digit(sweep->albedo, sweep->albedo_count, &index);
+    light.g = take_list_digit(sweep->g, sweep->g_count, &index);
     if (sweep->sun_count > 0) {
         light.sun_elevation_rad = sweep->suns_deg[index][0] * NEPH_RAD_PER_DEG;
         light.sun_azimuth_rad = sweep->suns_deg[index][1] * NEPH_RAD_PER_DEG;
@@ -122,7 +122,7 @@ enum neph_status neph_light_suite_find(const char *name, struct neph_arena *aren
     if (status)
         return status;
     const size_t made_count = json_array_size(list);
-    struct neph_light_entry *made = neph_arena_zeroed(arena, made_count + 1, sizeof(*made));
+    struct neph_light_entry *made = neph_arena_allocate(arena, made_count + 1, sizeof(*made));
     for (size_t i = 0; made && i < made_count && !status; i++)
         status = read_entry(json_array_get(list, i), arena, &made[i], diag);
     json_decref(list);

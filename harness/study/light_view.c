@@ -24,7 +24,7 @@ static double depth_between(const struct ray *ray, double t0_m, double t1_m)
 /* ---- distances along the ray ----------------------------------------------------------------- */
 
 /* A finite distance that contains all but a millionth of `depth`. */
-static double end_of(const struct ray *ray, double depth)
+static double find_ray_end(const struct ray *ray, double depth)
 {
     double end_m = 1.0;
     if (isfinite(ray->hit_m))
@@ -35,7 +35,7 @@ static double end_of(const struct ray *ray, double depth)
 }
 
 /* The distance at which the optical depth is `depth`, by bisection. */
-static double place_of(const struct ray *ray, double depth, double end_m)
+static double find_distance_at_depth(const struct ray *ray, double depth, double end_m)
 {
     double low_m = 0.0, high_m = end_m;
     for (int i = 0; i < BISECTIONS; i++) {
@@ -51,7 +51,7 @@ static double place_of(const struct ray *ray, double depth, double end_m)
 static double sun_depth_at(const struct ray *ray, double t_m)
 {
     const struct neph_vec3 point_m = neph_vec3_along(ray->origin_m, ray->direction, t_m);
-    if (!neph_scene_sees_sun(ray->scene, point_m))
+    if (!neph_scene_is_sun_visible(ray->scene, point_m))
         return INFINITY;
     return neph_scene_optical_depth(ray->scene, point_m, ray->scene->sun.direction, 0.0, INFINITY)
         .g;
@@ -79,8 +79,8 @@ static void add_step(double before, double step_depth, double sun_depth,
 static void light_ray(const struct ray *ray, double depth, double end_m,
                       double lit[NEPH_LIGHT_SCALES])
 {
-    const double start_m = place_of(ray, 1e-4 * fmin(depth, 1.0), end_m);
-    const double stop_m = place_of(ray, (1.0 - 1e-4) * depth, end_m);
+    const double start_m = find_distance_at_depth(ray, 1e-4 * fmin(depth, 1.0), end_m);
+    const double stop_m = find_distance_at_depth(ray, (1.0 - 1e-4) * depth, end_m);
     const double step_m = (stop_m - start_m) / STEPS;
     double before = 0.0;
     for (int i = 0; i < STEPS; i++) {
@@ -91,7 +91,7 @@ static void light_ray(const struct ray *ray, double depth, double end_m,
     }
 }
 
-double neph_light_lit_at(const double lit[NEPH_LIGHT_SCALES], double scale)
+double neph_light_interpolate_lit(const double lit[NEPH_LIGHT_SCALES], double scale)
 {
     const double place = -log(fmax(scale, 1e-300)) / M_LN2; /* k in scale = 2^-k */
     const int last = NEPH_LIGHT_SCALES - 2, k = (int)fmin(place, last);
@@ -102,8 +102,8 @@ double neph_light_lit_at(const double lit[NEPH_LIGHT_SCALES], double scale)
 
 /* ---- the view ray of a pixel ----------------------------------------------------------------- */
 
-struct neph_light_view neph_light_view_of(const struct neph_scene *scene,
-                                          const struct neph_pixel_ray *pixel, bool with_lit)
+struct neph_light_view neph_light_view_compute(const struct neph_scene *scene,
+                                               const struct neph_pixel_ray *pixel, bool with_lit)
 {
     const struct ray ray = {scene, pixel->origin_m, pixel->direction,
                             neph_scene_hit(scene, pixel->origin_m, pixel->direction).t_m};
@@ -115,10 +115,10 @@ struct neph_light_view neph_light_view_of(const struct neph_scene *scene,
         view.lit[k] = with_lit ? 0.0 : NAN;
     if (!(depth > 0.0))
         return view;
-    const double end_m = end_of(&ray, depth);
+    const double end_m = find_ray_end(&ray, depth);
     const double half = -log1p(0.5 * expm1(-depth)); /* optical depth at which half of 1 - e^-depth
                                                         has been lost */
-    view.sun_depth = sun_depth_at(&ray, place_of(&ray, half, end_m));
+    view.sun_depth = sun_depth_at(&ray, find_distance_at_depth(&ray, half, end_m));
     if (with_lit)
         light_ray(&ray, depth, end_m, view.lit);
     return view;

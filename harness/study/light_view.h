@@ -30,11 +30,11 @@ double neph_light_scale(int k);
 
 /* Computes the view of a pixel. `with_lit` false: `lit` is NaN, as each of its steps takes a ray
  * towards the sun. The scene has a sun, and its media are grey (scenes/relit.h). */
-struct neph_light_view neph_light_view_of(const struct neph_scene *scene,
-                                          const struct neph_pixel_ray *ray, bool with_lit);
+struct neph_light_view neph_light_view_compute(const struct neph_scene *scene,
+                                               const struct neph_pixel_ray *ray, bool with_lit);
 
 /* The integral at any scale in 0..1, interpolated between the known ones: linear in its logarithm
  * over the logarithm of the scale. A value of 0 stays 0. */
-double neph_light_lit_at(const double lit[NEPH_LIGHT_SCALES], double scale);
+double neph_light_interpolate_lit(const double lit[NEPH_LIGHT_SCALES], double scale);
 
 #endif

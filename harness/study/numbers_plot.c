@@ -33,8 +33,8 @@ static const struct panel {
 enum { PANELS = sizeof(panels) / sizeof(panels[0]) };
 
 /* log2 of a row's value over the base row's; NaN where either is missing. */
-static double ratio(const struct neph_numbers_plot *plot, const struct panel *panel, int scene,
-                    int row)
+static double compute_log_ratio(const struct neph_numbers_plot *plot, const struct panel *panel,
+                                int scene, int row)
 {
     const char *own = (const char *)&plot->numbers[scene * plot->stride + row];
     const char *base = (const char *)&plot->numbers[scene * plot->stride + plot->base];
@@ -56,7 +56,7 @@ static struct axis fit_axis(const struct neph_numbers_plot *plot, int panel)
     struct axis axis = {-0.5, 0.5, LEFT + (PANEL + GAP) * panel};
     for (int s = 0; s < plot->scene_count; s++)
         for (int r = 0; plot->rows[r].name; r++) {
-            const double place = ratio(plot, &panels[panel], s, r);
+            const double place = compute_log_ratio(plot, &panels[panel], s, r);
             if (!isfinite(place))
                 continue;
             axis.low = fmin(axis.low, place - 0.1);
@@ -90,7 +90,7 @@ static bool is_drawn(const struct neph_numbers_plot *plot, int panel, int row)
 {
     bool differs = !panels[panel].is_sparse;
     for (int s = 0; s < plot->scene_count; s++)
-        differs |= fabs(ratio(plot, &panels[panel], s, row)) > 1e-3;
+        differs |= fabs(compute_log_ratio(plot, &panels[panel], s, row)) > 1e-3;
     return differs;
 }
 
@@ -99,7 +99,7 @@ static void draw_marks(const struct neph_numbers_plot *plot, int panel, const st
 {
     bool any = false;
     for (int s = 0; s < plot->scene_count; s++) {
-        const double place = ratio(plot, &panels[panel], s, row);
+        const double place = compute_log_ratio(plot, &panels[panel], s, row);
         any |= isfinite(place);
         if (isfinite(place))
             neph_svg_print_mark(s, at_px(axis, place), y, out);

@@ -26,9 +26,9 @@ static const char *const display_extractors[] = {"flip", "seen", "residual_chang
 /* The sequence passing through one chain. */
 struct pass {
     struct neph_vulkan *vulkan;
-    const struct neph_post_film *film;
+    const struct neph_post_sequence_pair *film;
     struct neph_settings settings;
-    struct neph_post_eye test_eye, reference_eye;
+    struct neph_exposure_state test_eye, reference_eye;
     struct neph_image *reference; /* the latest reference after the chain; owned */
     struct neph_mask *mask;       /* owned */
     struct neph_meter *meter;     /* owned */
@@ -57,9 +57,11 @@ static enum neph_status copy(const struct neph_image *frame, struct neph_image *
     return status;
 }
 
-static enum neph_status make(const struct pass *pass, const struct neph_settings *settings,
-                             const struct neph_image *frame, int number, struct neph_post_eye *eye,
-                             double *ms, struct neph_image **made, struct neph_diag *diag)
+static enum neph_status run_display_chain(const struct pass *pass,
+                                          const struct neph_settings *settings,
+                                          const struct neph_image *frame, int number,
+                                          struct neph_exposure_state *eye, double *ms,
+                                          struct neph_image **made, struct neph_diag *diag)
 {
     const struct neph_post_params params = {.settings = *settings,
                                             .frame = number,
@@ -73,7 +75,7 @@ static enum neph_status make(const struct pass *pass, const struct neph_settings
     if (status)
         return status;
     if (neph_post_is_displayed(settings))
-        neph_post_show(settings, *made);
+        neph_post_apply_display(settings, *made);
     *ms = 0.0;
     for (int i = 0; i < NEPH_POST_STAGES_MAX; i++)
         *ms += 1e3 * stats.gpu_s[i];
@@ -91,8 +93,8 @@ static enum neph_status make_reference(struct pass *pass, int number, struct nep
     settings.values[POST_GRAIN] = 0.0;
     neph_image_destroy(pass->reference);
     pass->reference = NULL;
-    return make(pass, &settings, pass->film->references[stands ? 0 : number], number,
-                &pass->reference_eye, &ms, &pass->reference, diag);
+    return run_display_chain(pass, &settings, pass->film->references[stands ? 0 : number], number,
+                             &pass->reference_eye, &ms, &pass->reference, diag);
 }
 
 /* ---- the meter ------------------------------------------------------------------------------- */
@@ -122,7 +124,7 @@ static enum neph_status open_meter(struct pass *pass, const char *const *extract
     return status ? status : neph_meter_create(&params, &pass->meter, diag);
 }
 
-static double number_of(const struct neph_meter *meter, const char *metric)
+static double read_meter_value(const struct neph_meter *meter, const char *metric)
 {
     int count;
     const struct neph_measurement *all = neph_meter_measurements(meter, &count);
@@ -146,8 +148,9 @@ static enum neph_status take_frame(struct pass *pass, int number, const char *co
                                    const struct neph_meter_number *wanted, struct neph_diag *diag)
 {
     struct neph_image *test = NULL;
-    enum neph_status status = make(pass, &pass->settings, pass->film->tests[number], number,
-                                   &pass->test_eye, &pass->ms[number], &test, diag);
+    enum neph_status status = run_display_chain(pass, &pass->settings, pass->film->tests[number],
+                                                number, &pass->test_eye, &pass->ms[number], &test,
+                                                diag);
     if (!status)
         status = make_reference(pass, number, diag);
     if (!status && !pass->meter)
@@ -184,32 +187,34 @@ enum neph_status neph_post_meter(struct neph_vulkan *vulkan, const struct neph_i
 }
 
 /* Keeps the stages of a chain that work on scene light. */
-static void keep_light(struct neph_settings *settings)
+static void disable_display_stages(struct neph_settings *settings)
 {
     static const int codes[] = {POST_TONE, POST_FXAA, POST_SHARPEN, POST_AUTO_EXPOSURE};
     for (size_t i = 0; i < sizeof(codes) / sizeof(codes[0]); i++)
         settings->values[codes[i]] = 0.0;
 }
 
-enum neph_status neph_post_measure(struct neph_vulkan *vulkan, const struct neph_post_film *film,
+enum neph_status neph_post_measure(struct neph_vulkan *vulkan,
+                                   const struct neph_post_sequence_pair *film,
                                    const struct neph_settings *settings,
                                    struct neph_post_numbers *numbers, struct neph_diag *diag)
 {
     struct pass light = {.vulkan = vulkan, .film = film, .settings = *settings};
     struct pass shown = {.vulkan = vulkan, .film = film, .settings = *settings};
-    keep_light(&light.settings);
+    disable_display_stages(&light.settings);
     enum neph_status status = run(&light, scene_extractors, scene_numbers, diag);
     if (!status)
         status = run(&shown, display_extractors, display_numbers, diag);
     if (!status) {
-        const double mean = number_of(light.meter, "rmse") / number_of(light.meter, "rel_rmse");
+        const double mean = read_meter_value(light.meter, "rmse") /
+                            read_meter_value(light.meter, "rel_rmse");
         *numbers = (struct neph_post_numbers){
-            .scene_error = number_of(light.meter, "rel_rmse"),
-            .scene_change = number_of(light.meter, "residual_change_rms") / mean,
-            .flip = neph_post_is_hdr(settings) ? NAN : number_of(shown.meter, "flip_mean"),
-            .seen = number_of(shown.meter, "seen_contrast"),
-            .seen_share = number_of(shown.meter, "seen_share"),
-            .luma_change = number_of(shown.meter, "residual_change_luma_rms"),
+            .scene_error = read_meter_value(light.meter, "rel_rmse"),
+            .scene_change = read_meter_value(light.meter, "residual_change_rms") / mean,
+            .flip = neph_post_is_hdr(settings) ? NAN : read_meter_value(shown.meter, "flip_mean"),
+            .seen = read_meter_value(shown.meter, "seen_contrast"),
+            .seen_share = read_meter_value(shown.meter, "seen_share"),
+            .luma_change = read_meter_value(shown.meter, "residual_change_luma_rms"),
             .ms = isnan(shown.ms[0]) ? NAN : neph_percentile(shown.ms, (size_t)film->count, 0.5),
         };
     }

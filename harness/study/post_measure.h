@@ -14,7 +14,7 @@
 struct neph_vulkan;
 
 /* A sequence as light, with its references: one for each frame, or a single one. All borrowed. */
-struct neph_post_film {
+struct neph_post_sequence_pair {
     const struct neph_image *const *tests, *const *references;
     int count, reference_count;
     int warm_up; /* frames at the start that pass through the chain and are not measured */
@@ -35,7 +35,8 @@ struct neph_post_numbers {
 
 /* Measures a chain. The reference passes through it without film grain, so grain counts as noise.
  */
-enum neph_status neph_post_measure(struct neph_vulkan *vulkan, const struct neph_post_film *film,
+enum neph_status neph_post_measure(struct neph_vulkan *vulkan,
+                                   const struct neph_post_sequence_pair *film,
                                    const struct neph_settings *settings,
                                    struct neph_post_numbers *numbers, struct neph_diag *diag);
 

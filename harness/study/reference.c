@@ -27,7 +27,7 @@ _Static_assert(NEPH_REFERENCE_RAYS_PER_PX == 16, "rays_settings");
 
 /* Chooses the marcher by the test's setting "lighting". A marcher is its own reference. The model
  * of a user engine is not known; its reference has the scene's orders of scattering. */
-static const struct neph_engine *engine_of(const struct neph_job *test)
+static const struct neph_engine *find_marcher(const struct neph_job *test)
 {
     static const char *const marches[] = {
         "march",        "march_octaves",  "march_horizon",    "march_octaves_fitted",
@@ -57,8 +57,8 @@ static bool is_shared(const struct neph_option *option)
 }
 
 /* The test's values of all settings that both engines have and share: steps, transmittance, sun. */
-static struct neph_settings settings_of(const struct neph_job *test,
-                                        const struct neph_engine *march)
+static struct neph_settings make_shared_settings(const struct neph_job *test,
+                                                 const struct neph_engine *march)
 {
     struct neph_settings settings = neph_settings_default(march);
     for (int i = 0; march->options[i].name; i++) {
@@ -73,10 +73,10 @@ enum neph_status neph_reference_job(const struct neph_job *test, enum neph_refer
                                     struct neph_engine_info *info, struct neph_job *job,
                                     struct neph_diag *diag)
 {
-    const struct neph_engine *march = engine_of(test);
+    const struct neph_engine *march = find_marcher(test);
     neph_engine_probe(march, test->shot.device, info);
     *job = (struct neph_job){.engine = march, .info = info, .shot = test->shot};
-    job->shot.settings = settings_of(test, march);
+    job->shot.settings = make_shared_settings(test, march);
     job->shot.seed = 1; /* the marcher draws no random numbers */
     job->shot.layers = NEPH_LAYERS_ALL;
     return neph_settings_set(march, &job->shot.settings, rays_settings[rays], diag);
@@ -85,28 +85,28 @@ enum neph_status neph_reference_job(const struct neph_job *test, enum neph_refer
 /* ---- frames ---------------------------------------------------------------------------------- */
 
 /* The first frame, from `first` on, with the same scene state as `frame`. */
-static int same_as(const struct neph_scene *scene, int first, int frame)
+static int find_equal_frame(const struct neph_scene *scene, int first, int frame)
 {
     int same = first;
-    while (!neph_scene_is_same_moment(scene, same, frame))
+    while (!neph_scene_are_frames_equal(scene, same, frame))
         same++;
     return same;
 }
 
 /* 1 for a static scene, else `frame_count`. */
-static int path_count(const struct neph_scene *scene, int first, int frame_count)
+static int count_reference_frames(const struct neph_scene *scene, int first, int frame_count)
 {
     for (int i = 1; i < frame_count; i++)
-        if (!neph_scene_is_same_moment(scene, first, first + i))
+        if (!neph_scene_are_frames_equal(scene, first, first + i))
             return frame_count;
     return 1;
 }
 
-int neph_reference_picture_count(const struct neph_scene *scene, int first, int frame_count)
+int neph_reference_frame_count(const struct neph_scene *scene, int first, int frame_count)
 {
     int count = 0;
     for (int frame = first; frame < first + frame_count; frame++)
-        count += same_as(scene, first, frame) == frame;
+        count += find_equal_frame(scene, first, frame) == frame;
     return NEPH_REFERENCE_RAYS_COUNT * count;
 }
 
@@ -120,8 +120,9 @@ void neph_cost_add(struct neph_cost *sum, const struct neph_cost *cost)
 }
 
 /* Opens the sequence, and with it the device, at the first frame that the store does not have. */
-static enum neph_status make_picture(struct neph_job *job, struct neph_store *store,
-                                     struct neph_job_result *result, struct neph_diag *diag)
+static enum neph_status render_reference_frame(struct neph_job *job, struct neph_store *store,
+                                               struct neph_job_result *result,
+                                               struct neph_diag *diag)
 {
     bool found = false;
     enum neph_status status = neph_job_reuse(job, store, result, &found, diag);
@@ -136,17 +137,17 @@ static enum neph_status make_picture(struct neph_job *job, struct neph_store *st
 }
 
 /* Gets the frame of a job; `*path` is its file in the store, owned by the caller. */
-static enum neph_status take_picture(struct neph_job *job, struct neph_store *store,
-                                     struct neph_progress *progress,
-                                     struct neph_reference *reference, char **path,
-                                     struct neph_diag *diag)
+static enum neph_status find_reference_frame(struct neph_job *job, struct neph_store *store,
+                                             struct neph_progress *progress,
+                                             struct neph_reference *reference, char **path,
+                                             struct neph_diag *diag)
 {
     struct neph_job_result result = {.settings = NULL};
     char what[160];
     snprintf(what, sizeof(what), "reference of %s, frame %d", job->shot.scene->name,
              job->shot.frame);
     neph_progress_begin(progress, what);
-    const enum neph_status status = make_picture(job, store, &result, diag);
+    const enum neph_status status = render_reference_frame(job, store, &result, diag);
     if (!status) {
         *path = result.frame_path;
         result.frame_path = NULL;
@@ -168,10 +169,10 @@ static enum neph_status make_frames(struct neph_job *job, int frame_count, struc
     frames->paths = calloc((size_t)frame_count, sizeof(*frames->paths));
     enum neph_status status = frames->paths ? NEPH_OK : neph_fail_memory(diag);
     for (int i = 0; i < frame_count && !status; i++) {
-        const int same = same_as(scene, first, first + i) - first;
+        const int same = find_equal_frame(scene, first, first + i) - first;
         job->shot.frame = first + i;
         if (same == i)
-            status = take_picture(job, store, progress, reference, &frames->paths[i], diag);
+            status = find_reference_frame(job, store, progress, reference, &frames->paths[i], diag);
         else if (!(frames->paths[i] = strdup(frames->paths[same])))
             status = neph_fail_memory(diag);
         frames->count += !status;
@@ -215,7 +216,7 @@ enum neph_status neph_reference_make(const struct neph_job *test, int frame_coun
                                      struct neph_store *store, struct neph_progress *progress,
                                      struct neph_reference *reference, struct neph_diag *diag)
 {
-    const int count = path_count(test->shot.scene, test->shot.frame, frame_count);
+    const int count = count_reference_frames(test->shot.scene, test->shot.frame, frame_count);
     struct neph_reference made = {.text = NULL};
     enum neph_status status = neph_reference_key(test, frame_count, made.key, diag);
     for (int rays = 0; rays < NEPH_REFERENCE_RAYS_COUNT && !status; rays++) {

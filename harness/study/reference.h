@@ -45,7 +45,7 @@ enum neph_status neph_reference_job(const struct neph_job *test, enum neph_refer
 
 /* Number of distinct frames of a reference, over both sequences: equal scene states share a frame.
  */
-int neph_reference_picture_count(const struct neph_scene *scene, int first, int frame_count);
+int neph_reference_frame_count(const struct neph_scene *scene, int first, int frame_count);
 
 /* The key of a reference, without rendering. */
 enum neph_status neph_reference_key(const struct neph_job *test, int frame_count,

@@ -18,7 +18,7 @@ struct site {
 };
 
 /* Distance at which a ray leaves the frame through one of its four sides. */
-static double leaves_at_m(const struct site *site, struct neph_vec3 direction)
+static double compute_exit_distance_m(const struct site *site, struct neph_vec3 direction)
 {
     const struct neph_camera *camera = site->camera;
     const bool is_parallel = camera->orthographic_height_m > 0.0;
@@ -46,7 +46,8 @@ static double leaves_at_m(const struct site *site, struct neph_vec3 direction)
 
 /* Distance from which on the ray is hidden from the camera; +inf: not before its end. The inside of
  * a solid counts as hidden, so a ray that hits a front face is hidden only from its end on. */
-static double hidden_from_m(const struct site *site, struct neph_vec3 direction, double end_m)
+static double compute_hidden_distance_m(const struct site *site, struct neph_vec3 direction,
+                                        double end_m)
 {
     const double touch = 1e-6; /* tolerance, relative to the distance and to the distance from the
                                   camera */
@@ -68,15 +69,15 @@ static double hidden_from_m(const struct site *site, struct neph_vec3 direction,
     return first_m < end_m * (1.0 - touch) ? first_m : INFINITY;
 }
 
-static void follow(const struct site *site, struct neph_vec3 direction, double reach_m,
-                   double share, double shares[NEPH_SCREEN_LOSSES])
+static void classify_ray(const struct site *site, struct neph_vec3 direction, double reach_m,
+                         double share, double shares[NEPH_SCREEN_LOSSES])
 {
     const double far_m = 1e7; /* replaces infinity in the shadow tests */
     const struct neph_hit hit = neph_scene_hit(site->scene, site->point_m, direction);
     const bool meets = hit.solid && hit.t_m <= reach_m;
     const double end_m = fmin(meets ? hit.t_m : reach_m, far_m);
-    const double leaves_m = leaves_at_m(site, direction);
-    const double hidden_m = hidden_from_m(site, direction, end_m);
+    const double leaves_m = compute_exit_distance_m(site, direction);
+    const double hidden_m = compute_hidden_distance_m(site, direction, end_m);
     if (hidden_m < fmin(leaves_m, end_m))
         shares[meets ? NEPH_LOST_BEHIND : NEPH_LOST_THIN] += share;
     else if (meets && leaves_m < end_m)
@@ -98,9 +99,10 @@ static struct neph_vec3 cosine_direction(struct neph_vec3 axis, int i, int n)
     return neph_vec3_normalize(neph_vec3_along(direction, second, radius * sin(angle)));
 }
 
-void neph_screen_lost(const struct neph_scene *scene, const struct neph_camera *camera,
-                      int width_px, int height_px, int column, int row, double reach_m, int rays,
-                      double shares[NEPH_SCREEN_LOSSES])
+void neph_screen_compute_lost_shares(const struct neph_scene *scene,
+                                     const struct neph_camera *camera, int width_px, int height_px,
+                                     int column, int row, double reach_m, int rays,
+                                     double shares[NEPH_SCREEN_LOSSES])
 {
     const struct neph_pixel_ray ray = neph_camera_ray(camera, width_px, height_px, column, row);
     const struct neph_hit hit = neph_scene_hit(scene, ray.origin_m, ray.direction);
@@ -118,8 +120,8 @@ void neph_screen_lost(const struct neph_scene *scene, const struct neph_camera *
     };
     const double into = neph_vec3_dot(ray.direction, hit.normal);
     if (rays == NEPH_SCREEN_MIRROR)
-        follow(&site, neph_vec3_along(ray.direction, hit.normal, -2.0 * into), reach_m, 1.0,
-               shares);
+        classify_ray(&site, neph_vec3_along(ray.direction, hit.normal, -2.0 * into), reach_m, 1.0,
+                     shares);
     for (int i = 0; i < rays; i++)
-        follow(&site, cosine_direction(hit.normal, i, rays), reach_m, 1.0 / rays, shares);
+        classify_ray(&site, cosine_direction(hit.normal, i, rays), reach_m, 1.0 / rays, shares);
 }

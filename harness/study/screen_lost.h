@@ -22,8 +22,9 @@ enum { NEPH_SCREEN_MIRROR = 0 };
 /* Shares of `rays` cosine-distributed rays that are lost, for the surface at the centre of a pixel,
  * up to `reach_m` (+inf: no limit). All 0 for the sky. For the mirror ray, one share is 1 or all
  * are 0. Deterministic. */
-void neph_screen_lost(const struct neph_scene *scene, const struct neph_camera *camera,
-                      int width_px, int height_px, int column, int row, double reach_m, int rays,
-                      double shares[NEPH_SCREEN_LOSSES]);
+void neph_screen_compute_lost_shares(const struct neph_scene *scene,
+                                     const struct neph_camera *camera, int width_px, int height_px,
+                                     int column, int row, double reach_m, int rays,
+                                     double shares[NEPH_SCREEN_LOSSES]);
 
 #endif

@@ -16,7 +16,7 @@
 
 static const char format[] = "neph-studies-1";
 
-static char *file_of(const struct neph_engine *engine)
+static char *studies_path(const struct neph_engine *engine)
 {
     const char *kind = engine->first ? engine->first->name : engine->name;
     return neph_data_path(neph_path_format("scenes/studies/%s.json", kind).text);
@@ -49,7 +49,7 @@ static bool has_text(const json_t *entry, const char *key, const char *text)
     return value && strcmp(value, text) == 0;
 }
 
-static bool is_of(const json_t *entry, const struct neph_job *job)
+static bool matches_job(const json_t *entry, const struct neph_job *job)
 {
     return has_text(entry, "scene_hash", job->shot.scene->hash) &&
            has_text(entry, "version", job->info->version) &&
@@ -60,13 +60,13 @@ enum neph_status neph_studies_find(const struct neph_job *job, struct neph_study
                                    bool *found, struct neph_diag *diag)
 {
     json_t *content = NULL;
-    char *path = file_of(job->engine);
+    char *path = studies_path(job->engine);
     enum neph_status status = path ? load(path, &content, diag) : neph_fail_memory(diag);
     const json_t *list = json_object_get(content, "studies");
     *found = false;
     for (size_t i = 0; i < json_array_size(list) && !*found && !status; i++) {
         const json_t *entry = json_array_get(list, i);
-        if (!is_of(entry, job))
+        if (!matches_job(entry, job))
             continue;
         status = neph_study_read(json_object_get(entry, "study"), job->engine, study, diag);
         study->is_shipped = *found = !status;
@@ -91,7 +91,7 @@ enum neph_status neph_studies_make(const struct neph_job *job, struct neph_store
 }
 
 /* Index of the scene's entry, or the number of entries. */
-static size_t place_of(const json_t *list, const char *scene)
+static size_t find_scene_entry(const json_t *list, const char *scene)
 {
     size_t i = 0;
     while (i < json_array_size(list) && !has_text(json_array_get(list, i), "scene", scene))
@@ -120,11 +120,11 @@ static enum neph_status write_file(const char *path, const json_t *list, struct 
 }
 
 /* Adds a study, or replaces the one of the same scene. */
-static enum neph_status keep(const struct neph_job *job, const struct neph_study *study,
-                             struct neph_diag *diag)
+static enum neph_status install_study(const struct neph_job *job, const struct neph_study *study,
+                                      struct neph_diag *diag)
 {
     json_t *content = NULL;
-    char *path = file_of(job->engine);
+    char *path = studies_path(job->engine);
     enum neph_status status = path ? load(path, &content, diag) : neph_fail_memory(diag);
     if (!status) {
         json_t *list = json_object_get(content, "studies");
@@ -132,7 +132,7 @@ static enum neph_status keep(const struct neph_job *job, const struct neph_study
                                   "scene_hash", job->shot.scene->hash, "version",
                                   job->info->version, "driver", (int)job->engine->version, "study",
                                   neph_study_json(study));
-        const size_t place = place_of(list, job->shot.scene->name);
+        const size_t place = find_scene_entry(list, job->shot.scene->name);
         const int failed = place < json_array_size(list) ? json_array_set_new(list, place, entry)
                                                          : json_array_append_new(list, entry);
         status = failed ? neph_fail_memory(diag) : write_file(path, list, diag);
@@ -152,9 +152,9 @@ struct work {
 };
 
 /* `*word` is the result for the progress. */
-static enum neph_status renew(const struct work *work, const struct neph_scene *scene,
-                              const struct neph_engine *engine, const char **word,
-                              struct neph_diag *diag)
+static enum neph_status renew_study(const struct work *work, const struct neph_scene *scene,
+                                    const struct neph_engine *engine, const char **word,
+                                    struct neph_diag *diag)
 {
     struct neph_engine_info info;
     neph_engine_probe(engine, NULL, &info);
@@ -178,13 +178,14 @@ static enum neph_status renew(const struct work *work, const struct neph_scene *
         return status;
     status = neph_studies_make(&job, work->store, &study, &outcome, reason, diag);
     *word = outcome == NEPH_OUTCOME_RENDERED ? "studied" : neph_outcome_name(outcome);
-    return !status && outcome == NEPH_OUTCOME_RENDERED && work->keeps ? keep(&job, &study, diag)
-                                                                      : status;
+    return !status && outcome == NEPH_OUTCOME_RENDERED && work->keeps
+               ? install_study(&job, &study, diag)
+               : status;
 }
 
 static bool is_studied(const struct neph_engine *engine)
 {
-    return engine->rung == NEPH_RUNG_WITNESS && engine->step.option;
+    return engine->rung == NEPH_LEVEL_EXTERNAL && engine->step.option;
 }
 
 static enum neph_status renew_scene(struct work *work, const char *name, struct neph_diag *diag)
@@ -203,7 +204,7 @@ static enum neph_status renew_scene(struct work *work, const char *name, struct 
         snprintf(what, sizeof(what), "%s of %s", engines[i]->name, scene->name);
         work->progress.kind = i;
         neph_progress_begin(&work->progress, what);
-        status = renew(work, scene, engines[i], &word, diag);
+        status = renew_study(work, scene, engines[i], &word, diag);
         if (!status)
             neph_progress_over(&work->progress, what, word);
     }

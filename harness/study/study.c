@@ -41,14 +41,14 @@ struct pictures {
     struct neph_arena arena; /* owns the frames */
 };
 
-static enum neph_status take_picture(const struct neph_image *frame, struct pictures *pictures,
-                                     double **grey, struct neph_diag *diag)
+static enum neph_status add_grey_frame(const struct neph_image *frame, struct pictures *pictures,
+                                       double **grey, struct neph_diag *diag)
 {
     float *planes[3];
     if (!neph_image_rgb(frame, NULL, planes))
         return neph_fail(diag, NEPH_ERR_ENGINE, "the frame of a study has no radiance");
     pictures->pixel_count = neph_image_pixel_count(frame);
-    *grey = neph_arena_zeroed(&pictures->arena, pictures->pixel_count, sizeof(**grey));
+    *grey = neph_arena_allocate(&pictures->arena, pictures->pixel_count, sizeof(**grey));
     if (!*grey)
         return neph_fail_memory(diag);
     for (size_t p = 0; p < pictures->pixel_count; p++)
@@ -117,7 +117,7 @@ static enum neph_status render(const struct neph_job *job, struct neph_store *st
     if (!status && result.frame_path)
         status = neph_exr_read(result.frame_path, &frame, diag);
     if (!status && frame)
-        status = take_picture(frame, pictures, grey, diag);
+        status = add_grey_frame(frame, pictures, grey, diag);
     neph_image_destroy(frame);
     neph_job_result_finish(&result);
     return status;
@@ -160,7 +160,7 @@ static void choose(struct neph_study *study)
 }
 
 /* Richardson extrapolation from the last two levels with the known order. */
-static struct blend limit_of(const struct neph_study *study, double factor)
+static struct blend make_limit_blend(const struct neph_study *study, double factor)
 {
     const int last = study->level_count - 1;
     const double gain = last > 0 ? 1.0 / (pow(factor, study->order) - 1.0) : 0.0;
@@ -192,7 +192,7 @@ static double observe_order(const struct pictures *pictures, const struct neph_s
 
 static void extrapolate(const struct pictures *pictures, struct neph_study *study, double factor)
 {
-    const struct blend limit = limit_of(study, factor);
+    const struct blend limit = make_limit_blend(study, factor);
     double noise;
     study->limit = blend_mean(pictures, &limit, &noise);
     if (study->limit == 0.0)
@@ -310,8 +310,8 @@ static bool read_verdict(const char *name, struct neph_study *study)
 
 /* Whether the study is of the engine's step option and its chosen setting is in the option's range.
  */
-static bool is_taken(const char *name, const struct neph_study *study,
-                     const struct neph_engine *engine)
+static bool is_valid_setting(const char *name, const struct neph_study *study,
+                             const struct neph_engine *engine)
 {
     if (!study->option || strcmp(name, study->option) != 0)
         return false;
@@ -332,7 +332,7 @@ enum neph_status neph_study_read(json_t *json, const struct neph_engine *engine,
                     "levels", &levels, "chosen", &made.chosen, "verdict", &verdict, "tolerance",
                     &made.tolerance, "size_px", &made.width_px, &made.height_px) == 0;
     if (!has_form || !read_levels(levels, &made) || !read_verdict(verdict, &made) ||
-        !is_taken(option, &made, engine))
+        !is_valid_setting(option, &made, engine))
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "a step study of %s chooses a setting outside of its range", engine->name);
     made.observed_order = json_is_number(observed) ? json_number_value(observed) : NAN;

@@ -93,7 +93,7 @@ const char *neph_suite_scene(const json_t *entry, struct neph_arena *arena)
     const char *scene = neph_json_text(entry, "scene");
     char *path = strchr(scene, '/') ? neph_data_path(scene) : strdup(scene);
     arena->is_short |= !path;
-    scene = neph_arena_text(arena, path);
+    scene = neph_arena_copy_text(arena, path);
     free(path);
     return scene;
 }
@@ -108,7 +108,7 @@ enum neph_status neph_flicker_suite_find(const char *name, struct neph_arena *ar
     if (status)
         return status;
     *count = (int)json_array_size(entries);
-    const char **names = neph_arena_zeroed(arena, (size_t)*count + 1, sizeof(*names));
+    const char **names = neph_arena_allocate(arena, (size_t)*count + 1, sizeof(*names));
     for (int i = 0; i < *count && names; i++)
         names[i] = neph_suite_scene(json_array_get(entries, (size_t)i), arena);
     *scenes = names;

@@ -50,13 +50,13 @@ struct frames {
     double *gpu_ms;             /* of each frame; NaN: no timestamps; owned */
 };
 
-static char *frame_path(const struct neph_take *take, const char *folder, int frame)
+static char *frame_path(const struct neph_capture *take, const char *folder, int frame)
 {
     return frame == take->frame_count - 1 ? neph_path_join(folder, "frame.exr")
                                           : neph_format("%s/frame_%04d.exr", folder, frame);
 }
 
-static enum neph_status write_flip(const struct neph_take *take, const struct neph_image *image,
+static enum neph_status write_flip(const struct neph_capture *take, const struct neph_image *image,
                                    const char *folder, int number, struct neph_diag *diag)
 {
     float *planes[3];
@@ -95,7 +95,7 @@ static void add_counts(struct frames *frames, int number, const struct neph_imag
     json_decref(stats);
 }
 
-bool neph_take_fits(int width_px, int height_px, int frame_count)
+bool neph_capture_fits_memory(int width_px, int height_px, int frame_count)
 {
     const size_t frame_bytes = 3 * sizeof(float) * (size_t)width_px * (size_t)height_px;
     return frame_bytes <= frames_limit_bytes / (size_t)frame_count;
@@ -118,13 +118,13 @@ static enum neph_status keep_frame(struct frames *frames, int number, struct nep
 }
 
 /* Renders one frame. The last frame becomes frame.exr, which identifies the store entry. */
-static enum neph_status render_frame(const struct neph_take *take, const struct neph_job *job,
+static enum neph_status render_frame(const struct neph_capture *take, const struct neph_job *job,
                                      int number, const char *folder, struct frames *frames,
                                      struct neph_cost *total, struct neph_diag *diag)
 {
     struct neph_image *frame = NULL;
     struct neph_cost cost = {0};
-    const int flip = number - (take->frame_count - NEPH_TAKE_PICTURES);
+    const int flip = number - (take->frame_count - NEPH_CAPTURE_IMAGES);
     enum neph_status status = (take->counts_bad ? neph_job_render_unchecked
                                                 : neph_job_render)(job, &frame, &cost, diag);
     if (status)
@@ -144,7 +144,7 @@ static enum neph_status render_frame(const struct neph_take *take, const struct 
     return status;
 }
 
-static enum neph_status render_frames(const struct neph_take *take, const char *folder,
+static enum neph_status render_frames(const struct neph_capture *take, const char *folder,
                                       struct frames *frames, struct neph_cost *total,
                                       struct neph_diag *diag)
 {
@@ -159,7 +159,7 @@ static enum neph_status render_frames(const struct neph_take *take, const char *
     return status;
 }
 
-static enum neph_status prepare_frames(const struct neph_take *take, const char *folder,
+static enum neph_status prepare_frames(const struct neph_capture *take, const char *folder,
                                        struct frames *frames, struct neph_diag *diag)
 {
     struct neph_sequence *files = &frames->files;
@@ -174,7 +174,7 @@ static enum neph_status prepare_frames(const struct neph_take *take, const char 
     return NEPH_OK;
 }
 
-static void finish_frames(const struct neph_take *take, struct frames *frames)
+static void finish_frames(const struct neph_capture *take, struct frames *frames)
 {
     for (int i = 0; frames->images && i < take->frame_count; i++)
         neph_image_destroy(frames->images[i]);
@@ -185,7 +185,7 @@ static void finish_frames(const struct neph_take *take, struct frames *frames)
 
 /* ---- measuring ------------------------------------------------------------------------------- */
 
-static enum neph_status choose(const struct neph_reading *reading,
+static enum neph_status choose(const struct neph_measurement_set *reading,
                                struct neph_comparison *comparison, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
@@ -241,9 +241,11 @@ static enum neph_status write_document(const char *folder, const char *name,
     return status;
 }
 
-static enum neph_status ask(const struct neph_take *take, const struct neph_reading *reading,
-                            const char *folder, const struct frames *frames,
-                            struct neph_comparison *comparison, struct neph_diag *diag)
+static enum neph_status prepare_comparison(const struct neph_capture *take,
+                                           const struct neph_measurement_set *reading,
+                                           const char *folder, const struct frames *frames,
+                                           struct neph_comparison *comparison,
+                                           struct neph_diag *diag)
 {
     *comparison = (struct neph_comparison){
         .reference = take->reference->frames[reading->against], /* borrowed */
@@ -254,7 +256,7 @@ static enum neph_status ask(const struct neph_take *take, const struct neph_read
         .warm_up_frames = reading->warm_up_frames,
         .detail_masks = take->all_masks,
         .maps_directory = take->map_file && reading == take->readings ? folder : NULL,
-        .frozen_is_fine = take->frozen_is_fine,
+        .allow_frozen_frames = take->allow_frozen_frames,
         .plain = take->plain,
         .by_position = true,
         .quiet = true};
@@ -262,16 +264,16 @@ static enum neph_status ask(const struct neph_take *take, const struct neph_read
 }
 
 /* Evaluates `count` measurement sets from `first` on in one pass over the frames. */
-static enum neph_status read_off(const struct neph_take *take, int first, int count,
-                                 const char *folder, const struct frames *frames,
-                                 struct neph_diag *diag)
+static enum neph_status evaluate_sets(const struct neph_capture *take, int first, int count,
+                                      const char *folder, const struct frames *frames,
+                                      struct neph_diag *diag)
 {
     struct neph_comparison comparisons[NEPH_COMPARISONS_MAX];
     struct neph_compared compared[NEPH_COMPARISONS_MAX] = {{.asked = NULL}};
-    const struct neph_reading *readings = take->readings + first;
+    const struct neph_measurement_set *readings = take->readings + first;
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < count && !status; i++)
-        status = ask(take, &readings[i], folder, frames, &comparisons[i], diag);
+        status = prepare_comparison(take, &readings[i], folder, frames, &comparisons[i], diag);
     if (!status)
         status = neph_comparisons_run(comparisons, count, false, compared, diag);
     for (int i = 0; i < count; i++) {
@@ -282,8 +284,8 @@ static enum neph_status read_off(const struct neph_take *take, int first, int co
     return status;
 }
 
-static enum neph_status read_all(const struct neph_take *take, const char *folder,
-                                 const struct frames *frames, struct neph_diag *diag)
+static enum neph_status evaluate_all_sets(const struct neph_capture *take, const char *folder,
+                                          const struct frames *frames, struct neph_diag *diag)
 {
     const struct neph_shot *shot = &take->job.shot;
     const size_t kept_bytes = KEPT_BYTES_MAX * (size_t)shot->width_px * (size_t)shot->height_px *
@@ -293,7 +295,7 @@ static enum neph_status read_all(const struct neph_take *take, const char *folde
     enum neph_status status = NEPH_OK;
     for (int first = 0; first < take->reading_count && !status; first += at_once) {
         const int left = take->reading_count - first;
-        status = read_off(take, first, left < at_once ? left : at_once, folder, frames, diag);
+        status = evaluate_sets(take, first, left < at_once ? left : at_once, folder, frames, diag);
     }
     return status;
 }
@@ -301,7 +303,7 @@ static enum neph_status read_all(const struct neph_take *take, const char *folde
 /* ---- the store ------------------------------------------------------------------------------- */
 
 /* Prints everything that a document depends on, except the frames. */
-static void write_reading(const struct neph_reading *reading, FILE *out)
+static void write_reading(const struct neph_measurement_set *reading, FILE *out)
 {
     const struct neph_viewing *viewing = &reading->viewing;
     const char *const *const lists[] = {reading->extractors, reading->settings};
@@ -319,14 +321,14 @@ static void write_reading(const struct neph_reading *reading, FILE *out)
 }
 
 struct entry {
-    const struct neph_take *take;
+    const struct neph_capture *take;
     char first[NEPH_HASH_HEX_SIZE]; /* key of the first frame */
 };
 
 static void write_entry(const void *entry_, FILE *out)
 {
     const struct entry *entry = entry_;
-    const struct neph_take *take = entry->take;
+    const struct neph_capture *take = entry->take;
     fprintf(out,
             "neph-take-1\nfirst %s\nframes %d\nreference %s\nmeasured %d\nmasks %d plain %d\n"
             "pictures %d %s\n%s",
@@ -339,14 +341,14 @@ static void write_entry(const void *entry_, FILE *out)
         write_reading(&take->readings[i], out);
 }
 
-enum neph_status neph_take_key(const struct neph_take *take, char key[NEPH_HASH_HEX_SIZE],
-                               struct neph_diag *diag)
+enum neph_status neph_capture_key(const struct neph_capture *take, char key[NEPH_HASH_HEX_SIZE],
+                                  struct neph_diag *diag)
 {
     struct entry entry = {.take = take};
     char *text = NULL;
     enum neph_status status = neph_job_key(&take->job, entry.first, diag);
     if (!status)
-        status = neph_written(write_entry, &entry, &text, diag);
+        status = neph_write_to_text(write_entry, &entry, &text, diag);
     if (!status)
         status = neph_hash(text, strlen(text), key, diag);
     free(text);
@@ -354,18 +356,18 @@ enum neph_status neph_take_key(const struct neph_take *take, char key[NEPH_HASH_
 }
 
 /* The images that the store keeps. */
-static json_t *picture_names(const struct neph_take *take)
+static json_t *image_names(const struct neph_capture *take)
 {
     json_t *names = json_array();
     if (take->map_file)
         neph_json_add(&names, json_string(take->map_file));
-    for (int i = 0; i < NEPH_TAKE_PICTURES && take->with_pictures; i++)
+    for (int i = 0; i < NEPH_CAPTURE_IMAGES && take->with_pictures; i++)
         neph_json_add(&names, json_sprintf("flip_%d.png", i));
     return names;
 }
 
 /* The median, as drivers compile shaders in some frames. */
-static double median_gpu_ms(const struct neph_take *take, const struct frames *frames)
+static double median_gpu_ms(const struct neph_capture *take, const struct frames *frames)
 {
     for (int i = 0; i < take->frame_count; i++)
         if (isnan(frames->gpu_ms[i]))
@@ -388,8 +390,8 @@ static void describe_job(const struct neph_job *job, json_t **record)
     free(settings);
 }
 
-static json_t *record_of(const struct neph_take *take, const struct neph_cost *cost,
-                         const struct frames *frames)
+static json_t *make_capture_record(const struct neph_capture *take, const struct neph_cost *cost,
+                                   const struct frames *frames)
 {
     json_t *record = json_pack(
         "{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:o, s:o}", "format", "neph-take-1", "scene",
@@ -397,7 +399,7 @@ static json_t *record_of(const struct neph_take *take, const struct neph_cost *c
         take->job.info->version, "frames", take->frame_count, "render_s", cost->render_s, "wall_s",
         cost->wall_s, "cpu_s", cost->cpu_s, "bad_values",
         take->counts_bad ? json_integer((json_int_t)frames->bad_values) : json_null(), "pictures",
-        picture_names(take));
+        image_names(take));
     for (int i = 0; i < COUNTED; i++)
         neph_json_set(&record, counted_names[i], neph_json_number(frames->counted[i]));
     neph_json_set(&record, "gpu_ms_median", neph_json_number(median_gpu_ms(take, frames)));
@@ -405,20 +407,21 @@ static json_t *record_of(const struct neph_take *take, const struct neph_cost *c
     return record;
 }
 
-static enum neph_status show(const struct neph_take *take, const char *folder,
-                             const struct frames *frames, struct neph_diag *diag)
+static enum neph_status call_frame_callback(const struct neph_capture *take, const char *folder,
+                                            const struct frames *frames, struct neph_diag *diag)
 {
-    const struct neph_take_frames seen = {
+    const struct neph_capture_frames seen = {
         .folder = folder,
         .files = &frames->files,
         .images = (const struct neph_image *const *)frames->images,
         .bad_values = frames->bad_values};
-    return take->look ? take->look(take, &seen, take->look_context, diag) : NEPH_OK;
+    return take->look ? take->look(take, &seen, take->callback_context, diag) : NEPH_OK;
 }
 
 /* Renders, measures, shows and publishes a sequence. `key` NULL: only renders and shows it. */
-static enum neph_status make(const struct neph_take *take, struct neph_store *store,
-                             const char *key, struct neph_diag *diag)
+static enum neph_status render_and_publish_capture(const struct neph_capture *take,
+                                                   struct neph_store *store, const char *key,
+                                                   struct neph_diag *diag)
 {
     struct neph_scratch *scratch = NULL;
     char *kept = NULL;
@@ -432,10 +435,10 @@ static enum neph_status make(const struct neph_take *take, struct neph_store *st
     if (!status)
         status = render_frames(take, folder, &frames, &cost, diag);
     if (!status && key && frames.bad_values == 0)
-        status = read_all(take, folder, &frames, diag);
+        status = evaluate_all_sets(take, folder, &frames, diag);
     if (!status)
-        status = show(take, folder, &frames, diag);
-    json_t *record = status || !key ? NULL : record_of(take, &cost, &frames);
+        status = call_frame_callback(take, folder, &frames, diag);
+    json_t *record = status || !key ? NULL : make_capture_record(take, &cost, &frames);
     finish_frames(take, &frames);
     if (!status && key)
         status = neph_json_check(record, diag);
@@ -451,19 +454,19 @@ static enum neph_status make(const struct neph_take *take, struct neph_store *st
     return status;
 }
 
-enum neph_status neph_take_see(const struct neph_take *take, struct neph_store *store,
-                               struct neph_diag *diag)
+enum neph_status neph_capture_replay(const struct neph_capture *take, struct neph_store *store,
+                                     struct neph_diag *diag)
 {
-    return make(take, store, NULL, diag);
+    return render_and_publish_capture(take, store, NULL, diag);
 }
 
-enum neph_status neph_take_run(const struct neph_take *take, struct neph_store *store,
-                               char **folder, json_t **record, struct neph_diag *diag)
+enum neph_status neph_capture_run(const struct neph_capture *take, struct neph_store *store,
+                                  char **folder, json_t **record, struct neph_diag *diag)
 {
     char key[NEPH_HASH_HEX_SIZE], *last_frame = NULL;
-    enum neph_status status = neph_take_key(take, key, diag);
+    enum neph_status status = neph_capture_key(take, key, diag);
     if (!status && !neph_store_find(store, key, &last_frame, record)) {
-        status = make(take, store, key, diag);
+        status = render_and_publish_capture(take, store, key, diag);
         if (!status && !neph_store_find(store, key, &last_frame, record))
             status = neph_fail(diag, NEPH_ERR_IO,
                                "the sequence %s is not readable after publishing", key);
@@ -475,8 +478,8 @@ enum neph_status neph_take_run(const struct neph_take *take, struct neph_store *
     return NEPH_OK;
 }
 
-enum neph_status neph_take_document(const char *folder, const char *reading, json_t **document,
-                                    struct neph_diag *diag)
+enum neph_status neph_capture_document(const char *folder, const char *reading, json_t **document,
+                                       struct neph_diag *diag)
 {
     const struct neph_path path = neph_path_format("%s/%s.json", folder, reading);
     json_error_t error;
@@ -485,7 +488,7 @@ enum neph_status neph_take_document(const char *folder, const char *reading, jso
                      : neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': %s", path.text, error.text);
 }
 
-const json_t *neph_take_find(const json_t *document, const char *metric, const char *mask)
+const json_t *neph_capture_find_value(const json_t *document, const char *metric, const char *mask)
 {
     const json_t *list = json_object_get(document, "measurements");
     for (size_t i = json_array_size(list); i-- > 0;) { /* values over all frames are listed after

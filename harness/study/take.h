@@ -11,11 +11,11 @@
 #include "harness/study/reference.h"
 #include "metrics/meter.h"
 
-enum { NEPH_TAKE_PICTURES = 4 }; /* images of the last frames */
+enum { NEPH_CAPTURE_IMAGES = 4 }; /* images of the last frames */
 
 /* A measurement set: the metrics of one document (comparison.h). Several sets share a pass over the
  * frames. */
-struct neph_reading {
+struct neph_measurement_set {
     const char *name; /* of the document, unique within the sequence */
     enum neph_reference_rays against;
     const char *const *extractors; /* names, NULL-terminated */
@@ -28,35 +28,35 @@ struct neph_reading {
 };
 
 /* The frames of a captured sequence, valid during the callback. */
-struct neph_take_frames {
+struct neph_capture_frames {
     const char *folder; /* the entry's future folder, with the documents */
     const struct neph_sequence *files;
     const struct neph_image *const *images; /* R G B; NULL: the frame is only in its file */
     size_t bad_values;                      /* over all frames, where they are counted */
 };
 
-struct neph_take;
+struct neph_capture;
 
 /* Callback that gets the frames after they are rendered and measured. */
-typedef enum neph_status neph_take_look(const struct neph_take *take,
-                                        const struct neph_take_frames *frames, void *context,
-                                        struct neph_diag *diag);
+typedef enum neph_status neph_capture_callback(const struct neph_capture *take,
+                                               const struct neph_capture_frames *frames,
+                                               void *context, struct neph_diag *diag);
 
 /* All pointers are borrowed. */
-struct neph_take {
+struct neph_capture {
     struct neph_job job; /* of the first frame */
     int frame_count;
     int frame_step; /* frame increment, for engines without a history; 0: 1 */
     const struct neph_reference *reference;
-    const struct neph_reading *readings;
+    const struct neph_measurement_set *readings;
     int reading_count;
     bool with_pictures;   /* keep flip_0.png .. of the last frames */
     const char *map_file; /* image to keep of the first set's maps: "a4_radiance.png"; NULL: none */
     bool all_masks;       /* include masks of which a frame has many */
     bool plain;           /* values without intervals */
-    bool frozen_is_fine;  /* frames equal to the one before are no error */
-    neph_take_look *look; /* callback for the frames, not part of the key; NULL: none */
-    void *look_context;
+    bool allow_frozen_frames;    /* frames equal to the one before are no error */
+    neph_capture_callback *look; /* callback for the frames, not part of the key; NULL: none */
+    void *callback_context;
     bool counts_bad; /* invalid values are no error: the record counts them in "bad_values", and if
                         there are any, nothing is measured */
 };
@@ -66,27 +66,27 @@ struct neph_take {
  * "cpu_s", "pictures", the sums "density_evaluations" and "traffic_bytes" over all frames, and
  * "gpu_ms_median" of a frame; null where engine or device have none. Errors of rendering and
  * measuring; NEPH_ERR_GATE for frozen frames. */
-enum neph_status neph_take_run(const struct neph_take *take, struct neph_store *store,
-                               char **folder, json_t **record, struct neph_diag *diag);
+enum neph_status neph_capture_run(const struct neph_capture *take, struct neph_store *store,
+                                  char **folder, json_t **record, struct neph_diag *diag);
 
 /* Renders a sequence of the store again for its `look` callback. */
-enum neph_status neph_take_see(const struct neph_take *take, struct neph_store *store,
-                               struct neph_diag *diag);
+enum neph_status neph_capture_replay(const struct neph_capture *take, struct neph_store *store,
+                                     struct neph_diag *diag);
 
 /* The hash of everything that an entry depends on. */
-enum neph_status neph_take_key(const struct neph_take *take, char key[NEPH_HASH_HEX_SIZE],
-                               struct neph_diag *diag);
+enum neph_status neph_capture_key(const struct neph_capture *take, char key[NEPH_HASH_HEX_SIZE],
+                                  struct neph_diag *diag);
 
 /* The document of a measurement set in an entry's folder, for json_decref(). */
-enum neph_status neph_take_document(const char *folder, const char *reading, json_t **document,
-                                    struct neph_diag *diag);
+enum neph_status neph_capture_document(const char *folder, const char *reading, json_t **document,
+                                       struct neph_diag *diag);
 
 /* A value of radiance in such a document, over all frames where there are several; NULL: none.
  * Borrowed. */
-const json_t *neph_take_find(const json_t *document, const char *metric, const char *mask);
+const json_t *neph_capture_find_value(const json_t *document, const char *metric, const char *mask);
 
-/* Whether all frames of a sequence fit into memory, so that neph_take_see() provides each of them
+/* Whether all frames of a sequence fit into memory, so that neph_capture_replay() provides each of them
  * as an image. */
-bool neph_take_fits(int width_px, int height_px, int frame_count);
+bool neph_capture_fits_memory(int width_px, int height_px, int frame_count);
 
 #endif

@@ -31,7 +31,7 @@ enum neph_sweep_cost neph_sweep_cost_measured(const struct neph_sweep *sweep)
     return NEPH_SWEEP_COST_WORK;
 }
 
-static double error_of(const struct neph_sweep_point *point)
+static double point_error(const struct neph_sweep_point *point)
 {
     return point->numbers[NEPH_SWEEP_ERROR].value;
 }
@@ -43,25 +43,25 @@ const struct neph_sweep_point *neph_sweep_cheapest(const struct neph_sweep *swee
     const struct neph_sweep_point *best = NULL;
     for (int i = 0; i < sweep->point_count; i++) {
         const struct neph_sweep_point *point = &sweep->points[i];
-        if (point->series == except || !(error_of(point) <= error) ||
-            isnan(neph_sweep_cost_of(point, cost)))
+        if (point->series == except || !(point_error(point) <= error) ||
+            isnan(neph_sweep_point_cost(point, cost)))
             continue;
-        if (!best || neph_sweep_cost_of(point, cost) < neph_sweep_cost_of(best, cost))
+        if (!best || neph_sweep_point_cost(point, cost) < neph_sweep_point_cost(best, cost))
             best = point;
     }
     return best;
 }
 
 /* The cheapest point of a series within an error; where costs are not known, the first one. */
-static const struct neph_sweep_point *cheapest_of(const struct neph_sweep *sweep, double error,
-                                                  enum neph_sweep_cost cost,
-                                                  const struct neph_sweep_series *series)
+static const struct neph_sweep_point *
+find_cheapest_in_series(const struct neph_sweep *sweep, double error, enum neph_sweep_cost cost,
+                        const struct neph_sweep_series *series)
 {
     const struct neph_sweep_point *best = NULL;
     for (int i = 0; i < sweep->point_count; i++) {
         const struct neph_sweep_point *point = &sweep->points[i];
-        if (point->series == series && error_of(point) <= error &&
-            (!best || neph_sweep_cost_of(point, cost) < neph_sweep_cost_of(best, cost)))
+        if (point->series == series && point_error(point) <= error &&
+            (!best || neph_sweep_point_cost(point, cost) < neph_sweep_point_cost(best, cost)))
             best = point;
     }
     return best;
@@ -71,8 +71,8 @@ static const struct neph_sweep_point *least_error(const struct neph_sweep *sweep
 {
     const struct neph_sweep_point *best = NULL;
     for (int i = 0; i < sweep->point_count; i++)
-        if (isfinite(error_of(&sweep->points[i])) &&
-            (!best || error_of(&sweep->points[i]) < error_of(best)))
+        if (isfinite(point_error(&sweep->points[i])) &&
+            (!best || point_error(&sweep->points[i]) < point_error(best)))
             best = &sweep->points[i];
     return best;
 }
@@ -81,17 +81,18 @@ static int series_count(const struct neph_sweep *sweep)
 {
     int count = 0;
     for (int i = 0; i < sweep->point_count; i++) {
-        bool is_new = isfinite(error_of(&sweep->points[i]));
+        bool is_new = isfinite(point_error(&sweep->points[i]));
         for (int k = 0; k < i; k++)
             is_new &= sweep->points[k].series != sweep->points[i].series ||
-                      isnan(error_of(&sweep->points[k]));
+                      isnan(point_error(&sweep->points[k]));
         count += is_new;
     }
     return count;
 }
 
 /* Whether both points were timed and their 10 % to 90 % ranges overlap. */
-static bool is_alike(const struct neph_sweep_point *a, const struct neph_sweep_point *b)
+static bool has_overlapping_times(const struct neph_sweep_point *a,
+                                  const struct neph_sweep_point *b)
 {
     return a->time.low <= b->time.high && b->time.low <= a->time.high;
 }
@@ -135,7 +136,7 @@ static void answer_found(const struct neph_sweep *sweep, double error, enum neph
     char setting[TEXT_SIZE], off[TEXT_SIZE], price[TEXT_SIZE], other[TEXT_SIZE] = "";
     const bool is_certain = !(found->numbers[NEPH_SWEEP_ERROR].high > error);
     const struct neph_sweep_point *next = neph_sweep_cheapest(sweep, error, cost, found->series);
-    if (next && cost == NEPH_SWEEP_COST_TIME && is_alike(found, next))
+    if (next && cost == NEPH_SWEEP_COST_TIME && has_overlapping_times(found, next))
         snprintf(other, sizeof(other), "; not told apart from %s in time", next->series->name);
     neph_answer_add(answer,
                     "%s: %s for %.3g %% of error: off by %s%s, %s, the cheapest of %d series%s",
@@ -147,7 +148,8 @@ static void answer_found(const struct neph_sweep *sweep, double error, enum neph
 
 /* A point of a series whose steps have converged although its lighting model is not within the
  * error. */
-static const struct neph_sweep_point *converged(const struct neph_sweep *sweep, double error)
+static const struct neph_sweep_point *find_converged_series(const struct neph_sweep *sweep,
+                                                            double error)
 {
     for (int s = 0; s < sweep->plan->series_count; s++) {
         const struct neph_sweep_point *found = neph_sweep_converged(sweep, &sweep->plan->series[s],
@@ -162,7 +164,8 @@ static void answer_not_found(const struct neph_sweep *sweep, double error,
                              enum neph_sweep_cost cost, struct neph_answer *answer)
 {
     char setting[TEXT_SIZE], off[TEXT_SIZE], price[TEXT_SIZE], of_model[TEXT_SIZE];
-    const struct neph_sweep_point *best = least_error(sweep), *steps = converged(sweep, error);
+    const struct neph_sweep_point *best = least_error(sweep),
+                                  *steps = find_converged_series(sweep, error);
     if (steps) {
         const struct neph_sweep_point *finest = neph_sweep_finest(sweep, steps->series);
         neph_answer_add(answer,
@@ -193,9 +196,8 @@ static void answer_series(const struct neph_sweep *sweep, double error, enum nep
     for (int s = 0; s < sweep->plan->series_count && lines < SERIES_LINES; s++) {
         char setting[TEXT_SIZE], off[TEXT_SIZE], price[TEXT_SIZE];
         const struct neph_sweep_series *series = &sweep->plan->series[s];
-        const struct neph_sweep_point *other = series == found->series
-                                                   ? NULL
-                                                   : cheapest_of(sweep, error, cost, series);
+        const struct neph_sweep_point *other =
+            series == found->series ? NULL : find_cheapest_in_series(sweep, error, cost, series);
         if (!other)
             continue;
         neph_answer_add(

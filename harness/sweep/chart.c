@@ -55,7 +55,8 @@ static bool is_drawable(double value)
     return isfinite(value) && value > 0.0;
 }
 
-static struct neph_sweep_value x_of(const struct neph_sweep_point *point, enum neph_sweep_axis axis)
+static struct neph_sweep_value axis_value(const struct neph_sweep_point *point,
+                                          enum neph_sweep_axis axis)
 {
     if (axis == NEPH_SWEEP_AXIS_TIME)
         return (struct neph_sweep_value){1e3 * point->time.median, 1e3 * point->time.low,
@@ -77,7 +78,8 @@ static int list_marks(const struct neph_sweep *sweep, const struct neph_sweep_ch
     int count = 0;
     for (int i = 0; i < sweep->point_count; i++) {
         const struct neph_sweep_point *point = &sweep->points[i];
-        const struct mark mark = {point, x_of(point, chart->x), point->numbers[chart->y], true};
+        const struct mark mark = {point, axis_value(point, chart->x), point->numbers[chart->y],
+                                  true};
         if (point->missing[0] || !is_drawable(mark.x.value) || !is_drawable(mark.y.value))
             continue;
         if (count > 0 && marks[count - 1].point->series == point->series)
@@ -95,7 +97,7 @@ struct range {
 
 /* The range of the marks with a margin at both ends, at least a factor of four. `also` is included
  * unless it is far below. */
-static struct range range_of(const struct mark *marks, int count, bool of_x, double also)
+static struct range compute_axis_range(const struct mark *marks, int count, bool of_x, double also)
 {
     struct range range = {INFINITY, 0.0};
     for (int i = 0; i < count; i++) {
@@ -118,7 +120,7 @@ static double place_in(struct range range, double value)
 
 /* --- data ----------------------------------------------------------------------------------- */
 
-static const char *family_of(const struct neph_sweep_point *point)
+static const char *find_family(const struct neph_sweep_point *point)
 {
     const struct neph_engine *engine = point->job.engine;
     static const struct {
@@ -127,7 +129,7 @@ static const char *family_of(const struct neph_sweep_point *point)
                     {"tracer", "tracer"},
                     {"cycles", "Cycles"},
                     {"povray", "POV-Ray"}};
-    if (neph_look_of_fog(engine, &point->job.shot.settings))
+    if (neph_fog_model_note(engine, &point->job.shot.settings))
         return "look of a fog";
     for (size_t i = 0; i < sizeof(families) / sizeof(families[0]); i++)
         if (strcmp(engine->name, families[i].engine) == 0)
@@ -147,7 +149,7 @@ static json_t *mark_json(const struct neph_sweep *sweep, const struct mark *mark
     char *command = neph_sweep_command(sweep, mark->point);
     json_t *json = json_pack(
         "{s:s, s:s, s:s, s:i, s:f, s:o, s:o, s:f, s:o, s:o, s:s}", "series",
-        mark->point->series->name, "label", mark->point->label, "family", family_of(mark->point),
+        mark->point->series->name, "label", mark->point->label, "family", find_family(mark->point),
         "place", mark->point->place, "x", mark->x.value, "x_low", end_json(mark->x.low, x),
         "x_high", end_json(mark->x.high, x), "y", mark->y.value, "y_low", end_json(mark->y.low, y),
         "y_high", end_json(mark->y.high, y), "command", command ? command : "");
@@ -233,7 +235,8 @@ static json_t *slopes_json(const struct mark *marks, int count,
     return list;
 }
 
-static double floor_of(const struct neph_sweep *sweep, const struct neph_sweep_chart *chart)
+static double chart_noise_floor(const struct neph_sweep *sweep,
+                                const struct neph_sweep_chart *chart)
 {
     return chart->y == NEPH_SWEEP_ERROR ? sweep->floor : 0.0;
 }
@@ -343,10 +346,10 @@ static json_t *families_json(const struct mark *marks, int count)
 {
     json_t *list = json_array();
     for (int i = 0; i < count; i++) {
-        const char *family = family_of(marks[i].point);
+        const char *family = find_family(marks[i].point);
         bool is_new = true;
         for (int k = 0; k < i && is_new; k++)
-            is_new = strcmp(family_of(marks[k].point), family) != 0;
+            is_new = strcmp(find_family(marks[k].point), family) != 0;
         if (is_new)
             neph_json_add(&list, json_string(family));
     }
@@ -355,7 +358,7 @@ static json_t *families_json(const struct mark *marks, int count)
 
 /* --- the specification ---------------------------------------------------------------------- */
 
-static json_t *layer_named(json_t *spec, const char *name)
+static json_t *find_layer(json_t *spec, const char *name)
 {
     json_t *layers = json_object_get(spec, "layer");
     for (size_t i = 0; i < json_array_size(layers); i++)
@@ -368,7 +371,7 @@ static json_t *layer_named(json_t *spec, const char *name)
 static enum neph_status set_axis(json_t *spec, const char *channel, struct range range,
                                  const char *title, struct neph_diag *diag)
 {
-    json_t *layers = json_object_get(layer_named(spec, "measured"), "layer");
+    json_t *layers = json_object_get(find_layer(spec, "measured"), "layer");
     json_t *encoding = json_object_get(json_array_get(layers, json_array_size(layers) - 1),
                                        "encoding");
     json_t *axis = json_object_get(encoding, channel);
@@ -383,7 +386,7 @@ static enum neph_status set_axis(json_t *spec, const char *channel, struct range
 static enum neph_status set_series(json_t *spec, const struct neph_sweep *sweep,
                                    struct neph_diag *diag)
 {
-    json_t *group = layer_named(spec, "measured"), *layers = json_object_get(group, "layer");
+    json_t *group = find_layer(spec, "measured"), *layers = json_object_get(group, "layer");
     json_t *color = json_object_get(json_object_get(group, "encoding"), "color");
     enum neph_status status = neph_json_put(json_object_get(color, "scale"), "domain",
                                             series_json(sweep), diag);
@@ -400,7 +403,7 @@ static enum neph_status set_series(json_t *spec, const struct neph_sweep *sweep,
 static enum neph_status set_legend(json_t *spec, const struct mark *marks, int count,
                                    struct neph_diag *diag)
 {
-    json_t *layers = json_object_get(layer_named(spec, "measured"), "layer");
+    json_t *layers = json_object_get(find_layer(spec, "measured"), "layer");
     json_t *encoding = json_object_get(json_array_get(layers, json_array_size(layers) - 1),
                                        "encoding");
     return neph_json_put(json_object_get(json_object_get(encoding, "shape"), "legend"), "values",
@@ -411,13 +414,13 @@ static enum neph_status fill(const struct neph_sweep *sweep, const struct neph_s
                              const struct neph_sweep_chart_size *size, const struct mark *marks,
                              int count, json_t *spec, struct neph_diag *diag)
 {
-    const double floor = floor_of(sweep, chart);
-    const struct range x = range_of(marks, count, true, NAN),
-                       y = range_of(marks, count, false, floor);
+    const double floor = chart_noise_floor(sweep, chart);
+    const struct range x = compute_axis_range(marks, count, true, NAN),
+                       y = compute_axis_range(marks, count, false, floor);
     const struct place place = {x, y, size};
     struct neph_label *labels = NULL;
     json_t *points = json_array(), *data = json_object_get(spec, "datasets");
-    json_t *title = json_object_get(layer_named(spec, "title"), "encoding");
+    json_t *title = json_object_get(find_layer(spec, "title"), "encoding");
     for (int i = 0; i < count; i++)
         neph_json_add(&points, mark_json(sweep, &marks[i], x, y));
     enum neph_status status = find_names(&place, marks, count, &labels, diag);

@@ -149,7 +149,7 @@ static double excess(const struct neph_choice *choice, int index)
 }
 
 /* Log of the product of all levels in use. */
-static double balance(const struct neph_choice *choice, int index)
+static double compute_level_product(const struct neph_choice *choice, int index)
 {
     double sum = 0.0;
     for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++)
@@ -165,7 +165,7 @@ static bool is_before(const struct neph_choice *choice, int a, int b)
     const double level_b = choice->candidates[b].levels[choice->least];
     if (level_a > NEPH_CHOICE_ALIKE * level_b || level_b > NEPH_CHOICE_ALIKE * level_a)
         return level_a < level_b;
-    return balance(choice, a) < balance(choice, b);
+    return compute_level_product(choice, a) < compute_level_product(choice, b);
 }
 
 void neph_choice_judge(struct neph_choice *choice)
@@ -214,7 +214,7 @@ static void print_candidates(const struct neph_choice *choice,
     }
 }
 
-static void print_asked(const struct neph_choice *choice, FILE *out)
+static void print_request(const struct neph_choice *choice, FILE *out)
 {
     fprintf(out, "asked: the least %s", neph_choice_measures[choice->least].name);
     for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++)
@@ -224,7 +224,7 @@ static void print_asked(const struct neph_choice *choice, FILE *out)
 }
 
 /* "-12 %", "x3.4"; extreme changes as a bound. */
-static void change(double decades, char text[16])
+static void format_change(double decades, char text[16])
 {
     const double ratio = pow(10.0, decades);
     if (ratio > 100.0 || ratio < 0.01)
@@ -241,9 +241,9 @@ static void print_pair(const char *name, const struct neph_study_pair *pair, FIL
     char mean[16], low[16], high[16];
     if (isnan(pair->mean))
         return;
-    change(pair->mean, mean);
-    change(pair->low, low);
-    change(pair->high, high);
+    format_change(pair->mean, mean);
+    format_change(pair->low, low);
+    format_change(pair->high, high);
     fprintf(out, "  %-10s %9s", name, mean);
     if (pair->has_interval)
         fprintf(out, " [%s, %s]", low, high);
@@ -277,7 +277,7 @@ enum neph_status neph_choice_print(const struct neph_choice *choice,
 {
     print_candidates(choice, study, out);
     fprintf(out, "\n");
-    print_asked(choice, out);
+    print_request(choice, out);
     if (choice->chosen >= 0)
         fprintf(out, "choice: %s\n", study->params->presets[choice->chosen]);
     else if (choice->scene_counts[choice->least] == 0)
@@ -316,8 +316,9 @@ json_t *neph_choice_json(const struct neph_choice *choice, const struct neph_fli
         neph_json_add(&candidates, candidate_json(choice, study, i));
     for (int i = 0; i < params->scene_count; i++)
         neph_json_add(&scenes, json_string(study->scenes[i].name));
-    json_t *json = neph_engine_words(params->presets[choice->nearest], steps, &configuration.engine,
-                                     &configuration.settings, NULL) == NEPH_OK
+    json_t *json = neph_engine_parse_words(params->presets[choice->nearest], steps,
+                                           &configuration.engine, &configuration.settings,
+                                           NULL) == NEPH_OK
                        ? neph_configuration_json(&configuration)
                        : NULL;
     neph_json_set(&json, "preset", json_string(params->presets[choice->nearest]));

@@ -25,7 +25,7 @@ enum neph_choice_number {
 struct neph_choice_measure {
     const char *name;  /* in options and JSON: "half-life" */
     const char *title; /* with unit */
-    enum neph_study_take_id take;
+    enum neph_study_capture_id take;
     const char *metric, *mask; /* of neph_study_metrics; NULL: the measure is a cost */
     size_t cost;               /* offset in struct neph_study_cost */
 };

@@ -16,10 +16,10 @@ enum neph_sweep_cost {
 };
 
 /* NaN: not measured. */
-double neph_sweep_cost_of(const struct neph_sweep_point *point, enum neph_sweep_cost cost);
+double neph_sweep_point_cost(const struct neph_sweep_point *point, enum neph_sweep_cost cost);
 
 /* A series relative to a base series. */
-struct neph_sweep_equal {
+struct neph_sweep_comparison {
     const struct neph_sweep_series *series;
     double cost_ratio;   /* cost over the base's cost at the same value; NaN: no two points of the
                             base enclose the value */
@@ -34,12 +34,12 @@ struct neph_sweep_equal {
  * Between points of `base` the logarithms are interpolated linearly; nothing is extrapolated, so a
  * single point of `base` is only compared at exactly its value or cost. `list` has room for
  * NEPH_SWEEP_SERIES_MAX. Returns the number of entries. */
-int neph_sweep_equals(const struct neph_sweep *sweep, const struct neph_sweep_series *base,
-                      enum neph_sweep_cost cost, enum neph_sweep_number number,
-                      struct neph_sweep_equal *list);
+int neph_sweep_compare_series(const struct neph_sweep *sweep, const struct neph_sweep_series *base,
+                              enum neph_sweep_cost cost, enum neph_sweep_number number,
+                              struct neph_sweep_comparison *list);
 
 /* y at x = `at` on the polyline through the points sorted by x, in logarithms; NaN outside. */
-double neph_sweep_between(const double *x, const double *y, int count, double at);
+double neph_sweep_interpolate(const double *x, const double *y, int count, double at);
 
 /* Prints a table for each cost and value that can be compared with sweep->against (NULL: the first
  * series with a comparison), and the devices where they differ. */

@@ -23,17 +23,16 @@ static const enum neph_sweep_number numbers[] = {NEPH_SWEEP_ERROR, NEPH_SWEEP_SH
                                                  NEPH_SWEEP_FLICKER, NEPH_SWEEP_HALF_LIFE};
 enum { NUMBERS = sizeof(numbers) / sizeof(numbers[0]) };
 
-static const struct neph_sweep_series *base_of(const struct neph_sweep *sweep,
-                                               enum neph_sweep_cost cost,
-                                               enum neph_sweep_number number,
-                                               struct neph_sweep_equal *list, int *count)
+static const struct neph_sweep_series *
+find_base_series(const struct neph_sweep *sweep, enum neph_sweep_cost cost,
+                 enum neph_sweep_number number, struct neph_sweep_comparison *list, int *count)
 {
     *count = 0;
     for (int s = 0; s < sweep->plan->series_count; s++) {
         const struct neph_sweep_series *series = &sweep->plan->series[s];
         if (sweep->against && strcmp(sweep->against, series->name) != 0)
             continue;
-        *count = neph_sweep_equals(sweep, series, cost, number, list);
+        *count = neph_sweep_compare_series(sweep, series, cost, number, list);
         if (*count > 0)
             return series;
     }
@@ -54,11 +53,11 @@ static void print_ratio(double value, FILE *out)
 static bool print_table(const struct neph_sweep *sweep, enum neph_sweep_cost cost,
                         enum neph_sweep_number number, FILE *out)
 {
-    struct neph_sweep_equal list[NEPH_SWEEP_SERIES_MAX];
+    struct neph_sweep_comparison list[NEPH_SWEEP_SERIES_MAX];
     const char *column = costs[cost].column, *name = neph_sweep_number_texts[number].name;
     char at_that[32], in_that[32];
     int count = 0;
-    const struct neph_sweep_series *base = base_of(sweep, cost, number, list, &count);
+    const struct neph_sweep_series *base = find_base_series(sweep, cost, number, list, &count);
     if (count == 0)
         return false;
     snprintf(at_that, sizeof(at_that), "%s at that", column);
@@ -112,13 +111,13 @@ void neph_sweep_print_equals(const struct neph_sweep *sweep, FILE *out)
 
 json_t *neph_sweep_equals_json(const struct neph_sweep *sweep)
 {
-    struct neph_sweep_equal list[NEPH_SWEEP_SERIES_MAX];
+    struct neph_sweep_comparison list[NEPH_SWEEP_SERIES_MAX];
     json_t *json = json_array();
     for (int n = 0; n < NUMBERS; n++)
         for (int cost = 0; cost < NEPH_SWEEP_COSTS; cost++) {
             int count = 0;
-            const struct neph_sweep_series *base = base_of(sweep, (enum neph_sweep_cost)cost,
-                                                           numbers[n], list, &count);
+            const struct neph_sweep_series *base = find_base_series(
+                sweep, (enum neph_sweep_cost)cost, numbers[n], list, &count);
             for (int i = 0; i < count; i++)
                 neph_json_add(&json,
                               json_pack("{s:s, s:s, s:s, s:s, s:f, s:f, s:o, s:o}", "cost",

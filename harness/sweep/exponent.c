@@ -15,7 +15,7 @@ const char *const neph_exponent_verdict_words[NEPH_EXPONENT_VERDICTS] = {
     [NEPH_EXPONENT_NONE] = "no exponent",
     [NEPH_EXPONENT_EXPECTED] = "as expected",
     [NEPH_EXPONENT_OTHER] = "not as expected",
-    [NEPH_EXPONENT_UNTOLD] = "cannot be told",
+    [NEPH_EXPONENT_UNCERTAIN] = "cannot be told",
 };
 
 struct sums {
@@ -62,5 +62,5 @@ enum neph_exponent_verdict neph_exponent_judge(const struct neph_exponent *expon
     if (low <= exponent->low && exponent->high <= high)
         return NEPH_EXPONENT_EXPECTED;
     return exponent->high < low || exponent->low > high ? NEPH_EXPONENT_OTHER
-                                                        : NEPH_EXPONENT_UNTOLD;
+                                                        : NEPH_EXPONENT_UNCERTAIN;
 }

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-static bool takes_part(const struct neph_front_point *point, int axis_count)
+static bool has_all_values(const struct neph_front_point *point, int axis_count)
 {
     for (int a = 0; a < axis_count; a++)
         if (isnan(point->values[a]))
@@ -14,8 +14,8 @@ static bool takes_part(const struct neph_front_point *point, int axis_count)
     return true;
 }
 
-static bool beats(const struct neph_front_point *a, const struct neph_front_point *b,
-                  int axis_count)
+static bool dominates_point(const struct neph_front_point *a, const struct neph_front_point *b,
+                            int axis_count)
 {
     bool is_less = false;
     for (int i = 0; i < axis_count; i++) {
@@ -29,8 +29,8 @@ static bool beats(const struct neph_front_point *a, const struct neph_front_poin
 void neph_front_find(struct neph_front_point *points, int count, int axis_count)
 {
     for (int i = 0; i < count; i++) {
-        points[i].on_front = takes_part(&points[i], axis_count);
+        points[i].on_front = has_all_values(&points[i], axis_count);
         for (int k = 0; k < count && points[i].on_front; k++)
-            points[i].on_front = !beats(&points[k], &points[i], axis_count);
+            points[i].on_front = !dominates_point(&points[k], &points[i], axis_count);
     }
 }

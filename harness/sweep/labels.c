@@ -31,14 +31,14 @@ static double overlap(const struct box *a, const struct box *b)
     return width > 0.0 && height > 0.0 ? width * height : 0.0;
 }
 
-static struct box box_of(const struct neph_label *label)
+static struct box label_rectangle(const struct neph_label *label)
 {
     const double left = label->x_px + label->dx_px, middle = label->y_px + label->dy_px;
     return (struct box){left, middle - 0.5 * NEPH_LABEL_HEIGHT_PX, left + label->width_px,
                         middle + 0.5 * NEPH_LABEL_HEIGHT_PX};
 }
 
-static struct box mark_of(const struct neph_label *label)
+static struct box mark_rectangle(const struct neph_label *label)
 {
     return (struct box){label->x_px - NEPH_MARK_RADIUS_PX, label->y_px - NEPH_MARK_RADIUS_PX,
                         label->x_px + NEPH_MARK_RADIUS_PX, label->y_px + NEPH_MARK_RADIUS_PX};
@@ -64,17 +64,17 @@ static double part_within(const struct neph_label_line *line, const struct box *
 }
 
 /* The area of a name that overlaps marks or earlier names, or is outside of the plot. */
-static double hidden(const struct neph_label *labels, int count, int index,
-                     const struct neph_label_plot *plot)
+static double compute_hidden_area(const struct neph_label *labels, int count, int index,
+                                  const struct neph_label_plot *plot)
 {
-    const struct box box = box_of(&labels[index]);
+    const struct box box = label_rectangle(&labels[index]);
     const struct box inside = {0.0, 0.0, plot->width_px + plot->margin_px, plot->height_px};
     double area = (box.right - box.left) * (box.bottom - box.top) - overlap(&box, &inside);
     for (int i = 0; i < count; i++) {
-        const struct box mark = mark_of(&labels[i]);
+        const struct box mark = mark_rectangle(&labels[i]);
         area += overlap(&box, &mark);
         if (i < index && labels[i].width_px > 0.0) {
-            const struct box name = box_of(&labels[i]);
+            const struct box name = label_rectangle(&labels[i]);
             area += overlap(&box, &name);
         }
     }
@@ -82,9 +82,10 @@ static double hidden(const struct neph_label *labels, int count, int index,
 }
 
 /* The area of lines under a name. */
-static double crossed(const struct neph_label *label, const struct neph_label_plot *plot)
+static double compute_crossed_area(const struct neph_label *label,
+                                   const struct neph_label_plot *plot)
 {
-    const struct box box = box_of(label);
+    const struct box box = label_rectangle(label);
     double area = 0.0;
     for (int i = 0; i < plot->line_count; i++) {
         const struct neph_label_line *line = &plot->lines[i];
@@ -112,8 +113,9 @@ static void place(struct neph_label *labels, int count, int index,
     for (int d = 0; d < DISTANCES && least > 0.0; d++)
         for (int way = 0; way < WAYS && least > 0.0; way++) {
             put(&labels[index], way, distances_px[d]);
-            const double on_things = hidden(labels, count, index, plot);
-            const double cost = on_things + crossed(&labels[index], plot) + d * far_px2;
+            const double on_things = compute_hidden_area(labels, count, index, plot);
+            const double cost = on_things + compute_crossed_area(&labels[index], plot) +
+                                d * far_px2;
             if (cost < least) {
                 least = cost;
                 best = labels[index];

@@ -16,11 +16,11 @@
 
 /* Fails to compile when a kind is added: the tables of this file and the closed forms depend on it.
  */
-_Static_assert(NEPH_LADDER_MOTION_COUNT == 3, "a new kind");
+_Static_assert(NEPH_CANDIDATE_MOTION_COUNT == 3, "a new kind");
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-const struct neph_ladder_light neph_ladder_lights[] = {
+const struct neph_candidate_lighting neph_candidate_lightings[] = {
     {"no scattering", NEPH_SCATTERING_NONE, "march", NULL, false},
     {"scattered once", NEPH_SCATTERING_SINGLE, "march", NULL, false},
     {"octaves", NEPH_SCATTERING_MULTIPLE, "march_octaves", "lighting=octaves", false},
@@ -30,24 +30,24 @@ const struct neph_ladder_light neph_ladder_lights[] = {
     {.name = NULL},
 };
 
-const char *neph_ladder_preset(int pipeline)
+const char *neph_candidate_preset(int pipeline)
 {
     int count = 0;
-    while (neph_preset_of_use(neph_rt_presets, NEPH_RT_PICK, count))
+    while (neph_preset_find_by_use(neph_rt_presets, NEPH_RT_PICK, count))
         count++;
-    const struct neph_preset *preset = neph_preset_of_use(neph_rt_presets, NEPH_RT_PICK,
-                                                          count - 1 - pipeline);
+    const struct neph_preset *preset = neph_preset_find_by_use(neph_rt_presets, NEPH_RT_PICK,
+                                                               count - 1 - pipeline);
     return preset ? preset->name : NULL;
 }
 
-const char *const neph_ladder_narrow[] = {"fog_look", "sky", NULL};
+const char *const neph_candidate_special_engines[] = {"fog_look", "sky", NULL};
 
-const struct neph_ladder_part neph_ladder_motion_parts[] = {
-    {"reprojection follows the wind", "wind=off", NEPH_LADDER_WIND},
-    {"camera cuts invalidate the history", "cut_reset=off", NEPH_LADDER_CAMERA},
-    {"disocclusion invalidates the history", "reject_depth=0", NEPH_LADDER_CAMERA},
+const struct neph_candidate_part neph_candidate_motion_parts[] = {
+    {"reprojection follows the wind", "wind=off", NEPH_CANDIDATE_WIND},
+    {"camera cuts invalidate the history", "cut_reset=off", NEPH_CANDIDATE_CAMERA},
+    {"disocclusion invalidates the history", "reject_depth=0", NEPH_CANDIDATE_CAMERA},
     /* at edges in front of a moving cloud: 13 % of the flicker of wind_cloud */
-    {"motion of the nearest of five depths", "taa_motion=centre", NEPH_LADDER_ANY},
+    {"motion of the nearest of five depths", "taa_motion=centre", NEPH_CANDIDATE_ANY},
     {.name = NULL},
 };
 
@@ -55,7 +55,7 @@ const struct neph_ladder_part neph_ladder_motion_parts[] = {
 
 /* Whether media within the froxels' range have a relevant optical depth, on a grid of 4 x 4 rays.
  */
-static bool sees_near_media(const struct neph_scene *scene, int frame)
+static bool has_media_in_froxels(const struct neph_scene *scene, int frame)
 {
     const double end_m = neph_rt_options[RT_FROXEL_END_M].default_value, least = 0.01;
     const struct neph_camera camera = neph_scene_camera(scene, frame);
@@ -75,8 +75,8 @@ static bool sees_near_media(const struct neph_scene *scene, int frame)
 static bool has_near_media(const struct neph_scene *scene)
 {
     const int last = scene->frame_count > 0 ? scene->frame_count - 1 : 0;
-    return sees_near_media(scene, 0) || sees_near_media(scene, last / 2) ||
-           sees_near_media(scene, last);
+    return has_media_in_froxels(scene, 0) || has_media_in_froxels(scene, last / 2) ||
+           has_media_in_froxels(scene, last);
 }
 
 /* Whether sunlight passes through a cloud before it reaches a solid or fog. */
@@ -87,11 +87,11 @@ static bool has_cloud_shadows(const struct neph_scene *scene)
     for (int m = 0; m < scene->medium_count; m++)
         has_fog |= neph_medium_is_fog(&scene->media[m]) ||
                    scene->media[m].kind == NEPH_MEDIUM_HOMOGENEOUS;
-    return scene->sun.present && neph_shapes_box(scene, &clouds) &&
+    return scene->sun.present && neph_find_media_bounds(scene, &clouds) &&
            (scene->solid_count > 0 || has_fog);
 }
 
-const struct neph_ladder_air neph_ladder_air_parts[] = {
+const struct neph_candidate_air_part neph_candidate_air_parts[] = {
     {"near froxels", "froxels=on", has_near_media, "no medium is visible within 64 m of the camera",
      false},
     {"a shadow map of the clouds", "cloud_shadow=map", has_cloud_shadows,
@@ -99,8 +99,9 @@ const struct neph_ladder_air neph_ladder_air_parts[] = {
     {.name = NULL},
 };
 
-bool neph_ladder_takes(const struct neph_ladder_air *part, const struct neph_scene *scene,
-                       const struct neph_ladder_light *light)
+bool neph_candidate_needs_part(const struct neph_candidate_air_part *part,
+                               const struct neph_scene *scene,
+                               const struct neph_candidate_lighting *light)
 {
     const bool is_known = part->for_fitted || !light->settings ||
                           strcmp(light->settings, "lighting=octaves") == 0;
@@ -119,11 +120,11 @@ static bool is_same_camera(const struct neph_scene *scene, int frame)
     return memcmp(&first, &other, sizeof(first)) == 0;
 }
 
-bool neph_ladder_moves(const struct neph_scene *scene, enum neph_ladder_motion what)
+bool neph_candidate_has_motion(const struct neph_scene *scene, enum neph_candidate_motion what)
 {
-    if (what != NEPH_LADDER_CAMERA && scene->wind_key_count > 0)
+    if (what != NEPH_CANDIDATE_CAMERA && scene->wind_key_count > 0)
         return true;
-    if (what == NEPH_LADDER_WIND)
+    if (what == NEPH_CANDIDATE_WIND)
         return false;
     for (int frame = 1; frame < scene->frame_count; frame++)
         if (!is_same_camera(scene, frame))
@@ -131,7 +132,7 @@ bool neph_ladder_moves(const struct neph_scene *scene, enum neph_ladder_motion w
     return scene->frame_scale_count > 0 || scene->mover_count > 0;
 }
 
-bool neph_ladder_has_closed_form(const struct neph_scene *scene)
+bool neph_candidate_has_closed_form(const struct neph_scene *scene)
 {
     for (int m = 0; m < scene->medium_count; m++)
         if (scene->media[m].kind != NEPH_MEDIUM_HOMOGENEOUS &&
@@ -140,45 +141,48 @@ bool neph_ladder_has_closed_form(const struct neph_scene *scene)
     return true;
 }
 
-static void append(const char *setting, char held[NEPH_LADDER_HELD_SIZE])
+static void append(const char *setting, char held[NEPH_CANDIDATE_SETTINGS_SIZE])
 {
     const size_t used = strlen(held);
     if (setting)
-        snprintf(held + used, NEPH_LADDER_HELD_SIZE - used, "%s%s", used ? " " : "", setting);
+        snprintf(held + used, NEPH_CANDIDATE_SETTINGS_SIZE - used, "%s%s", used ? " " : "",
+                 setting);
 }
 
-void neph_ladder_held(const struct neph_scene *scene, const struct neph_ladder_light *light,
-                      bool still, bool air, char held[NEPH_LADDER_HELD_SIZE])
+void neph_candidate_settings(const struct neph_scene *scene,
+                             const struct neph_candidate_lighting *light, bool still, bool air,
+                             char held[NEPH_CANDIDATE_SETTINGS_SIZE])
 {
     held[0] = '\0';
     append(light->settings, held);
-    for (const struct neph_ladder_part *part = neph_ladder_motion_parts; still && part->name;
+    for (const struct neph_candidate_part *part = neph_candidate_motion_parts; still && part->name;
          part++)
-        append(neph_ladder_moves(scene, part->needed_by) ? NULL : part->off, held);
-    for (const struct neph_ladder_air *part = neph_ladder_air_parts; air && part->name; part++)
-        append(neph_ladder_takes(part, scene, light) ? part->on : NULL, held);
+        append(neph_candidate_has_motion(scene, part->needed_by) ? NULL : part->off, held);
+    for (const struct neph_candidate_air_part *part = neph_candidate_air_parts; air && part->name;
+         part++)
+        append(neph_candidate_needs_part(part, scene, light) ? part->on : NULL, held);
 }
 
-enum neph_status neph_ladder_add(struct neph_sweep_plan *plan,
-                                 const struct neph_sweep_series *series, const char *steps,
-                                 struct neph_diag *diag)
+enum neph_status neph_candidate_add_series(struct neph_sweep_plan *plan,
+                                           const struct neph_sweep_series *series,
+                                           const char *steps, struct neph_diag *diag)
 {
     struct neph_arena *arena = &plan->arena;
-    struct neph_sweep_series *longer = neph_arena_zeroed(arena, (size_t)plan->series_count + 1,
-                                                         sizeof(*longer));
-    const bool is_told = series->held && series->held[0];
+    struct neph_sweep_series *longer = neph_arena_allocate(arena, (size_t)plan->series_count + 1,
+                                                           sizeof(*longer));
+    const bool has_settings = series->held && series->held[0];
     if (!longer)
         return neph_fail_memory(diag);
     for (int i = 0; i < plan->series_count; i++)
         longer[i] = plan->series[i];
     plan->series = longer;
     longer[plan->series_count++] = (struct neph_sweep_series){
-        .name = neph_arena_text(arena, series->name),
-        .engine = neph_arena_text(arena, series->engine),
-        .preset = neph_arena_text(arena, series->preset),
-        .held = neph_arena_text(arena, is_told ? series->held : NULL),
+        .name = neph_arena_copy_text(arena, series->name),
+        .engine = neph_arena_copy_text(arena, series->engine),
+        .preset = neph_arena_copy_text(arena, series->preset),
+        .held = neph_arena_copy_text(arena, has_settings ? series->held : NULL),
         .varied = steps ? "steps" : NULL,
-        .values = neph_arena_text(arena, steps),
+        .values = neph_arena_copy_text(arena, steps),
         .flicker = series->flicker,
         .scattering = series->scattering};
     return neph_arena_check(arena, diag);
@@ -186,38 +190,41 @@ enum neph_status neph_ladder_add(struct neph_sweep_plan *plan,
 
 /* Adds a series named like "ours+air, octaves". */
 static enum neph_status add(struct neph_sweep_plan *plan, const char *pipeline, const char *air,
-                            const struct neph_ladder_light *light, struct neph_sweep_series series,
-                            const char *steps, struct neph_diag *diag)
+                            const struct neph_candidate_lighting *light,
+                            struct neph_sweep_series series, const char *steps,
+                            struct neph_diag *diag)
 {
     char name[64];
     snprintf(name, sizeof(name), "%s%s, %s", pipeline, air, light->name);
     series.name = name;
     series.scattering = light->scattering;
-    return neph_ladder_add(plan, &series, steps, diag);
+    return neph_candidate_add_series(plan, &series, steps, diag);
 }
 
-static bool takes_any(const struct neph_scene *scene, const struct neph_ladder_light *light)
+static bool needs_any_air_part(const struct neph_scene *scene,
+                               const struct neph_candidate_lighting *light)
 {
     bool any = false;
-    for (const struct neph_ladder_air *part = neph_ladder_air_parts; part->name; part++)
-        any |= neph_ladder_takes(part, scene, light);
+    for (const struct neph_candidate_air_part *part = neph_candidate_air_parts; part->name; part++)
+        any |= neph_candidate_needs_part(part, scene, light);
     return any;
 }
 
 /* Adds a lighting model with one pipeline: a preset of realtime, or the marcher (NULL). For
  * realtime again with the optional parts of the air, where the scene needs any. */
-static enum neph_status add_rung(struct neph_sweep_plan *plan, const char *preset,
-                                 const struct neph_ladder_light *light,
-                                 const struct neph_scene *scene, struct neph_diag *diag)
+static enum neph_status add_pipeline_lighting(struct neph_sweep_plan *plan, const char *preset,
+                                              const struct neph_candidate_lighting *light,
+                                              const struct neph_scene *scene,
+                                              struct neph_diag *diag)
 {
     const struct neph_sweep_series march = {.engine = light->march,
                                             .flicker = !neph_scene_is_static(scene)};
     enum neph_status status = NEPH_OK;
     if (!preset)
         return add(plan, "march", "", light, march, all_steps, diag);
-    for (int air = 0; air <= takes_any(scene, light) && !status; air++) {
-        char held[NEPH_LADDER_HELD_SIZE];
-        neph_ladder_held(scene, light, true, air, held);
+    for (int air = 0; air <= needs_any_air_part(scene, light) && !status; air++) {
+        char held[NEPH_CANDIDATE_SETTINGS_SIZE];
+        neph_candidate_settings(scene, light, true, air, held);
         const struct neph_sweep_series series = {
             .engine = "realtime", .preset = preset, .held = held, .flicker = true};
         status = add(plan, preset, air ? "+air" : "", light, series, all_steps, diag);
@@ -227,24 +234,25 @@ static enum neph_status add_rung(struct neph_sweep_plan *plan, const char *prese
 
 /* A late lighting model gets no marcher as pipeline. */
 static enum neph_status add_pipelines(struct neph_sweep_plan *plan,
-                                      const struct neph_ladder_light *light,
+                                      const struct neph_candidate_lighting *light,
                                       const struct neph_scene *scene, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     const char *preset;
-    for (int i = 0; (preset = neph_ladder_preset(i)) && !status; i++)
-        status = add_rung(plan, preset, light, scene, diag);
-    return status || light->is_late ? status : add_rung(plan, NULL, light, scene, diag);
+    for (int i = 0; (preset = neph_candidate_preset(i)) && !status; i++)
+        status = add_pipeline_lighting(plan, preset, light, scene, diag);
+    return status || light->is_late ? status
+                                    : add_pipeline_lighting(plan, NULL, light, scene, diag);
 }
 
 /* Adds the user engine, where one is configured. */
-static enum neph_status add_guest(struct neph_sweep_plan *plan, struct neph_diag *diag)
+static enum neph_status add_user_engine(struct neph_sweep_plan *plan, struct neph_diag *diag)
 {
     const struct neph_sweep_series series = {
         .name = "yours", .engine = "command", .flicker = true, .scattering = -1};
     struct neph_engine_info info;
     neph_engine_probe(neph_engine_find(series.engine), NULL, &info);
-    return info.available ? neph_ladder_add(plan, &series, NULL, diag) : NEPH_OK;
+    return info.available ? neph_candidate_add_series(plan, &series, NULL, diag) : NEPH_OK;
 }
 
 /* Adds engines for one kind of scene that can render this scene. */
@@ -252,8 +260,8 @@ static enum neph_status add_narrow(struct neph_sweep_plan *plan, const struct ne
                                    struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (int i = 0; neph_ladder_narrow[i] && !status; i++) {
-        const struct neph_engine *engine = neph_engine_find(neph_ladder_narrow[i]);
+    for (int i = 0; neph_candidate_special_engines[i] && !status; i++) {
+        const struct neph_engine *engine = neph_engine_find(neph_candidate_special_engines[i]);
         const struct neph_settings settings = neph_settings_default(engine);
         char why[256];
         const struct neph_sweep_series series = {.name = engine->name,
@@ -261,16 +269,16 @@ static enum neph_status add_narrow(struct neph_sweep_plan *plan, const struct ne
                                                  .flicker = !neph_scene_is_static(scene),
                                                  .scattering = -1};
         if (engine->can_render(scene, &settings, why, sizeof(why)))
-            status = neph_ladder_add(plan, &series, NULL, diag);
+            status = neph_candidate_add_series(plan, &series, NULL, diag);
     }
     return status;
 }
 
-enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int width_px,
-                                  int height_px, struct neph_sweep_plan *plan,
-                                  struct neph_diag *diag)
+enum neph_status neph_candidate_plan(const struct neph_scene *scene, bool late, int width_px,
+                                     int height_px, struct neph_sweep_plan *plan,
+                                     struct neph_diag *diag)
 {
-    const bool closed = neph_ladder_has_closed_form(scene);
+    const bool closed = neph_candidate_has_closed_form(scene);
     *plan = (struct neph_sweep_plan){.title = "pick",
                                      .light = "octaves",
                                      .width_px = width_px,
@@ -281,16 +289,16 @@ enum neph_status neph_ladder_plan(const struct neph_scene *scene, bool late, int
                                      .round_count = ROUNDS,
                                      .seed_count = 1};
     enum neph_status status = NEPH_OK;
-    const struct neph_ladder_light *light = neph_ladder_lights;
+    const struct neph_candidate_lighting *light = neph_candidate_lightings;
     for (; light->name && closed && !late && !status; light++)
         if (light->scattering <= (int)scene->scattering &&
             light->scattering != NEPH_SCATTERING_MULTIPLE)
             status = add(plan, "closed form", "", light,
                          (struct neph_sweep_series){.engine = "exact"}, NULL, diag);
-    for (light = neph_ladder_lights; light->name && !status; light++)
+    for (light = neph_candidate_lightings; light->name && !status; light++)
         if (light->scattering <= (int)scene->scattering && light->is_late == late)
             status = add_pipelines(plan, light, scene, diag);
     if (!status && !late)
         status = add_narrow(plan, scene, diag);
-    return status || late ? status : add_guest(plan, diag);
+    return status || late ? status : add_user_engine(plan, diag);
 }

@@ -26,7 +26,8 @@ static bool is_named(const char *series, const char *name)
            (comma && strcmp(comma + 2, name) == 0);
 }
 
-bool neph_ladder_wants_engine(const struct neph_ladder_filter *filter, const char *engine)
+bool neph_candidate_filter_has_engine(const struct neph_candidate_filter *filter,
+                                      const char *engine)
 {
     for (int i = 0; i < filter->engine_count; i++)
         if (is_engine(engine, filter->engines[i]))
@@ -34,16 +35,16 @@ bool neph_ladder_wants_engine(const struct neph_ladder_filter *filter, const cha
     return filter->engine_count == 0;
 }
 
-static bool is_wanted(const struct neph_ladder_filter *filter,
+static bool is_wanted(const struct neph_candidate_filter *filter,
                       const struct neph_sweep_series *series)
 {
     bool wanted = filter->only_count == 0;
     for (int i = 0; i < filter->only_count; i++)
         wanted |= is_named(series->name, filter->only[i]);
-    return wanted && neph_ladder_wants_engine(filter, series->engine);
+    return wanted && neph_candidate_filter_has_engine(filter, series->engine);
 }
 
-void neph_ladder_filter(const struct neph_ladder_filter *filter, struct neph_sweep_plan *plan)
+void neph_candidate_filter(const struct neph_candidate_filter *filter, struct neph_sweep_plan *plan)
 {
     int count = 0;
     for (int s = 0; s < plan->series_count; s++)
@@ -57,8 +58,8 @@ void neph_ladder_filter(const struct neph_ladder_filter *filter, struct neph_swe
 enum { PLANS = 2 };
 
 /* The first name that matches no series of the plans; NULL: all match. */
-static const char *unknown(const struct neph_sweep_plan plans[PLANS], const char *const *names,
-                           int count, bool of_engines)
+static const char *find_unmatched_name(const struct neph_sweep_plan plans[PLANS],
+                                       const char *const *names, int count, bool of_engines)
 {
     for (int i = 0; i < count; i++) {
         bool is_there = false;
@@ -96,12 +97,12 @@ static void list_names(const struct neph_sweep_plan plans[PLANS], bool of_engine
 }
 
 static enum neph_status refuse(const struct neph_sweep_plan plans[PLANS],
-                               const struct neph_ladder_filter *filter,
+                               const struct neph_candidate_filter *filter,
                                const struct neph_scene *scene, struct neph_diag *diag)
 {
     char names[400];
-    const char *engine = unknown(plans, filter->engines, filter->engine_count, true);
-    const char *name = unknown(plans, filter->only, filter->only_count, false);
+    const char *engine = find_unmatched_name(plans, filter->engines, filter->engine_count, true);
+    const char *name = find_unmatched_name(plans, filter->only, filter->only_count, false);
     bool any = false;
     for (int p = 0; p < PLANS; p++)
         for (int s = 0; s < plans[p].series_count; s++)
@@ -122,14 +123,14 @@ static enum neph_status refuse(const struct neph_sweep_plan plans[PLANS],
     return NEPH_ERR_USAGE;
 }
 
-enum neph_status neph_ladder_filter_check(const struct neph_ladder_filter *filter,
-                                          const struct neph_scene *scene, struct neph_diag *diag)
+enum neph_status neph_candidate_filter_check(const struct neph_candidate_filter *filter,
+                                             const struct neph_scene *scene, struct neph_diag *diag)
 {
     struct neph_sweep_plan plans[PLANS] = {{.title = NULL}};
     enum neph_status status = NEPH_OK;
     for (int late = 0; late < PLANS && !status; late++)
         if (late == 0 || scene->scattering == NEPH_SCATTERING_MULTIPLE)
-            status = neph_ladder_plan(scene, late, 16, 9, &plans[late], diag);
+            status = neph_candidate_plan(scene, late, 16, 9, &plans[late], diag);
     if (!status)
         status = refuse(plans, filter, scene, diag);
     for (int p = 0; p < PLANS; p++)

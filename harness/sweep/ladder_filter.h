@@ -8,7 +8,7 @@
 #include "harness/sweep/ladder.h"
 
 /* All zero: every candidate. Names are borrowed. */
-struct neph_ladder_filter {
+struct neph_candidate_filter {
     const char *const *engines; /* "march" includes march_octaves and all other march_X */
     int engine_count;
     const char *const *only; /* a preset, a lighting model, or a whole name: "ours", "octaves" or
@@ -17,14 +17,17 @@ struct neph_ladder_filter {
 };
 
 /* Whether the filter includes an engine. */
-bool neph_ladder_wants_engine(const struct neph_ladder_filter *filter, const char *engine);
+bool neph_candidate_filter_has_engine(const struct neph_candidate_filter *filter,
+                                      const char *engine);
 
 /* Removes the series of a plan that do not match. */
-void neph_ladder_filter(const struct neph_ladder_filter *filter, struct neph_sweep_plan *plan);
+void neph_candidate_filter(const struct neph_candidate_filter *filter,
+                           struct neph_sweep_plan *plan);
 
 /* NEPH_ERR_USAGE: a name matches no series of the scene's plans, or no series matches all; the hint
  * lists the existing names. */
-enum neph_status neph_ladder_filter_check(const struct neph_ladder_filter *filter,
-                                          const struct neph_scene *scene, struct neph_diag *diag);
+enum neph_status neph_candidate_filter_check(const struct neph_candidate_filter *filter,
+                                             const struct neph_scene *scene,
+                                             struct neph_diag *diag);
 
 #endif

@@ -68,7 +68,7 @@ static void print_command(const void *swept, FILE *out)
     free(changes);
     if (shot->scene != sweep->scene)
         fprintf(out, " --scattering %s", neph_scattering_name(shot->scene->scattering));
-    if (engine->remembers)
+    if (engine->has_frame_history)
         fprintf(out, " --frames %d", sweep->frame_count);
     else if (sweep->frame > 0)
         fprintf(out, " --frame %d", sweep->frame);
@@ -78,15 +78,15 @@ static void print_command(const void *swept, FILE *out)
 char *neph_sweep_command(const struct neph_sweep *sweep, const struct neph_sweep_point *point)
 {
     char *text = NULL;
-    neph_written(print_command, &(struct swept){sweep, point}, &text, NULL);
+    neph_write_to_text(print_command, &(struct swept){sweep, point}, &text, NULL);
     return text;
 }
 
 const char *neph_sweep_device(const struct neph_sweep *sweep)
 {
     for (int i = 0; i < sweep->point_count; i++)
-        if (sweep->points[i].job.engine->rung == NEPH_RUNG_MODEL &&
-            !sweep->points[i].job.engine->is_guest && !sweep->points[i].missing[0])
+        if (sweep->points[i].job.engine->rung == NEPH_LEVEL_MODEL &&
+            !sweep->points[i].job.engine->is_user_engine && !sweep->points[i].missing[0])
             return sweep->points[i].job.info->device;
     return "";
 }
@@ -119,7 +119,7 @@ static json_t *point_json(const struct neph_sweep *sweep, const struct neph_swee
         neph_json_number(point->time.median), "seconds_low", neph_json_number(point->time.low),
         "seconds_high", neph_json_number(point->time.high), "pictures", point->timed, "evaluations",
         neph_json_number(point->evaluations), "at_floor", point->at_floor, "look",
-        neph_is_look(point->job.engine, &point->job.shot.settings));
+        neph_is_non_physical(point->job.engine, &point->job.shot.settings));
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
         neph_json_set(&json, neph_sweep_number_texts[n].name,
                       value_json(point, (enum neph_sweep_number)n));

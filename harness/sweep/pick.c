@@ -48,8 +48,8 @@ struct work {
 
 /* --- measuring ------------------------------------------------------------------------------ */
 
-static struct neph_pick_point point_of(const struct work *work,
-                                       const struct neph_sweep_point *point)
+static struct neph_pick_point make_pick_point(const struct work *work,
+                                              const struct neph_sweep_point *point)
 {
     const struct neph_job *job = &point->job;
     struct neph_pick_point made = {
@@ -61,7 +61,7 @@ static struct neph_pick_point point_of(const struct work *work,
         .flicker = point->numbers[NEPH_SWEEP_FLICKER].value,
         .evaluations = point->evaluations,
         .time = point->time,
-        .is_closed = job->engine->rung == NEPH_RUNG_EXACT,
+        .is_closed = job->engine->rung == NEPH_LEVEL_EXACT,
     };
     snprintf(made.name, sizeof(made.name), "%.40s%s%.20s", point->series->name,
              point->label[0] ? ", " : "", point->label);
@@ -73,7 +73,7 @@ static struct neph_pick_point point_of(const struct work *work,
 }
 
 /* Doubles the truth's samples until its noise is below a quarter of the requested error. */
-static void ask_for_samples(struct work *work, double floor)
+static void raise_truth_samples(struct work *work, double floor)
 {
     const double wanted = 0.25 * work->params->error;
     int *samples = &work->plan.truth_samples;
@@ -112,11 +112,11 @@ static enum neph_status measure(struct work *work, const bool *wanted, int size,
         const long series = point->series - work->plan.series;
         struct entry *entry = &work->entries[series * NEPH_SWEEP_VALUES_MAX + point->place];
         entry->is_there = !point->missing[0];
-        entry->point = point_of(work, point);
+        entry->point = make_pick_point(work, point);
         work->pick->measured += entry->is_there;
     }
     if (!status) {
-        ask_for_samples(work, sweep.floor);
+        raise_truth_samples(work, sweep.floor);
         work->pick->truth = sweep.truth;
         work->pick->floor = sweep.floor;
         if (neph_sweep_device(&sweep)[0])
@@ -142,7 +142,8 @@ static double ratio(double value, double most)
 }
 
 /* Largest ratio of a value to its limit; 1: exactly within. */
-static double farness(const struct neph_pick_params *params, const struct neph_pick_point *point)
+static double compute_excess_ratio(const struct neph_pick_params *params,
+                                   const struct neph_pick_point *point)
 {
     const double time = isnan(point->time.median) ? 0.0 : ratio(point->time.median, params->time_s);
     return fmax(time,
@@ -150,7 +151,7 @@ static double farness(const struct neph_pick_params *params, const struct neph_p
 }
 
 /* Density evaluations; not counted ones sort last. */
-static double cost(const struct neph_pick_point *point)
+static double count_evaluations(const struct neph_pick_point *point)
 {
     return isnan(point->evaluations) ? INFINITY : point->evaluations;
 }
@@ -160,8 +161,8 @@ static int cheapest(const struct work *work, const bool *is_left)
 {
     int best = -1;
     for (int i = 0; i < work->plan.series_count * NEPH_SWEEP_VALUES_MAX; i++)
-        if (is_left[i] &&
-            (best < 0 || cost(&work->entries[i].point) < cost(&work->entries[best].point)))
+        if (is_left[i] && (best < 0 || count_evaluations(&work->entries[i].point) <
+                                           count_evaluations(&work->entries[best].point)))
             best = i;
     return best;
 }
@@ -171,8 +172,8 @@ static int nearest(const struct work *work)
     int best = -1;
     for (int i = 0; i < work->plan.series_count * NEPH_SWEEP_VALUES_MAX; i++)
         if (work->entries[i].is_there &&
-            (best < 0 || farness(work->params, &work->entries[i].point) <
-                             farness(work->params, &work->entries[best].point)))
+            (best < 0 || compute_excess_ratio(work->params, &work->entries[i].point) <
+                             compute_excess_ratio(work->params, &work->entries[best].point)))
             best = i;
     return best;
 }
@@ -180,21 +181,24 @@ static int nearest(const struct work *work)
 /* --- the search ----------------------------------------------------------------------------- */
 
 /* Measures an entry at the larger sizes; `*passes`: it stays within the limits. */
-static enum neph_status climb(struct work *work, int index, bool *passes, struct neph_diag *diag)
+static enum neph_status measure_larger_sizes(struct work *work, int index, bool *passes,
+                                             struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     *passes = true;
     for (int size = 1; size < SIZES && *passes && !status; size++) {
         status = measure_one(work, index, size, diag);
         *passes = !status && work->entries[index].is_there &&
-                  farness(work->params, &work->entries[index].point) <= sizes[size].slack;
+                  compute_excess_ratio(work->params, &work->entries[index].point) <=
+                      sizes[size].slack;
     }
     return status;
 }
 
 /* Tries the entries of one sort (closed forms or not), cheapest first. `*chosen` is the last one
  * tried. */
-static enum neph_status walk(struct work *work, bool closed, int *chosen, struct neph_diag *diag)
+static enum neph_status search_candidates(struct work *work, bool closed, int *chosen,
+                                          struct neph_diag *diag)
 {
     bool is_left[NEPH_SWEEP_POINTS_MAX] = {false};
     int count = 0;
@@ -207,15 +211,15 @@ static enum neph_status walk(struct work *work, bool closed, int *chosen, struct
     enum neph_status status = count > 0 ? measure(work, is_left, 0, false, work->params->jobs, diag)
                                         : NEPH_OK;
     for (int i = 0; i < work->plan.series_count * NEPH_SWEEP_VALUES_MAX && !status; i++) {
-        work->pick->looked_at += is_left[i];
+        work->pick->candidate_total += is_left[i];
         is_left[i] &= work->entries[i].is_there &&
-                      farness(work->params, &work->entries[i].point) <= sizes[0].slack;
+                      compute_excess_ratio(work->params, &work->entries[i].point) <= sizes[0].slack;
     }
     for (int index = 0; !status && !work->pick->found; is_left[index] = false) {
         index = cheapest(work, is_left);
         if (index < 0)
             break;
-        status = climb(work, index, &work->pick->found, diag);
+        status = measure_larger_sizes(work, index, &work->pick->found, diag);
         *chosen = index;
     }
     return status;
@@ -225,10 +229,10 @@ static enum neph_status start(struct work *work, bool late, struct neph_diag *di
 {
     neph_sweep_plan_finish(&work->plan);
     memset(work->entries, 0, NEPH_SWEEP_POINTS_MAX * sizeof(*work->entries));
-    const enum neph_status status = neph_ladder_plan(work->scene, late, work->params->width_px,
-                                                     work->params->height_px, &work->plan, diag);
+    const enum neph_status status = neph_candidate_plan(work->scene, late, work->params->width_px,
+                                                        work->params->height_px, &work->plan, diag);
     if (!status)
-        neph_ladder_filter(&work->params->filter, &work->plan);
+        neph_candidate_filter(&work->params->filter, &work->plan);
     return status;
 }
 
@@ -237,7 +241,7 @@ static enum neph_status start(struct work *work, bool late, struct neph_diag *di
 /* The choice, from which the variants are derived. */
 struct chosen {
     struct neph_sweep_series series;
-    const struct neph_ladder_light *light; /* NULL for an engine of one kind of scene */
+    const struct neph_candidate_lighting *light; /* NULL for an engine of one kind of scene */
     const char *steps;
     bool is_realtime, has_air;
 };
@@ -248,25 +252,25 @@ static enum neph_status add_variant(struct work *work, const char *because, bool
                                     struct neph_diag *diag)
 {
     struct neph_pick *pick = work->pick;
-    struct neph_pick_left_out *left = &pick->left_out[pick->left_out_count];
-    if (!neph_ladder_wants_engine(&work->params->filter, series.engine))
+    struct neph_pick_variant *left = &pick->left_out[pick->left_out_count];
+    if (!neph_candidate_filter_has_engine(&work->params->filter, series.engine))
         return NEPH_OK;
-    if (pick->left_out_count++ == NEPH_PICK_LEFT_OUT_MAX)
+    if (pick->left_out_count++ == NEPH_PICK_VARIANTS_MAX)
         return neph_fail(diag, NEPH_ERR_INTERNAL, "more than %d variants", pick->left_out_count);
     snprintf(left->what, sizeof(left->what), "%s", series.name);
     left->because = because;
     left->is_kept = is_kept;
     series.flicker = strcmp(series.engine, "realtime") == 0 || !pick->is_still;
-    return neph_ladder_add(&work->plan, &series, steps, diag);
+    return neph_candidate_add_series(&work->plan, &series, steps, diag);
 }
 
 /* Adds the same pipeline with another lighting model. */
 static enum neph_status add_light(struct work *work, const struct chosen *chosen, const char *what,
-                                  const struct neph_ladder_light *light, bool is_kept,
+                                  const struct neph_candidate_lighting *light, bool is_kept,
                                   struct neph_diag *diag)
 {
-    char held[NEPH_LADDER_HELD_SIZE];
-    neph_ladder_held(work->scene, light, true, chosen->is_realtime && chosen->has_air, held);
+    char held[NEPH_CANDIDATE_SETTINGS_SIZE];
+    neph_candidate_settings(work->scene, light, true, chosen->is_realtime && chosen->has_air, held);
     const struct neph_sweep_series series = {
         .name = what,
         .engine = chosen->is_realtime ? "realtime" : light->march,
@@ -281,15 +285,16 @@ static enum neph_status add_lights(struct work *work, const struct chosen *chose
                                    struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (const struct neph_ladder_light *light = chosen->light + 1; light->name && !status; light++)
+    for (const struct neph_candidate_lighting *light = chosen->light + 1; light->name && !status;
+         light++)
         if (light->scattering <= (int)work->scene->scattering && !light->is_late)
             status = add_light(work, chosen, light->name, light, false, diag);
     return status;
 }
 
-static const struct neph_ladder_light *light_named(const char *name)
+static const struct neph_candidate_lighting *find_lighting(const char *name)
 {
-    const struct neph_ladder_light *light = neph_ladder_lights;
+    const struct neph_candidate_lighting *light = neph_candidate_lightings;
     while (light->name && strcmp(light->name, name) != 0)
         light++;
     return light;
@@ -299,17 +304,17 @@ static const struct neph_ladder_light *light_named(const char *name)
 static enum neph_status add_kept(struct work *work, const struct chosen *chosen,
                                  struct neph_diag *diag)
 {
-    const struct neph_ladder_light *once = light_named("scattered once");
-    char held[NEPH_LADDER_HELD_SIZE];
+    const struct neph_candidate_lighting *once = find_lighting("scattered once");
+    char held[NEPH_CANDIDATE_SETTINGS_SIZE];
     enum neph_status status = NEPH_OK;
     if (chosen->light->scattering > once->scattering)
         status = add_light(work, chosen, "light scattered more than once", once, true, diag);
     if (status || chosen->is_realtime)
         return status;
-    neph_ladder_held(work->scene, chosen->light, true, false, held);
+    neph_candidate_settings(work->scene, chosen->light, true, false, held);
     const struct neph_sweep_series series = {.name = "every pixel's ray in every frame",
                                              .engine = "realtime",
-                                             .preset = neph_ladder_preset(0),
+                                             .preset = neph_candidate_preset(0),
                                              .held = held,
                                              .scattering = chosen->series.scattering};
     return add_variant(work, NULL, true, series, chosen->steps, diag);
@@ -327,10 +332,10 @@ static enum neph_status add_steps(struct work *work, const struct chosen *chosen
 }
 
 /* The reason why parts for motion are off; NULL: none is off. */
-static const char *what_rests(const struct work *work)
+static const char *explain_missing_motion(const struct work *work)
 {
-    const bool camera = neph_ladder_moves(work->scene, NEPH_LADDER_CAMERA);
-    const bool wind = neph_ladder_moves(work->scene, NEPH_LADDER_WIND);
+    const bool camera = neph_candidate_has_motion(work->scene, NEPH_CANDIDATE_CAMERA);
+    const bool wind = neph_candidate_has_motion(work->scene, NEPH_CANDIDATE_WIND);
     if (work->pick->is_still)
         return "nothing moves";
     if (!camera)
@@ -339,7 +344,7 @@ static const char *what_rests(const struct work *work)
 }
 
 /* `realtime` has a planet's atmosphere only from tables; the marcher is compared with the same. */
-static const char *air_of_march(const struct neph_scene *scene)
+static const char *marcher_sky_setting(const struct neph_scene *scene)
 {
     struct neph_sky_split split;
     char reason[256];
@@ -352,13 +357,13 @@ static enum neph_status add_pipeline(struct work *work, const struct chosen *cho
 {
     const struct neph_sweep_series march = {.name = "a ray for every pixel, every frame",
                                             .engine = chosen->light->march,
-                                            .held = air_of_march(work->scene),
+                                            .held = marcher_sky_setting(work->scene),
                                             .scattering = chosen->series.scattering};
-    const char *at_rest = what_rests(work);
+    const char *at_rest = explain_missing_motion(work);
     struct neph_sweep_series moving = chosen->series;
-    char held[NEPH_LADDER_HELD_SIZE];
+    char held[NEPH_CANDIDATE_SETTINGS_SIZE];
     enum neph_status status = add_variant(work, NULL, false, march, chosen->steps, diag);
-    neph_ladder_held(work->scene, chosen->light, false, chosen->has_air, held);
+    neph_candidate_settings(work->scene, chosen->light, false, chosen->has_air, held);
     moving.name = "parts that only motion needs";
     moving.held = held;
     if (!status && at_rest)
@@ -368,15 +373,15 @@ static enum neph_status add_pipeline(struct work *work, const struct chosen *cho
 
 /* Adds a variant with or without a part of the air, even when the scene does not need the part. */
 static enum neph_status add_air(struct work *work, const struct chosen *chosen,
-                                const struct neph_ladder_air *part, struct neph_diag *diag)
+                                const struct neph_candidate_air_part *part, struct neph_diag *diag)
 {
     struct neph_sweep_series series = chosen->series;
     const char *own = series.held ? series.held : "", *found = strstr(own, part->on);
     const bool needed = part->is_needed(work->scene);
     const size_t before = found ? (size_t)(found - own) : strlen(own);
-    char held[NEPH_LADDER_HELD_SIZE];
+    char held[NEPH_CANDIDATE_SETTINGS_SIZE];
     if (chosen->light->scattering == NEPH_SCATTERING_NONE ||
-        (needed && !found && !neph_ladder_takes(part, work->scene, chosen->light)))
+        (needed && !found && !neph_candidate_needs_part(part, work->scene, chosen->light)))
         return NEPH_OK;
     snprintf(held, sizeof(held), "%.*s%s%s", (int)before, own, found ? "" : " ",
              found ? found + strlen(part->on) : part->on);
@@ -386,10 +391,10 @@ static enum neph_status add_air(struct work *work, const struct chosen *chosen,
                        diag);
 }
 
-static bool is_by_itself(const char *engine)
+static bool is_engine_without_variants(const char *engine)
 {
-    for (int i = 0; neph_ladder_narrow[i]; i++)
-        if (strcmp(neph_ladder_narrow[i], engine) == 0)
+    for (int i = 0; neph_candidate_special_engines[i]; i++)
+        if (strcmp(neph_candidate_special_engines[i], engine) == 0)
             return true;
     return strcmp(engine, "command") == 0;
 }
@@ -413,9 +418,9 @@ static enum neph_status add_variants(struct work *work, int index, struct neph_d
     chosen.steps = label[0] ? strchr(label, '=') + 1 : "32";
     if (strcmp(engine, "sky") == 0) /* no marcher renders the same model */
         return NEPH_OK;
-    if (is_by_itself(engine))
+    if (is_engine_without_variants(engine))
         return add_march(work, NULL, "march", chosen.steps, -1, diag);
-    chosen.light = light_named(comma + 2); /* "ours+air, octaves" */
+    chosen.light = find_lighting(comma + 2); /* "ours+air, octaves" */
     chosen.has_air = strncmp(comma - strlen("+air"), "+air", strlen("+air")) == 0;
     chosen.is_realtime = strcmp(engine, "realtime") == 0;
     if (strcmp(engine, "exact") == 0)
@@ -424,7 +429,7 @@ static enum neph_status add_variants(struct work *work, int index, struct neph_d
     enum neph_status status = NEPH_OK;
     if (chosen.is_realtime)
         status = add_pipeline(work, &chosen, diag);
-    for (const struct neph_ladder_air *part = neph_ladder_air_parts;
+    for (const struct neph_candidate_air_part *part = neph_candidate_air_parts;
          chosen.is_realtime && part->name && !status; part++)
         status = add_air(work, &chosen, part, diag);
     if (!status)
@@ -434,8 +439,7 @@ static enum neph_status add_variants(struct work *work, int index, struct neph_d
     return status ? status : add_lights(work, &chosen, diag);
 }
 
-static enum neph_status weigh_what_is_left_out(struct work *work, int chosen,
-                                               struct neph_diag *diag)
+static enum neph_status measure_variants(struct work *work, int chosen, struct neph_diag *diag)
 {
     bool wanted[NEPH_SWEEP_POINTS_MAX] = {false};
     const int first = work->plan.series_count;
@@ -461,9 +465,9 @@ static enum neph_status choose(struct work *work, struct neph_diag *diag)
             break;
         status = start(work, late, diag);
         if (!status)
-            status = walk(work, true, &chosen, diag);
+            status = search_candidates(work, true, &chosen, diag);
         if (!status && !work->pick->found)
-            status = walk(work, false, &chosen, diag);
+            status = search_candidates(work, false, &chosen, diag);
         const int best = status || work->pick->found ? chosen : nearest(work);
         if (!status && best >= 0 && !work->pick->found)
             status = measure_one(work, best, FULL, diag);
@@ -471,14 +475,16 @@ static enum neph_status choose(struct work *work, struct neph_diag *diag)
             continue;
         const struct neph_pick_point *point = &work->entries[best].point;
         if (work->pick->found || !work->pick->chosen.name[0] ||
-            farness(work->params, point) < farness(work->params, &work->pick->chosen))
+            compute_excess_ratio(work->params, point) <
+                compute_excess_ratio(work->params, &work->pick->chosen))
             work->pick->chosen = *point;
     }
-    return status || !work->pick->found ? status : weigh_what_is_left_out(work, chosen, diag);
+    return status || !work->pick->found ? status : measure_variants(work, chosen, diag);
 }
 
 /* The error when no candidate rendered a frame; usually there is no driver. */
-static enum neph_status blame_device(const struct neph_pick_params *params, struct neph_diag *diag)
+static enum neph_status explain_no_frames(const struct neph_pick_params *params,
+                                          struct neph_diag *diag)
 {
     struct neph_open_device *device = NULL;
     const enum neph_status status = neph_device_acquire(params->device, &device, diag);
@@ -497,9 +503,9 @@ enum neph_status neph_pick_run(const struct neph_pick_params *params, struct nep
     enum neph_status status = work.entries ? neph_data_load_scene(params->scene, &work.scene, diag)
                                            : neph_fail_memory(diag);
     if (!status)
-        status = neph_ladder_filter_check(&params->filter, work.scene, diag);
-    const bool marches = neph_ladder_wants_engine(&params->filter, "march") ||
-                         neph_ladder_wants_engine(&params->filter, "realtime");
+        status = neph_candidate_filter_check(&params->filter, work.scene, diag);
+    const bool marches = neph_candidate_filter_has_engine(&params->filter, "march") ||
+                         neph_candidate_filter_has_engine(&params->filter, "realtime");
     if (!status && marches) /* any candidate may be measured at full size */
         status = neph_engine_check_size(neph_engine_find("march"), params->width_px,
                                         params->height_px, diag);
@@ -508,7 +514,7 @@ enum neph_status neph_pick_run(const struct neph_pick_params *params, struct nep
         status = choose(&work, diag);
     }
     if (!status && pick->measured == 0)
-        status = blame_device(params, diag);
+        status = explain_no_frames(params, diag);
     neph_sweep_plan_finish(&work.plan);
     neph_scene_destroy(work.scene);
     free(work.entries);

@@ -27,7 +27,7 @@ struct neph_pick_params {
     struct neph_shared_device *device; /* like neph_shot.device */
     bool quiet;
     struct neph_times *times; /* borrowed */
-    struct neph_ladder_filter filter;
+    struct neph_candidate_filter filter;
 };
 
 /* A measured candidate. */
@@ -40,11 +40,11 @@ struct neph_pick_point {
     bool is_closed;          /* a closed form, without a marched ray */
 };
 
-enum { NEPH_PICK_LEFT_OUT_MAX = 14 };
+enum { NEPH_PICK_VARIANTS_MAX = 14 };
 
 /* A variant of the choice: with a part that the choice does not have, or without one of its parts.
  */
-struct neph_pick_left_out {
+struct neph_pick_variant {
     char what[96];
     const char *because;         /* reason such as "nothing moves"; NULL: decided by the
                                     measurements */
@@ -56,10 +56,10 @@ struct neph_pick {
     bool found;                    /* a candidate is within the limits */
     struct neph_pick_point chosen; /* at full size; without a candidate within the limits, the
                                       nearest one */
-    struct neph_pick_left_out left_out[NEPH_PICK_LEFT_OUT_MAX]; /* parts that the choice does not
+    struct neph_pick_variant left_out[NEPH_PICK_VARIANTS_MAX]; /* parts that the choice does not
                                                                    have, and parts that it keeps */
     int left_out_count;
-    int looked_at; /* candidates; `measured`: frames or sequences of candidates, at all sizes */
+    int candidate_total; /* candidates; `measured`: frames or sequences of candidates, at all sizes */
     int measured;
     const char *truth; /* name of its engine */
     double floor;      /* its noise at full size */
@@ -67,7 +67,7 @@ struct neph_pick {
     char device[128];
 };
 
-/* Errors as of neph_sweep_run() and, before any rendering, of neph_ladder_filter_check() and
+/* Errors as of neph_sweep_run() and, before any rendering, of neph_candidate_filter_check() and
  * neph_engine_check_size(). It is no error when no candidate is within the limits. */
 enum neph_status neph_pick_run(const struct neph_pick_params *params, struct neph_store *store,
                                struct neph_pick *pick, struct neph_diag *diag);

@@ -27,7 +27,7 @@ static void append(char text[TEXT_SIZE], const char *format, ...)
 /* ---- a configuration ------------------------------------------------------------------------- */
 
 /* "error 0.83 %, flicker 0.4 of the threshold, 1.2 density evaluations a pixel, 12 ms" */
-static const char *numbers_of(const struct neph_pick_point *point, char text[TEXT_SIZE])
+static const char *format_point_values(const struct neph_pick_point *point, char text[TEXT_SIZE])
 {
     text[0] = '\0';
     append(text, "error %.3g %%", 100.0 * point->error);
@@ -46,7 +46,7 @@ static const char *numbers_of(const struct neph_pick_point *point, char text[TEX
     return text;
 }
 
-static const char *asked_of(const struct neph_pick_params *params, char text[TEXT_SIZE])
+static const char *format_limits(const struct neph_pick_params *params, char text[TEXT_SIZE])
 {
     text[0] = '\0';
     if (!isnan(params->error))
@@ -63,12 +63,12 @@ static void answer_variants(const struct neph_pick *pick, struct neph_answer *an
 {
     int lines = 0;
     for (int i = 0; i < pick->left_out_count && lines < VARIANT_LINES; i++) {
-        const struct neph_pick_left_out *left = &pick->left_out[i];
+        const struct neph_pick_variant *left = &pick->left_out[i];
         char numbers[TEXT_SIZE];
         if (left->because || isnan(left->with.error))
             continue;
         neph_answer_add(answer, "%s %s: %s", left->is_kept ? "without" : "with", left->what,
-                        numbers_of(&left->with, numbers));
+                        format_point_values(&left->with, numbers));
         lines++;
     }
 }
@@ -80,14 +80,14 @@ void neph_pick_answer(const struct neph_pick_params *params, const struct neph_p
     const bool is_uncertain = !isnan(params->error) && pick->floor > 0.5 * params->error;
     if (pick->found)
         neph_answer_add(answer, "%s: %s; the cheapest of %d configurations within %s",
-                        pick->chosen.name, numbers_of(&pick->chosen, numbers), pick->looked_at,
-                        asked_of(params, asked));
+                        pick->chosen.name, format_point_values(&pick->chosen, numbers),
+                        pick->candidate_total, format_limits(params, asked));
     else
         neph_answer_add(answer,
                         "nothing is good enough for %s: the best of %d configurations is "
                         "%s: %s",
-                        asked_of(params, asked), pick->looked_at, pick->chosen.name,
-                        numbers_of(&pick->chosen, numbers));
+                        format_limits(params, asked), pick->candidate_total, pick->chosen.name,
+                        format_point_values(&pick->chosen, numbers));
     neph_answer_add(answer, "neph render %s --config %s", params->scene, config);
     answer_variants(pick, answer);
     neph_answer_add(answer, "truth: %s with a noise of %.2g %%%s; %d x %d pixels; %s", pick->truth,
@@ -99,7 +99,8 @@ void neph_pick_answer(const struct neph_pick_params *params, const struct neph_p
 
 /* ---- a preset -------------------------------------------------------------------------------- */
 
-static const char *levels_of(const struct neph_choice *choice, int candidate, char text[TEXT_SIZE])
+static const char *format_levels(const struct neph_choice *choice, int candidate,
+                                 char text[TEXT_SIZE])
 {
     text[0] = '\0';
     for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++)
@@ -149,7 +150,7 @@ static void answer_chosen(const struct neph_choice *choice, const struct neph_fl
     char numbers[TEXT_SIZE];
     const struct neph_flicker_study_params *params = study->params;
     const char *name = params->presets[choice->nearest];
-    levels_of(choice, choice->nearest, numbers);
+    format_levels(choice, choice->nearest, numbers);
     if (choice->scene_counts[choice->least] == 0)
         neph_answer_add(answer, "no choice: no scene has '%s' of all presets",
                         neph_choice_measures[choice->least].name);

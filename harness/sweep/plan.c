@@ -84,7 +84,7 @@ const struct neph_engine *neph_sweep_engine(const struct neph_sweep_plan *plan,
     return neph_engine_find(series->engine);
 }
 
-static bool names_setting(const char *words, const char *key)
+static bool has_setting_word(const char *words, const char *key)
 {
     const char *found = words ? strstr(words, key) : NULL;
     return found && found[strlen(key)] == '=';
@@ -99,8 +99,8 @@ static enum neph_status set_light(const struct neph_sweep_plan *plan,
     const int lighting = neph_option_find(engine->options, "lighting");
     char words[64];
     snprintf(words, sizeof(words), "lighting=%.40s", plan->light);
-    if (lighting < 0 || names_setting(series->preset, "lighting") ||
-        names_setting(series->held, "lighting") ||
+    if (lighting < 0 || has_setting_word(series->preset, "lighting") ||
+        has_setting_word(series->held, "lighting") ||
         (series->varied && strcmp(series->varied, "lighting") == 0))
         return NEPH_OK;
     return neph_settings_set(engine, settings, words, diag);
@@ -126,7 +126,7 @@ enum neph_status neph_sweep_settings(const struct neph_sweep_plan *plan,
     enum neph_status status = NEPH_OK;
     *settings = neph_settings_default(engine);
     if (series->preset)
-        status = neph_settings_words(engine, series->preset, NULL, settings, diag);
+        status = neph_settings_parse_words(engine, series->preset, NULL, settings, diag);
     if (!status && scattering == NEPH_SCATTERING_MULTIPLE)
         status = set_light(plan, series, engine, settings, diag);
     if (!status)
@@ -145,29 +145,29 @@ static enum neph_status check_series(const struct neph_reader *reader,
     const struct neph_sweep_series *series = &plan->series[number];
     char quote[NEPH_QUOTE_SIZE];
     if (!neph_engine_find(series->engine))
-        return neph_refuse(reader, neph_at("series[%d].engine", number).text,
+        return neph_refuse(reader, neph_format_path("series[%d].engine", number).text,
                            "there is no engine '%s'; `neph engines` lists them",
                            neph_document_quote(series->engine, quote));
     if (!series->varied != !series->values)
-        return neph_refuse(reader, neph_at("series[%d]", number).text,
+        return neph_refuse(reader, neph_format_path("series[%d]", number).text,
                            "'vary' and 'values' need each other");
     if (neph_sweep_value_count(series) < 1 ||
         neph_sweep_value_count(series) > NEPH_SWEEP_VALUES_MAX)
-        return neph_refuse(reader, neph_at("series[%d].values", number).text,
+        return neph_refuse(reader, neph_format_path("series[%d].values", number).text,
                            "give 1 to %d values, separated by spaces", NEPH_SWEEP_VALUES_MAX);
     for (int i = 0; i < neph_sweep_value_count(series); i++)
         for (size_t k = 0; k < sizeof(both) / sizeof(both[0]); k++) {
             struct neph_settings settings;
             struct neph_diag why = {.line = 0};
             if (neph_sweep_settings(plan, series, i, both[k], &settings, &why)) {
-                neph_refuse(reader, neph_at("series[%d]", number).text, "%s", why.message);
+                neph_refuse(reader, neph_format_path("series[%d]", number).text, "%s", why.message);
                 neph_hint(reader->diag, "%s", why.hint);
                 return NEPH_ERR_INPUT;
             }
         }
     for (int other = 0; other < number; other++)
         if (strcmp(plan->series[other].name, series->name) == 0)
-            return neph_refuse(reader, neph_at("series[%d].name", number).text,
+            return neph_refuse(reader, neph_format_path("series[%d].name", number).text,
                                "a second series '%s'", neph_document_quote(series->name, quote));
     return NEPH_OK;
 }

@@ -53,7 +53,7 @@ static const struct neph_meter_number kept_of_lag[] = {
     {.metric = NULL},
 };
 
-void neph_sweep_bench_finish(struct neph_sweep_bench *bench)
+void neph_sweep_context_finish(struct neph_sweep_context *bench)
 {
     neph_reference_finish(&bench->still);
     neph_reference_finish(&bench->stepped);
@@ -63,12 +63,12 @@ void neph_sweep_bench_finish(struct neph_sweep_bench *bench)
 
 bool neph_sweep_is_sequence(const struct neph_sweep_point *point)
 {
-    return point->job.engine->remembers || point->series->flicker || point->series->lag_at;
+    return point->job.engine->has_frame_history || point->series->flicker || point->series->lag_at;
 }
 
 /* --- values --------------------------------------------------------------------------------- */
 
-static struct neph_sweep_value value_of(const json_t *found)
+static struct neph_sweep_value read_value_with_interval(const json_t *found)
 {
     const json_t *value = json_object_get(found, "value"),
                  *interval = json_object_get(found, "interval"), *low = json_array_get(interval, 0),
@@ -86,8 +86,8 @@ static struct neph_sweep_value number_in(const json_t *document, enum neph_sweep
     const char *metric = neph_sweep_number_texts[number].metric;
     const json_t *found = NULL;
     for (size_t i = 0; i < sizeof(masks) / sizeof(masks[0]) && !found; i++)
-        found = neph_take_find(document, metric, masks[i]);
-    return value_of(found);
+        found = neph_capture_find_value(document, metric, masks[i]);
+    return read_value_with_interval(found);
 }
 
 /* Paths of traced light and cells of diffused light evaluate densities that are not counted. */
@@ -122,7 +122,7 @@ enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_swee
     const enum neph_status status = neph_exr_read(frame_path, &image, diag);
     if (status)
         return status;
-    neph_store_key_of(frame_path, point->frame_key);
+    neph_store_key_from_path(frame_path, point->frame_key);
     const double evaluations = neph_sweep_evaluations(&point->job, image);
     if (!isnan(evaluations))
         point->evaluations = evaluations / (double)neph_image_pixel_count(image);
@@ -134,23 +134,23 @@ enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_swee
 
 static const double reference_typical_s = 1.0; /* per frame */
 
-static enum neph_status have_reference(struct neph_sweep_bench *bench, const struct neph_job *job,
-                                       int frame_count, struct neph_reference *reference,
-                                       struct neph_diag *diag)
+static enum neph_status ensure_point_reference(struct neph_sweep_context *bench,
+                                               const struct neph_job *job, int frame_count,
+                                               struct neph_reference *reference,
+                                               struct neph_diag *diag)
 {
     char key[NEPH_HASH_HEX_SIZE];
     enum neph_status status = neph_reference_key(job, frame_count, key, diag);
     if (status || (reference->text && strcmp(reference->key, key) == 0))
         return status;
     neph_reference_finish(reference);
-    neph_progress_expect(
-        bench->progress, bench->progress->kind,
-        neph_reference_picture_count(job->shot.scene, job->shot.frame, frame_count),
-        reference_typical_s);
+    neph_progress_expect(bench->progress, bench->progress->kind,
+                         neph_reference_frame_count(job->shot.scene, job->shot.frame, frame_count),
+                         reference_typical_s);
     return neph_reference_make(job, frame_count, bench->store, bench->progress, reference, diag);
 }
 
-static struct neph_viewing viewing_of(const struct neph_scene *scene)
+static struct neph_viewing make_scene_viewing(const struct neph_scene *scene)
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     viewing.exposure_ev = neph_scene_display(scene)->exposure_ev;
@@ -159,22 +159,24 @@ static struct neph_viewing viewing_of(const struct neph_scene *scene)
 
 /* Reads the values of one seed's sequence: the document's values, and the error of its last frame.
  * With `counts` the evaluations of this frame become the point's. */
-static enum neph_status read_sequence(struct neph_sweep_bench *bench,
-                                      struct neph_sweep_point *point, const struct neph_take *take,
-                                      const char *folder, bool counts,
-                                      struct neph_sweep_value numbers[NEPH_SWEEP_NUMBERS],
-                                      struct neph_diag *diag)
+static enum neph_status
+read_sequence(struct neph_sweep_context *bench, struct neph_sweep_point *point,
+              const struct neph_capture *take, const char *folder, bool counts,
+              struct neph_sweep_value numbers[NEPH_SWEEP_NUMBERS], struct neph_diag *diag)
 {
     json_t *document = NULL;
     const struct neph_path last = neph_path_in(folder, "frame.exr");
-    enum neph_status status = neph_take_document(folder, take->readings[0].name, &document, diag);
+    enum neph_status status = neph_capture_document(folder, take->readings[0].name, &document,
+                                                    diag);
     if (!status) {
-        if (!point->job.engine->is_guest) /* the lighting model of a user's engine is unknown */
+        if (!point->job.engine
+                 ->is_user_engine) /* the lighting model of a user's engine is unknown */
             numbers[NEPH_SWEEP_SHORTCUT] = number_in(document, NEPH_SWEEP_SHORTCUT);
         numbers[NEPH_SWEEP_FLICKER] = number_in(document, NEPH_SWEEP_FLICKER);
         numbers[NEPH_SWEEP_FOUR] = number_in(document, NEPH_SWEEP_FOUR);
         if (point->series->flicker)
-            bench->mask = neph_take_find(document, "seen_contrast", masks[0]) ? masks[0] : masks[1];
+            bench->mask = neph_capture_find_value(document, "seen_contrast", masks[0]) ? masks[0]
+                                                                                       : masks[1];
         status = neph_sweep_truth_error(bench->truth, last.text, &numbers[NEPH_SWEEP_ERROR], diag);
     }
     if (!status && counts)
@@ -183,32 +185,33 @@ static enum neph_status read_sequence(struct neph_sweep_bench *bench,
     return status;
 }
 
-static enum neph_status measure_sequence(struct neph_sweep_bench *bench,
+static enum neph_status measure_sequence(struct neph_sweep_context *bench,
                                          struct neph_sweep_point *point, struct neph_diag *diag)
 {
     const bool flickers = point->series->flicker;
-    const struct neph_reading reading = {.name = "sweep",
-                                         .against = NEPH_REFERENCE_AVERAGED,
-                                         .extractors = flickers ? of_flicker : of_error,
-                                         .viewing = viewing_of(point->job.shot.scene),
-                                         .kept = flickers ? kept_of_flicker : kept_of_error,
-                                         .warm_up_frames = bench->plan->warm_up};
-    struct neph_take take = {.job = point->job,
-                             .frame_count = bench->frame_count,
-                             .reference = &bench->still,
-                             .readings = &reading,
-                             .reading_count = 1,
-                             .frozen_is_fine = true};
+    const struct neph_measurement_set reading = {
+        .name = "sweep",
+        .against = NEPH_REFERENCE_AVERAGED,
+        .extractors = flickers ? of_flicker : of_error,
+        .viewing = make_scene_viewing(point->job.shot.scene),
+        .kept = flickers ? kept_of_flicker : kept_of_error,
+        .warm_up_frames = bench->plan->warm_up};
+    struct neph_capture take = {.job = point->job,
+                                .frame_count = bench->frame_count,
+                                .reference = &bench->still,
+                                .readings = &reading,
+                                .reading_count = 1,
+                                .allow_frozen_frames = true};
     struct neph_sweep_value of_seeds[NEPH_SWEEP_SEEDS_MAX][NEPH_SWEEP_NUMBERS];
     const int seed_count = point->job.engine->stochastic ? bench->plan->seed_count : 1;
-    enum neph_status status = have_reference(bench, &point->job, bench->frame_count, &bench->still,
-                                             diag);
+    enum neph_status status = ensure_point_reference(bench, &point->job, bench->frame_count,
+                                                     &bench->still, diag);
     for (int i = 0; i < seed_count && !status; i++) {
         char *folder = NULL;
         json_t *record = NULL;
         take.job.shot.seed = neph_sweep_seed(bench->seed, i);
         memcpy(of_seeds[i], point->numbers, sizeof(of_seeds[i]));
-        status = neph_take_run(&take, bench->store, &folder, &record, diag);
+        status = neph_capture_run(&take, bench->store, &folder, &record, diag);
         if (!status)
             status = read_sequence(bench, point, &take, folder, i == 0, of_seeds[i], diag);
         json_decref(record);
@@ -218,14 +221,15 @@ static enum neph_status measure_sequence(struct neph_sweep_bench *bench,
         struct neph_sweep_value values[NEPH_SWEEP_SEEDS_MAX];
         for (int i = 0; i < seed_count; i++)
             values[i] = of_seeds[i][n];
-        point->numbers[n] = neph_sweep_repeated(values, seed_count);
+        point->numbers[n] = neph_sweep_average_seeds(values, seed_count);
     }
     return status;
 }
 
 /* The scene with a step of its sun; NULL: the scene has no sun to step. */
-static enum neph_status have_step(struct neph_sweep_bench *bench, const struct neph_scene *scene,
-                                  const struct neph_scene **step, struct neph_diag *diag)
+static enum neph_status ensure_step_scene(struct neph_sweep_context *bench,
+                                          const struct neph_scene *scene,
+                                          const struct neph_scene **step, struct neph_diag *diag)
 {
     const struct neph_variant variant = {NEPH_VARIANT_SUN_STEP, NEPH_STUDY_EVENT_FRAME,
                                          STEP_FRAMES};
@@ -239,40 +243,43 @@ static enum neph_status have_step(struct neph_sweep_bench *bench, const struct n
 
 /* A half-life that is never reached is reported as the number of frames after the step (neph
  * metrics lag); it becomes NaN. */
-static struct neph_sweep_value arrived(struct neph_sweep_value half_life)
+static struct neph_sweep_value drop_unreached_half_life(struct neph_sweep_value half_life)
 {
     return half_life.value < STEP_FRAMES - NEPH_STUDY_EVENT_FRAME
                ? half_life
                : (struct neph_sweep_value){NAN, NAN, NAN};
 }
 
-static enum neph_status measure_lag(struct neph_sweep_bench *bench, struct neph_sweep_point *point,
-                                    struct neph_diag *diag)
+static enum neph_status measure_lag(struct neph_sweep_context *bench,
+                                    struct neph_sweep_point *point, struct neph_diag *diag)
 {
-    const struct neph_reading reading = {.name = "step",
-                                         .against = NEPH_REFERENCE_AVERAGED,
-                                         .extractors = of_lag,
-                                         .settings = at_step,
-                                         .viewing = viewing_of(point->job.shot.scene),
-                                         .kept = kept_of_lag};
-    struct neph_take take = {.job = point->job,
-                             .frame_count = STEP_FRAMES,
-                             .reference = &bench->stepped,
-                             .readings = &reading,
-                             .reading_count = 1,
-                             .frozen_is_fine = true};
+    const struct neph_measurement_set reading = {
+        .name = "step",
+        .against = NEPH_REFERENCE_AVERAGED,
+        .extractors = of_lag,
+        .settings = at_step,
+        .viewing = make_scene_viewing(point->job.shot.scene),
+        .kept = kept_of_lag};
+    struct neph_capture take = {.job = point->job,
+                                .frame_count = STEP_FRAMES,
+                                .reference = &bench->stepped,
+                                .readings = &reading,
+                                .reading_count = 1,
+                                .allow_frozen_frames = true};
     char *folder = NULL;
     json_t *record = NULL, *document = NULL;
-    enum neph_status status = have_step(bench, point->job.shot.scene, &take.job.shot.scene, diag);
+    enum neph_status status = ensure_step_scene(bench, point->job.shot.scene, &take.job.shot.scene,
+                                                diag);
     if (status || !take.job.shot.scene)
         return status;
-    status = have_reference(bench, &take.job, STEP_FRAMES, &bench->stepped, diag);
+    status = ensure_point_reference(bench, &take.job, STEP_FRAMES, &bench->stepped, diag);
     if (!status)
-        status = neph_take_run(&take, bench->store, &folder, &record, diag);
+        status = neph_capture_run(&take, bench->store, &folder, &record, diag);
     if (!status)
-        status = neph_take_document(folder, reading.name, &document, diag);
+        status = neph_capture_document(folder, reading.name, &document, diag);
     if (!status)
-        point->numbers[NEPH_SWEEP_HALF_LIFE] = arrived(number_in(document, NEPH_SWEEP_HALF_LIFE));
+        point->numbers[NEPH_SWEEP_HALF_LIFE] = drop_unreached_half_life(
+            number_in(document, NEPH_SWEEP_HALF_LIFE));
     json_decref(document);
     json_decref(record);
     free(folder);
@@ -281,7 +288,7 @@ static enum neph_status measure_lag(struct neph_sweep_bench *bench, struct neph_
 
 /* --- single frames -------------------------------------------------------------------------- */
 
-enum neph_status neph_sweep_point_render(const struct neph_sweep_bench *bench,
+enum neph_status neph_sweep_point_render(const struct neph_sweep_context *bench,
                                          struct neph_sweep_point *point, int round,
                                          struct neph_sweep_value *error, struct neph_cost *cost,
                                          struct neph_diag *diag)
@@ -306,13 +313,13 @@ enum neph_status neph_sweep_point_render(const struct neph_sweep_bench *bench,
 }
 
 /* Whether an error concerns this point only. */
-static bool is_of_the_point(enum neph_status status)
+static bool is_point_error(enum neph_status status)
 {
     return status == NEPH_ERR_ENGINE || status == NEPH_ERR_UNSUPPORTED || status == NEPH_ERR_GATE ||
            status == NEPH_ERR_UNAVAILABLE || status == NEPH_ERR_TIMEOUT;
 }
 
-enum neph_status neph_sweep_point_measure(struct neph_sweep_bench *bench,
+enum neph_status neph_sweep_point_measure(struct neph_sweep_context *bench,
                                           struct neph_sweep_point *point, struct neph_diag *diag)
 {
     struct neph_diag why = {.line = 0};
@@ -326,7 +333,7 @@ enum neph_status neph_sweep_point_measure(struct neph_sweep_bench *bench,
     if (!status && neph_sweep_has_lag(point->series, point->place))
         status = measure_lag(bench, point, &why);
     point->at_floor = point->numbers[NEPH_SWEEP_ERROR].value < 2.0 * bench->truth->noise;
-    if (is_of_the_point(status)) {
+    if (is_point_error(status)) {
         snprintf(point->missing, sizeof(point->missing), "%s", why.message);
         return NEPH_OK;
     }

@@ -14,13 +14,13 @@
 
 /* State that all points share. The references belong to the latest point; consecutive points with
  * the same steps and lighting share them. */
-struct neph_sweep_bench {
+struct neph_sweep_context {
     const struct neph_sweep_plan *plan;
     const struct neph_sweep_truth *truth;
     struct neph_store *store;
     struct neph_progress *progress;
     struct neph_times *times;                               /* borrowed */
-    bool retimes;                                           /* time again what was timed before */
+    bool remeasures_times;                                  /* time again what was timed before */
     struct neph_scene *steps[NEPH_SCATTERING_MULTIPLE + 1]; /* the scene with a step of the sun, by
                                                                scattering; made on demand; owned */
     struct neph_reference still, stepped;                   /* references of the current point;
@@ -30,14 +30,14 @@ struct neph_sweep_bench {
     const char *mask;       /* mask of the flicker, once one was measured */
 };
 
-void neph_sweep_bench_finish(struct neph_sweep_bench *bench);
+void neph_sweep_context_finish(struct neph_sweep_context *bench);
 
 /* Whether the point is rendered as a sequence; its error is the last frame's. */
 bool neph_sweep_is_sequence(const struct neph_sweep_point *point);
 
 /* Measures a point, except for times. point->missing is the reason when it cannot be rendered.
  * Errors: NEPH_ERR_INTERRUPTED, and errors of the store. */
-enum neph_status neph_sweep_point_measure(struct neph_sweep_bench *bench,
+enum neph_status neph_sweep_point_measure(struct neph_sweep_context *bench,
                                           struct neph_sweep_point *point, struct neph_diag *diag);
 
 /* The density evaluations of a job's frame; NaN: not counted. */
@@ -49,7 +49,7 @@ enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_swee
 
 /* Renders a single frame of the point with the seed of a round, through the store: `*error` is its
  * error, `*cost` its cost at the time it was rendered. */
-enum neph_status neph_sweep_point_render(const struct neph_sweep_bench *bench,
+enum neph_status neph_sweep_point_render(const struct neph_sweep_context *bench,
                                          struct neph_sweep_point *point, int round,
                                          struct neph_sweep_value *error, struct neph_cost *cost,
                                          struct neph_diag *diag);
@@ -71,7 +71,7 @@ double neph_sweep_load(void);
  * engines without frames in flight a round is a single frame with its own seed, whose error counts
  * as well. The first use of kernels and histories is not timed. Errors as of
  * neph_sweep_point_measure(). */
-enum neph_status neph_sweep_time(struct neph_sweep_bench *bench, struct neph_sweep_point *points,
+enum neph_status neph_sweep_time(struct neph_sweep_context *bench, struct neph_sweep_point *points,
                                  int count, struct neph_diag *diag);
 
 #endif

@@ -16,7 +16,7 @@ uint64_t neph_sweep_seed(uint64_t seed, int repeat)
     return seed + seeds_apart * (uint64_t)repeat;
 }
 
-static double mean_of(const struct neph_sweep_value *values, int count)
+static double average_values(const struct neph_sweep_value *values, int count)
 {
     double sum = 0.0;
     for (int i = 0; i < count; i++)
@@ -25,7 +25,7 @@ static double mean_of(const struct neph_sweep_value *values, int count)
 }
 
 /* Half width of the interval over seeds; 0 for one seed. */
-static double reach_of_seeds(const struct neph_sweep_value *values, int count, double mean)
+static double interval_over_seeds(const struct neph_sweep_value *values, int count, double mean)
 {
     double squares = 0.0;
     if (count < 2)
@@ -37,7 +37,7 @@ static double reach_of_seeds(const struct neph_sweep_value *values, int count, d
 
 /* Mean distance of one end of the frames' intervals from their values; 0 for a value without one.
  */
-static double reach_of_picture(const struct neph_sweep_value *values, int count, bool up)
+static double interval_over_frame(const struct neph_sweep_value *values, int count, bool up)
 {
     double sum = 0.0;
     for (int i = 0; i < count; i++) {
@@ -47,14 +47,15 @@ static double reach_of_picture(const struct neph_sweep_value *values, int count,
     return sum / count;
 }
 
-struct neph_sweep_value neph_sweep_repeated(const struct neph_sweep_value *values, int count)
+struct neph_sweep_value neph_sweep_average_seeds(const struct neph_sweep_value *values, int count)
 {
-    const double mean = mean_of(values, count), seeds = reach_of_seeds(values, count, mean);
+    const double mean = average_values(values, count),
+                 seeds = interval_over_seeds(values, count, mean);
     if (count == 1)
         return values[0];
     return (struct neph_sweep_value){
         .value = mean,
-        .low = mean - hypot(seeds, reach_of_picture(values, count, false)),
-        .high = mean + hypot(seeds, reach_of_picture(values, count, true)),
+        .low = mean - hypot(seeds, interval_over_frame(values, count, false)),
+        .high = mean + hypot(seeds, interval_over_frame(values, count, true)),
     };
 }

@@ -17,6 +17,6 @@ uint64_t neph_sweep_seed(uint64_t seed, int repeat);
 /* The mean of `count` >= 1 values from independent seeds. Its interval combines the interval of
  * each value over the frame with the 95 % interval over seeds (Student's t): their variances add
  * up. A single value is returned as it is. NaN where one of the values is. */
-struct neph_sweep_value neph_sweep_repeated(const struct neph_sweep_value *values, int count);
+struct neph_sweep_value neph_sweep_average_seeds(const struct neph_sweep_value *values, int count);
 
 #endif

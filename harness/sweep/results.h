@@ -63,7 +63,7 @@ struct neph_sweep {
                                                                      scattering, where a series
                                                                      needs it; owned */
     struct neph_engine_info *infos;                               /* in the order of
-                                                                     neph_engines_and_guests();
+                                                                     neph_engines_with_user_engines();
                                                                      owned */
     struct neph_sweep_point *points;                              /* owned */
     int point_count;

@@ -53,12 +53,12 @@ const struct neph_scaling_axis neph_scaling_axes[NEPH_SCALING_AXES] = {
                             {-1, 0},
                             "a denser medium needs no further evaluations; rays that end at a low "
                             "transmittance end earlier"},
-    [NEPH_SCALING_PICTURES] = {"pictures",
-                               "frames in a row",
-                               {4, 8, 16, 32, 64},
-                               {1, 1},
-                               {1, 1},
-                               "a history costs the same in every frame"},
+    [NEPH_SCALING_FRAMES] = {"pictures",
+                             "frames in a row",
+                             {4, 8, 16, 32, 64},
+                             {1, 1},
+                             {1, 1},
+                             "a history costs the same in every frame"},
 };
 
 enum {
@@ -84,7 +84,7 @@ struct scene_at {
 };
 
 /* A point of a line, and the index of the rendered point with its result. */
-struct use {
+struct point_use {
     struct neph_scaling_point *into;
     int point;
 };
@@ -100,7 +100,7 @@ struct work {
     char keys[POINTS_MAX + 1][NEPH_HASH_HEX_SIZE]; /* store keys of their jobs; one more for the
                                                       search */
     int point_count;
-    struct use uses[POINTS_MAX];
+    struct point_use uses[POINTS_MAX];
     int use_count;
     struct neph_progress progress;
     struct neph_scaling *scaling;
@@ -157,7 +157,7 @@ static enum neph_status make_job(struct work *work, int series, const struct nep
                                                   &job->shot.settings, diag);
     char steps[24];
     if (!status)
-        neph_settings_meet(job->engine, scene, &job->shot.settings);
+        neph_settings_adapt_to_scene(job->engine, scene, &job->shot.settings);
     snprintf(steps, sizeof(steps), "steps=%d", STEPS);
     return status ? status : neph_settings_set(job->engine, &job->shot.settings, steps, diag);
 }
@@ -179,8 +179,9 @@ static enum neph_status set_value(enum neph_scaling_axis_id axis, double value,
 }
 
 /* Finds or adds a point: a point that lies on two lines is rendered and timed once. */
-static enum neph_status have_point(struct work *work, const struct neph_sweep_series *series,
-                                   const struct neph_job *job, int *index, struct neph_diag *diag)
+static enum neph_status find_or_add_point(struct work *work, const struct neph_sweep_series *series,
+                                          const struct neph_job *job, int *index,
+                                          struct neph_diag *diag)
 {
     char(*keys)[NEPH_HASH_HEX_SIZE] = work->keys;
     const int count = work->point_count;
@@ -212,10 +213,10 @@ static enum neph_status add_point(struct work *work, struct neph_scaling_line *l
     if (status || !job.engine->can_render(job.shot.scene, &job.shot.settings, line->missing,
                                           sizeof(line->missing)))
         return status;
-    struct use *use = &work->uses[work->use_count++];
-    use->into = &line->points[line->count++];
-    *use->into = (struct neph_scaling_point){x, NAN, {NAN, NAN, NAN}};
-    return have_point(work, series, &job, &use->point, diag);
+    struct point_use *point_use = &work->uses[work->use_count++];
+    point_use->into = &line->points[line->count++];
+    *point_use->into = (struct neph_scaling_point){x, NAN, {NAN, NAN, NAN}};
+    return find_or_add_point(work, series, &job, &point_use->point, diag);
 }
 
 static enum neph_status add_lines(struct work *work, struct neph_diag *diag)
@@ -228,7 +229,7 @@ static enum neph_status add_lines(struct work *work, struct neph_diag *diag)
             const int count = neph_scaling_value_count(&neph_scaling_axes[axis]);
             *line = (struct neph_scaling_line){.axis = (enum neph_scaling_axis_id)axis,
                                                .series = series};
-            for (int i = 0; i < count && axis != NEPH_SCALING_PICTURES && !status; i++)
+            for (int i = 0; i < count && axis != NEPH_SCALING_FRAMES && !status; i++)
                 if (!line->missing[0])
                     status = add_point(work, line, i, diag);
         }
@@ -251,10 +252,10 @@ static enum neph_status count_point(struct work *work, struct neph_sweep_point *
 }
 
 /* Renders frames in a row and records the accumulated cost at the 4th, the 8th, ... frame. */
-static enum neph_status count_pictures(struct work *work, struct neph_scaling_line *line,
-                                       struct neph_diag *diag)
+static enum neph_status count_frames_in_row(struct work *work, struct neph_scaling_line *line,
+                                            struct neph_diag *diag)
 {
-    const struct neph_scaling_axis *axis = &neph_scaling_axes[NEPH_SCALING_PICTURES];
+    const struct neph_scaling_axis *axis = &neph_scaling_axes[NEPH_SCALING_FRAMES];
     const int kinds = neph_scaling_value_count(axis), most = (int)axis->values[kinds - 1];
     struct neph_scaling_point spent = {0.0, 0.0, {0.0, NAN, NAN}};
     struct neph_job job;
@@ -288,7 +289,7 @@ static enum neph_status count_points(struct neph_worker *worker, void *context,
 {
     struct work *work = context;
     enum neph_status status = NEPH_OK;
-    for (int i; !status && (i = neph_worker_next(worker)) < work->point_count;) {
+    for (int i; !status && (i = neph_worker_take_job(worker)) < work->point_count;) {
         status = count_point(work, &work->points[i], diag);
         if (worker->index == 0)
             neph_progress_tick(&work->progress, "evaluations");
@@ -303,9 +304,9 @@ static enum neph_status count_all(struct work *work, struct neph_diag *diag)
     enum neph_status status = neph_pool_run(work->params->jobs, work->params->device, count_points,
                                             NULL, work, diag);
     for (int i = 0; i < scaling->line_count && !status; i++)
-        if (scaling->lines[i].axis == NEPH_SCALING_PICTURES) {
+        if (scaling->lines[i].axis == NEPH_SCALING_FRAMES) {
             work->progress.kind = KIND_PICTURES;
-            status = count_pictures(work, &scaling->lines[i], diag);
+            status = count_frames_in_row(work, &scaling->lines[i], diag);
             neph_progress_tick(&work->progress, "frames in a row");
         }
     return status;
@@ -313,15 +314,15 @@ static enum neph_status count_all(struct work *work, struct neph_diag *diag)
 
 static enum neph_status time_all(struct work *work, struct neph_diag *diag)
 {
-    struct neph_sweep_bench bench = {.plan = &work->plan,
-                                     .store = work->store,
-                                     .progress = &work->progress,
-                                     .times = work->params->times,
-                                     .retimes = work->params->retimes,
-                                     .seed = (uint64_t)work->params->seed};
+    struct neph_sweep_context bench = {.plan = &work->plan,
+                                       .store = work->store,
+                                       .progress = &work->progress,
+                                       .times = work->params->times,
+                                       .remeasures_times = work->params->remeasures_times,
+                                       .seed = (uint64_t)work->params->seed};
     work->progress.kind = KIND_ROUND;
     const enum neph_status status = neph_sweep_time(&bench, work->points, work->point_count, diag);
-    neph_sweep_bench_finish(&bench);
+    neph_sweep_context_finish(&bench);
     return status;
 }
 
@@ -369,9 +370,9 @@ static enum neph_status make_plan(struct work *work, struct neph_diag *diag)
                                                .scattering = -1};
     *plan = (struct neph_sweep_plan){
         .title = "scaling", .light = "octaves", .round_count = ROUNDS, .seed_count = 1};
-    enum neph_status status = neph_ladder_add(plan, &march, NULL, diag);
+    enum neph_status status = neph_candidate_add_series(plan, &march, NULL, diag);
     if (!status)
-        status = neph_ladder_add(plan, &realtime, NULL, diag);
+        status = neph_candidate_add_series(plan, &realtime, NULL, diag);
     for (int i = 0; i < plan->series_count && !status; i++) {
         struct neph_job job;
         struct neph_engine_info *info = &work->infos[i];
@@ -415,7 +416,7 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
     snprintf(work->scaling->scene_hash, sizeof(work->scaling->scene_hash), "%s", work->scene->hash);
     work->scaling->width_px = work->params->width_px;
     work->scaling->height_px = work->params->height_px;
-    work->scaling->has_closed_form = neph_ladder_has_closed_form(work->scene);
+    work->scaling->has_closed_form = neph_candidate_has_closed_form(work->scene);
     return add_lines(work, diag);
 }
 

@@ -33,10 +33,10 @@ struct neph_exponent_range {
 #define NEPH_EXPONENT_SAME 0.1
 
 enum neph_exponent_verdict {
-    NEPH_EXPONENT_NONE,     /* no exponent */
-    NEPH_EXPONENT_EXPECTED, /* the interval is within the range, widened by NEPH_EXPONENT_SAME */
-    NEPH_EXPONENT_OTHER,    /* the interval is outside of it */
-    NEPH_EXPONENT_UNTOLD,   /* the interval overlaps its edge */
+    NEPH_EXPONENT_NONE,      /* no exponent */
+    NEPH_EXPONENT_EXPECTED,  /* the interval is within the range, widened by NEPH_EXPONENT_SAME */
+    NEPH_EXPONENT_OTHER,     /* the interval is outside of it */
+    NEPH_EXPONENT_UNCERTAIN, /* the interval overlaps its edge */
     NEPH_EXPONENT_VERDICTS,
 };
 extern const char *const neph_exponent_verdict_words[NEPH_EXPONENT_VERDICTS];
@@ -54,7 +54,7 @@ struct neph_scaling_params {
     int seed, jobs;          /* jobs: processes that render the counted frames; 0: one */
     bool untimed, quiet;
     struct neph_times *times;          /* NULL when untimed */
-    bool retimes;                      /* time again what was timed before */
+    bool remeasures_times;             /* time again what was timed before */
     struct neph_shared_device *device; /* like neph_shot.device */
 };
 
@@ -63,7 +63,7 @@ enum neph_scaling_axis_id {
     NEPH_SCALING_STEPS,
     NEPH_SCALING_VOXELS,
     NEPH_SCALING_DEPTH,
-    NEPH_SCALING_PICTURES,
+    NEPH_SCALING_FRAMES,
     NEPH_SCALING_AXES,
 };
 

@@ -18,37 +18,40 @@ const char *const neph_stability_words[NEPH_STABILITY_OUTCOMES] = {
 
 /* --- one point ------------------------------------------------------------------------------ */
 
-static struct neph_sweep_value price_of(const struct neph_sweep_point *point,
-                                        enum neph_sweep_cost cost)
+static struct neph_sweep_value point_cost_value(const struct neph_sweep_point *point,
+                                                enum neph_sweep_cost cost)
 {
     if (cost == NEPH_SWEEP_COST_TIME)
         return (struct neph_sweep_value){point->time.median, point->time.low, point->time.high};
     return (struct neph_sweep_value){point->evaluations, NAN, NAN};
 }
 
-static double low_of(const struct neph_sweep_value *value)
+static double lower_bound_or_value(const struct neph_sweep_value *value)
 {
     return isnan(value->low) ? value->value : value->low;
 }
 
-static double high_of(const struct neph_sweep_value *value)
+static double upper_bound_or_value(const struct neph_sweep_value *value)
 {
     return isnan(value->high) ? value->value : value->high;
 }
 
-bool neph_stability_beats(const struct neph_sweep_point *a, const struct neph_sweep_point *b,
-                          enum neph_sweep_cost cost, enum neph_sweep_number number)
+bool neph_stability_dominates(const struct neph_sweep_point *a, const struct neph_sweep_point *b,
+                              enum neph_sweep_cost cost, enum neph_sweep_number number)
 {
-    const struct neph_sweep_value price_a = price_of(a, cost), price_b = price_of(b, cost);
-    const double dearest = high_of(&price_a), cheapest = low_of(&price_b);
-    const double largest = high_of(&a->numbers[number]), least = low_of(&b->numbers[number]);
+    const struct neph_sweep_value price_a = point_cost_value(a, cost),
+                                  price_b = point_cost_value(b, cost);
+    const double dearest = upper_bound_or_value(&price_a),
+                 cheapest = lower_bound_or_value(&price_b);
+    const double largest = upper_bound_or_value(&a->numbers[number]),
+                 least = lower_bound_or_value(&b->numbers[number]);
     return dearest <= cheapest && largest <= least && (dearest < cheapest || largest < least);
 }
 
 static bool is_measured(const struct neph_sweep_point *point, enum neph_sweep_cost cost,
                         enum neph_sweep_number number)
 {
-    return !point->missing[0] && !isnan(neph_sweep_cost_of(point, cost)) &&
+    return !point->missing[0] && !isnan(neph_sweep_point_cost(point, cost)) &&
            !isnan(point->numbers[number].value);
 }
 
@@ -57,20 +60,22 @@ static bool is_beaten(const struct neph_sweep *sweep, int point, enum neph_sweep
 {
     for (int i = 0; i < sweep->point_count; i++)
         if (is_measured(&sweep->points[i], cost, number) &&
-            neph_stability_beats(&sweep->points[i], &sweep->points[point], cost, number))
+            neph_stability_dominates(&sweep->points[i], &sweep->points[point], cost, number))
             return true;
     return false;
 }
 
 /* Smallest relative reduction of cost or value that puts the point on the front; of the value only
  * where the costs are equal. */
-static double off_in(const struct neph_sweep *sweep, const struct neph_sweep_point *point,
-                     enum neph_sweep_cost cost, enum neph_sweep_number number)
+static double compute_front_distance(const struct neph_sweep *sweep,
+                                     const struct neph_sweep_point *point,
+                                     enum neph_sweep_cost cost, enum neph_sweep_number number)
 {
     double factor = 1.0;
     for (int i = 0; i < sweep->point_count; i++) {
         const struct neph_sweep_point *other = &sweep->points[i];
-        const double dearer = neph_sweep_cost_of(point, cost) / neph_sweep_cost_of(other, cost);
+        const double dearer = neph_sweep_point_cost(point, cost) /
+                              neph_sweep_point_cost(other, cost);
         const double larger = point->numbers[number].value / other->numbers[number].value;
         if (is_measured(other, cost, number) && dearer >= 1.0)
             factor = fmax(factor, dearer > 1.0 ? fmin(dearer, larger) : larger);
@@ -78,13 +83,14 @@ static double off_in(const struct neph_sweep *sweep, const struct neph_sweep_poi
     return factor - 1.0;
 }
 
-double neph_stability_off(const struct neph_sweep *sweeps, int count, int point,
-                          enum neph_sweep_cost cost, enum neph_sweep_number number)
+double neph_stability_front_distance(const struct neph_sweep *sweeps, int count, int point,
+                                     enum neph_sweep_cost cost, enum neph_sweep_number number)
 {
     double most = 0.0;
     for (int i = 0; i < count; i++)
         if (is_measured(&sweeps[i].points[point], cost, number))
-            most = fmax(most, off_in(&sweeps[i], &sweeps[i].points[point], cost, number));
+            most = fmax(most,
+                        compute_front_distance(&sweeps[i], &sweeps[i].points[point], cost, number));
     return most;
 }
 
@@ -129,11 +135,11 @@ json_t *neph_stability_json(const struct neph_sweep *sweeps, int count, enum nep
             const enum neph_stability_outcome outcome = neph_stability_judge(sweeps, count, i, cost,
                                                                              number);
             moved += outcome == NEPH_STABILITY_MOVED;
-            neph_json_add(&points, json_pack("{s:s, s:s, s:s, s:s, s:i, s:f}", "series",
-                                             point->series->name, "label", point->label, "number",
-                                             neph_sweep_number_texts[n].name, "outcome",
-                                             neph_stability_words[outcome], "on_fronts", on, "off",
-                                             neph_stability_off(sweeps, count, i, cost, number)));
+            neph_json_add(
+                &points, json_pack("{s:s, s:s, s:s, s:s, s:i, s:f}", "series", point->series->name,
+                                   "label", point->label, "number", neph_sweep_number_texts[n].name,
+                                   "outcome", neph_stability_words[outcome], "on_fronts", on, "off",
+                                   neph_stability_front_distance(sweeps, count, i, cost, number)));
         }
     return json_pack("{s:s, s:s, s:i, s:s, s:i, s:o}", "format", "neph-stability-1", "scene",
                      sweeps[0].scene->name, "sweeps", count, "cost",

@@ -22,8 +22,8 @@ extern const char *const neph_stability_words[NEPH_STABILITY_OUTCOMES];
 
 /* Whether `a` dominates `b` for all values within their intervals: cost and value are at most
  * equal, and one is smaller. A value without an interval counts as exact. */
-bool neph_stability_beats(const struct neph_sweep_point *a, const struct neph_sweep_point *b,
-                          enum neph_sweep_cost cost, enum neph_sweep_number number);
+bool neph_stability_dominates(const struct neph_sweep_point *a, const struct neph_sweep_point *b,
+                              enum neph_sweep_cost cost, enum neph_sweep_number number);
 
 /* The outcome of a point, by index, in `count` sweeps of one plan. */
 enum neph_stability_outcome neph_stability_judge(const struct neph_sweep *sweeps, int count,
@@ -32,8 +32,8 @@ enum neph_stability_outcome neph_stability_judge(const struct neph_sweep *sweeps
 
 /* Largest distance of a point from the fronts: the relative reduction of cost or value, whichever
  * is smaller, that would put it on the front. 0: on all fronts. */
-double neph_stability_off(const struct neph_sweep *sweeps, int count, int point,
-                          enum neph_sweep_cost cost, enum neph_sweep_number number);
+double neph_stability_front_distance(const struct neph_sweep *sweeps, int count, int point,
+                                     enum neph_sweep_cost cost, enum neph_sweep_number number);
 
 /* {"format": "neph-stability-1", "sweeps", "cost", "moved", "points": [{"series", "label",
  * "number", "outcome", "on_fronts", "off"}, ...]}, for points on a front; for json_decref(). */

@@ -64,12 +64,12 @@ static bool is_wanted(const struct neph_sweep_params *params, int series, int pl
 }
 
 /* Probes an engine when the plan uses it, once: some take a second to report their version. */
-static const struct neph_engine_info *info_of(const struct neph_sweep_params *params,
-                                              const struct neph_sweep *sweep,
-                                              const struct neph_engine *engine)
+static const struct neph_engine_info *probe_engine_once(const struct neph_sweep_params *params,
+                                                        const struct neph_sweep *sweep,
+                                                        const struct neph_engine *engine)
 {
     int count = 0, index = 0;
-    const struct neph_engine *const *engines = neph_engines_and_guests(&count);
+    const struct neph_engine *const *engines = neph_engines_with_user_engines(&count);
     while (engines[index] != engine)
         index++;
     struct neph_engine_info *info = &sweep->infos[index];
@@ -78,8 +78,10 @@ static const struct neph_engine_info *info_of(const struct neph_sweep_params *pa
     return info;
 }
 
-static enum neph_status have_scene(struct neph_sweep *sweep, enum neph_scattering scattering,
-                                   const struct neph_scene **scene, struct neph_diag *diag)
+static enum neph_status ensure_scattering_scene(struct neph_sweep *sweep,
+                                                enum neph_scattering scattering,
+                                                const struct neph_scene **scene,
+                                                struct neph_diag *diag)
 {
     struct neph_scene **other = &sweep->rescattered[scattering];
     enum neph_status status = NEPH_OK;
@@ -99,7 +101,7 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
     const struct neph_sweep_plan *plan = params->plan;
     const enum neph_scattering scattering = neph_sweep_scattering(series, sweep->scene);
     const struct neph_engine *engine = neph_sweep_engine(plan, series, scattering);
-    const struct neph_engine_info *info = info_of(params, sweep, engine);
+    const struct neph_engine_info *info = probe_engine_once(params, sweep, engine);
     *point = (struct neph_sweep_point){
         .series = series,
         .place = place,
@@ -121,7 +123,7 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
     neph_sweep_value(series, place, point->label);
     const char *shortcut_of = neph_sweep_is_sequence(point) ? engine->shortcut_of : NULL;
     struct neph_shot *shot = &point->job.shot;
-    enum neph_status status = have_scene(sweep, scattering, &shot->scene, diag);
+    enum neph_status status = ensure_scattering_scene(sweep, scattering, &shot->scene, diag);
     if (!status)
         status = neph_engine_check_size(engine, plan->width_px, plan->height_px, diag);
     if (!status && shortcut_of) /* its reference has the same size */
@@ -130,7 +132,7 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
     if (!status)
         status = neph_sweep_settings(plan, series, place, scattering, &shot->settings, diag);
     if (!status)
-        neph_settings_meet(engine, shot->scene, &shot->settings);
+        neph_settings_adapt_to_scene(engine, shot->scene, &shot->settings);
     if (!status && !(point->settings = neph_settings_text(engine, &shot->settings)))
         status = neph_fail_memory(diag);
     if (!status && !info->available)
@@ -147,7 +149,7 @@ static enum neph_status fill_points(const struct neph_sweep_params *params,
     const struct neph_sweep_plan *plan = params->plan;
     enum neph_status status = NEPH_OK;
     int engine_count = 0;
-    neph_engines_and_guests(&engine_count);
+    neph_engines_with_user_engines(&engine_count);
     sweep->infos = calloc((size_t)engine_count, sizeof(*sweep->infos));
     sweep->points = calloc(NEPH_SWEEP_POINTS_MAX, sizeof(*sweep->points));
     if (!sweep->points || !sweep->infos)
@@ -199,7 +201,7 @@ static int by_reference(const void *a_, const void *b_)
     return by_label ? by_label : (a > b) - (a < b);
 }
 
-static enum neph_status measure_point(struct neph_sweep_bench *bench,
+static enum neph_status measure_point(struct neph_sweep_context *bench,
                                       struct neph_sweep_point *point, struct neph_diag *diag)
 {
     char what[160];
@@ -229,7 +231,7 @@ static struct neph_sweep_point **order_points(const struct neph_sweep *sweep)
     return order;
 }
 
-static enum neph_status measure_points(struct neph_sweep_bench *bench,
+static enum neph_status measure_points(struct neph_sweep_context *bench,
                                        const struct neph_sweep *sweep, struct neph_diag *diag)
 {
     struct neph_sweep_point **order = order_points(sweep);
@@ -250,7 +252,7 @@ static enum neph_status find_fronts(struct neph_sweep *sweep, bool untimed, stru
         return neph_fail_memory(diag);
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++) {
         for (int i = 0; i < sweep->point_count; i++) {
-            front[i].values[0] = neph_sweep_cost_of(&sweep->points[i], cost);
+            front[i].values[0] = neph_sweep_point_cost(&sweep->points[i], cost);
             front[i].values[1] = sweep->points[i].numbers[n].value;
         }
         neph_front_find(front, sweep->point_count, 2);
@@ -283,7 +285,7 @@ static enum neph_status make_truth(const struct neph_sweep_params *params, struc
 }
 
 static enum neph_status run_bench(const struct neph_sweep_params *params, struct neph_sweep *sweep,
-                                  struct neph_sweep_bench *bench, struct neph_diag *diag)
+                                  struct neph_sweep_context *bench, struct neph_diag *diag)
 {
     const double start_s = neph_wall_s();
     enum neph_status status = measure_points(bench, sweep, diag);
@@ -311,34 +313,36 @@ static enum neph_status prepare(const struct neph_sweep_params *params, struct n
 }
 
 /* A sweep and the progress of its workers. */
-struct whole {
+struct sweep_run_state {
     const struct neph_sweep_params *params;
     struct neph_store *store;
     struct neph_sweep *sweep;
     struct neph_progress progress; /* of the workers */
 };
 
-static struct neph_sweep_bench bench_of(const struct whole *whole, const struct neph_sweep *sweep,
-                                        const struct neph_sweep_truth *truth,
-                                        struct neph_progress *progress)
+static struct neph_sweep_context make_sweep_context(const struct sweep_run_state *sweep_run_state,
+                                                    const struct neph_sweep *sweep,
+                                                    const struct neph_sweep_truth *truth,
+                                                    struct neph_progress *progress)
 {
-    const struct neph_sweep_params *params = whole->params;
-    return (struct neph_sweep_bench){.plan = params->plan,
-                                     .truth = truth,
-                                     .store = whole->store,
-                                     .progress = progress,
-                                     .frame_count = sweep->frame_count,
-                                     .frame = sweep->frame,
-                                     .mask = "all",
-                                     .times = params->times,
-                                     .retimes = params->retimes,
-                                     .seed = (uint64_t)params->seed};
+    const struct neph_sweep_params *params = sweep_run_state->params;
+    return (struct neph_sweep_context){.plan = params->plan,
+                                       .truth = truth,
+                                       .store = sweep_run_state->store,
+                                       .progress = progress,
+                                       .frame_count = sweep->frame_count,
+                                       .frame = sweep->frame,
+                                       .mask = "all",
+                                       .times = params->times,
+                                       .remeasures_times = params->remeasures_times,
+                                       .seed = (uint64_t)params->seed};
 }
 
-static enum neph_status run_whole(const struct whole *whole, struct neph_diag *diag)
+static enum neph_status run_main_process(const struct sweep_run_state *sweep_run_state,
+                                         struct neph_diag *diag)
 {
-    const struct neph_sweep_params *params = whole->params;
-    struct neph_sweep *sweep = whole->sweep;
+    const struct neph_sweep_params *params = sweep_run_state->params;
+    struct neph_sweep *sweep = sweep_run_state->sweep;
     struct neph_progress progress = neph_progress_start(params->quiet, 0);
     struct neph_sweep_truth truth = {.image = NULL};
     enum neph_status status = prepare(params, sweep, diag);
@@ -347,11 +351,11 @@ static enum neph_status run_whole(const struct whole *whole, struct neph_diag *d
     if (!params->untimed)
         neph_progress_expect(&progress, KIND_ROUND, params->plan->round_count, round_typical_s);
     if (!status)
-        status = make_truth(params, sweep, whole->store, &progress, &truth, diag);
-    struct neph_sweep_bench bench = bench_of(whole, sweep, &truth, &progress);
+        status = make_truth(params, sweep, sweep_run_state->store, &progress, &truth, diag);
+    struct neph_sweep_context bench = make_sweep_context(sweep_run_state, sweep, &truth, &progress);
     if (!status)
         status = run_bench(params, sweep, &bench, diag);
-    neph_sweep_bench_finish(&bench);
+    neph_sweep_context_finish(&bench);
     neph_sweep_truth_finish(&truth);
     neph_progress_end(&progress);
     return status;
@@ -380,52 +384,56 @@ static bool is_for_workers(const struct neph_sweep_point *point)
 
 /* Renders the groups of a worker, so that their frames are in the store for the main process. No
  * error is measured here, as only the main process has the ground truth. */
-static enum neph_status run_groups(const struct whole *whole, struct neph_worker *worker,
-                                   struct neph_diag *diag)
+static enum neph_status run_groups(const struct sweep_run_state *sweep_run_state,
+                                   struct neph_worker *worker, struct neph_diag *diag)
 {
     const struct neph_sweep_truth no_truth = {.image = NULL};
     struct neph_progress progress = neph_progress_start(true, 0);
     struct neph_sweep sweep;
-    enum neph_status status = prepare(whole->params, &sweep, diag);
-    struct neph_sweep_bench bench = bench_of(whole, &sweep, &no_truth, &progress);
+    enum neph_status status = prepare(sweep_run_state->params, &sweep, diag);
+    struct neph_sweep_context bench = make_sweep_context(sweep_run_state, &sweep, &no_truth,
+                                                         &progress);
     struct neph_sweep_point **order = status ? NULL : order_points(&sweep);
     for (int start = 0; order && !status && start < sweep.point_count;) {
-        const int group = neph_worker_next(worker);
+        const int group = neph_worker_take_job(worker);
         const int end = start_of_group(order, sweep.point_count, group + 1);
         start = start_of_group(order, sweep.point_count, group);
         for (int i = start; i < end && !status; i++)
             if (is_for_workers(order[i]))
                 status = measure_point(&bench, order[i], diag);
         if (start < end)
-            neph_worker_tell(worker, order[start]->series->name);
+            neph_worker_send_message(worker, order[start]->series->name);
     }
     free(order);
-    neph_sweep_bench_finish(&bench);
+    neph_sweep_context_finish(&bench);
     neph_sweep_finish(&sweep);
     return status;
 }
 
-static enum neph_status run_part(struct neph_worker *worker, void *whole, struct neph_diag *diag)
+static enum neph_status run_part(struct neph_worker *worker, void *sweep_run_state,
+                                 struct neph_diag *diag)
 {
-    return worker->index > 0 ? run_groups(whole, worker, diag) : run_whole(whole, diag);
+    return worker->index > 0 ? run_groups(sweep_run_state, worker, diag)
+                             : run_main_process(sweep_run_state, diag);
 }
 
-static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
+static enum neph_status read_worker_message(const char *text, void *context, struct neph_diag *diag)
 {
-    struct whole *whole = context;
+    struct sweep_run_state *sweep_run_state = context;
     (void)diag;
     if (text)
-        neph_progress_tick(&whole->progress, text);
+        neph_progress_tick(&sweep_run_state->progress, text);
     return NEPH_OK;
 }
 
 enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct neph_store *store,
                                 struct neph_sweep *sweep, struct neph_diag *diag)
 {
-    struct whole whole = {params, store, sweep, neph_progress_start(params->quiet, 0)};
+    struct sweep_run_state sweep_run_state = {params, store, sweep,
+                                              neph_progress_start(params->quiet, 0)};
     *sweep = (struct neph_sweep){.plan = params->plan};
-    const enum neph_status status = neph_pool_run(params->jobs, params->device, run_part, hear,
-                                                  &whole, diag);
+    const enum neph_status status = neph_pool_run(params->jobs, params->device, run_part,
+                                                  read_worker_message, &sweep_run_state, diag);
     if (status == NEPH_ERR_INTERRUPTED)
         neph_hint(diag, "finished frames are in the store: the same command continues from there");
     return status;

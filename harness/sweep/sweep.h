@@ -24,7 +24,7 @@ struct neph_sweep_params {
     bool quiet;
     bool untimed;             /* measure no times; density evaluations are the cost */
     struct neph_times *times; /* stored times, which are not measured again; NULL when untimed */
-    bool retimes;             /* measure them again */
+    bool remeasures_times;    /* measure them again */
     const bool *wanted; /* selected points, [series * NEPH_SWEEP_VALUES_MAX + place]; NULL: all */
 };
 

@@ -18,9 +18,9 @@ enum { WARM_UP_FRAMES = 16 }; /* four cycles of four frames fill a history */
 /* Times and errors of a point over the rounds. */
 struct timed {
     struct neph_job job; /* with its open sequence, for frames in flight */
-    bool flies;
+    bool has_flight;
     long picture;
-    struct neph_flown flown;
+    struct neph_flight_results flown;
     double *seconds; /* of single frames; errors likewise */
     struct neph_sweep_value *errors;
     struct neph_cost last; /* of the latest single frame */
@@ -48,25 +48,25 @@ static bool takes_part(const struct neph_sweep_point *point)
 
 /* --- one point ------------------------------------------------------------------------------ */
 
-static enum neph_status open_one(const struct neph_sweep_bench *bench,
+static enum neph_status open_one(const struct neph_sweep_context *bench,
                                  const struct neph_sweep_point *point, struct timed *timed,
                                  struct neph_diag *diag)
 {
     const size_t rounds = (size_t)bench->plan->round_count, room = rounds * NEPH_SWEEP_ROUND_MOST;
     timed->job = point->job;
-    timed->flies = neph_flight_applies(point->job.engine);
-    timed->flown.costs = timed->flies ? calloc(room, sizeof(*timed->flown.costs)) : NULL;
-    timed->flown.frame_s = timed->flies ? calloc(room, sizeof(*timed->flown.frame_s)) : NULL;
+    timed->has_flight = neph_flight_applies(point->job.engine);
+    timed->flown.costs = timed->has_flight ? calloc(room, sizeof(*timed->flown.costs)) : NULL;
+    timed->flown.frame_s = timed->has_flight ? calloc(room, sizeof(*timed->flown.frame_s)) : NULL;
     timed->seconds = calloc(rounds, sizeof(*timed->seconds));
     timed->errors = calloc(rounds, sizeof(*timed->errors));
-    if ((timed->flies && (!timed->flown.costs || !timed->flown.frame_s)) || !timed->seconds ||
+    if ((timed->has_flight && (!timed->flown.costs || !timed->flown.frame_s)) || !timed->seconds ||
         !timed->errors)
         return neph_fail_memory(diag);
-    if (!timed->flies)
+    if (!timed->has_flight)
         return NEPH_OK;
     const enum neph_status status = neph_job_open(&timed->job, diag);
     return status ? status
-                  : neph_flight_fly(&timed->job, &timed->picture, WARM_UP_FRAMES, WARM_UP_FRAMES,
+                  : neph_flight_run(&timed->job, &timed->picture, WARM_UP_FRAMES, WARM_UP_FRAMES,
                                     0.0, NULL, diag);
 }
 
@@ -86,11 +86,11 @@ static bool is_enough(const struct timed *timed)
            (timed->rendered > 1 && timed->last.wall_s > NEPH_SWEEP_LONG_START_S);
 }
 
-static enum neph_status run_round(struct neph_sweep_bench *bench, struct neph_sweep_point *point,
+static enum neph_status run_round(struct neph_sweep_context *bench, struct neph_sweep_point *point,
                                   struct timed *timed, int round, struct neph_diag *diag)
 {
-    if (timed->flies)
-        return neph_flight_fly(&timed->job, &timed->picture, NEPH_SWEEP_ROUND_LEAST,
+    if (timed->has_flight)
+        return neph_flight_run(&timed->job, &timed->picture, NEPH_SWEEP_ROUND_LEAST,
                                NEPH_SWEEP_ROUND_MOST, NEPH_SWEEP_ROUND_S, &timed->flown, diag);
     const int index = timed->rendered;
     if (is_enough(timed))
@@ -105,26 +105,26 @@ static enum neph_status run_round(struct neph_sweep_bench *bench, struct neph_sw
 
 /* --- results -------------------------------------------------------------------------------- */
 
-static void conclude_time(struct timed *timed, struct neph_sweep_point *point)
+static void set_point_time(struct timed *timed, struct neph_sweep_point *point)
 {
-    if (timed->flies && timed->flown.count > 0) {
+    if (timed->has_flight && timed->flown.count > 0) {
         point->timed = timed->flown.count;
         point->time = neph_flight_time(&timed->flown);
     } else if (timed->rendered > 0) {
         point->timed = timed->rendered;
-        point->time = neph_spread_of(timed->seconds, timed->rendered);
+        point->time = neph_spread_compute(timed->seconds, timed->rendered);
     }
 }
 
-static enum neph_status conclude(const struct neph_sweep_bench *bench, struct timed *timed,
-                                 struct neph_sweep_point *point, double load,
-                                 struct neph_diag *diag)
+static enum neph_status store_point_results(const struct neph_sweep_context *bench,
+                                            struct timed *timed, struct neph_sweep_point *point,
+                                            double load, struct neph_diag *diag)
 {
     const bool was_due = is_due(point);
     if (has_seeds(point) && timed->rendered > 0)
-        point->numbers[NEPH_SWEEP_ERROR] = neph_sweep_repeated(timed->errors, timed->rendered);
+        point->numbers[NEPH_SWEEP_ERROR] = neph_sweep_average_seeds(timed->errors, timed->rendered);
     if (was_due)
-        conclude_time(timed, point);
+        set_point_time(timed, point);
     return was_due && point->timed > 0 ? neph_times_put(bench->times, &point->job, point->time,
                                                         point->timed, NAN, load, diag)
                                        : NEPH_OK;
@@ -132,8 +132,9 @@ static enum neph_status conclude(const struct neph_sweep_bench *bench, struct ti
 
 /* --- all points ----------------------------------------------------------------------------- */
 
-static enum neph_status run_rounds(struct neph_sweep_bench *bench, struct neph_sweep_point *points,
-                                   struct timed *all, int count, struct neph_diag *diag)
+static enum neph_status run_rounds(struct neph_sweep_context *bench,
+                                   struct neph_sweep_point *points, struct timed *all, int count,
+                                   struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int round = 0; round < bench->plan->round_count && !status; round++) {
@@ -149,12 +150,12 @@ static enum neph_status run_rounds(struct neph_sweep_bench *bench, struct neph_s
     return status;
 }
 
-enum neph_status neph_sweep_time(struct neph_sweep_bench *bench, struct neph_sweep_point *points,
+enum neph_status neph_sweep_time(struct neph_sweep_context *bench, struct neph_sweep_point *points,
                                  int count, struct neph_diag *diag)
 {
     struct timed *all = calloc((size_t)count, sizeof(*all));
     enum neph_status status = all ? NEPH_OK : neph_fail_memory(diag);
-    for (int i = 0; i < count && !bench->retimes; i++)
+    for (int i = 0; i < count && !bench->remeasures_times; i++)
         neph_times_find(bench->times, &points[i].job, &points[i].time, &points[i].timed, NULL);
     for (int i = 0; i < count && !status; i++)
         if (takes_part(&points[i]))
@@ -164,7 +165,7 @@ enum neph_status neph_sweep_time(struct neph_sweep_bench *bench, struct neph_swe
     const double load = neph_sweep_load();
     for (int i = 0; all && i < count; i++) {
         if (!status)
-            status = conclude(bench, &all[i], &points[i], load, diag);
+            status = store_point_results(bench, &all[i], &points[i], load, diag);
         close_one(&all[i]);
     }
     free(all);

@@ -91,11 +91,11 @@ static const char *clear_mask(const struct neph_image *image, struct neph_diag *
     return has_edges ? "non_edge" : "all";
 }
 
-static enum neph_status make_pictures(const struct neph_sweep_plan *plan,
-                                      const struct neph_engine *engine,
-                                      const struct neph_engine_info *info,
-                                      const struct neph_shot *shot, struct neph_store *store,
-                                      struct neph_sweep_truth *truth, struct neph_diag *diag)
+static enum neph_status render_truth_frames(const struct neph_sweep_plan *plan,
+                                            const struct neph_engine *engine,
+                                            const struct neph_engine_info *info,
+                                            const struct neph_shot *shot, struct neph_store *store,
+                                            struct neph_sweep_truth *truth, struct neph_diag *diag)
 {
     struct neph_shot own = *shot;
     struct neph_image *second = NULL;
@@ -134,7 +134,8 @@ enum neph_status neph_sweep_truth_make(const struct neph_sweep_plan *plan,
                          engine->can_render(shot->scene, &settings, reason, sizeof(reason));
         if (can) {
             truth->engine = engine;
-            enum neph_status status = make_pictures(plan, engine, &info, shot, store, truth, diag);
+            enum neph_status status = render_truth_frames(plan, engine, &info, shot, store, truth,
+                                                          diag);
             if (!status)
                 truth->mask = clear_mask(truth->image, diag, &status);
             return status;

@@ -32,7 +32,7 @@ struct curve {
 
 /* ---- the curves ------------------------------------------------------------------------------ */
 
-static double pu21_of(double luminance_cd_per_m2)
+static double encode_pu21(double luminance_cd_per_m2)
 {
     static const double p[7] = {0.353487901,   0.3734658629, 8.277049286e-05, 0.9062562627,
                                 0.09150303166, 0.9099517204, 596.3148142};
@@ -41,7 +41,7 @@ static double pu21_of(double luminance_cd_per_m2)
 }
 
 /* Only the power segment of sRGB, which begins at the end of the linear segment. */
-static double srgb_power_of(double display_value)
+static double encode_srgb_power(double display_value)
 {
     return 255.0 * (1.055 * pow(display_value, 1.0 / 2.4) - 0.055);
 }
@@ -50,8 +50,8 @@ static const double srgb_break = 0.0031308;
 static const double srgb_slope = 255.0 * 12.92;
 
 static const struct curve curves[] = {
-    [NEPH_CODE_PU21] = {0.005, 1e4, 256.0, pu21_of},
-    [NEPH_CODE_DISPLAY] = {0.0031308, 1.0, 255.0, srgb_power_of},
+    [NEPH_CODE_PU21] = {0.005, 1e4, 256.0, encode_pu21},
+    [NEPH_CODE_DISPLAY] = {0.0031308, 1.0, 255.0, encode_srgb_power},
 };
 
 double neph_code_peak(enum neph_code_kind kind)
@@ -93,10 +93,11 @@ static void fit_piece(double (*of)(double), double start, double end, double *co
 static void fit(struct neph_code *code, const struct curve *curve)
 {
     enum { SHIFT = MANTISSA_BITS - PIECE_BITS };
-    code->first_piece = neph_bits_of(curve->low) >> SHIFT;
-    uint64_t last_piece = neph_bits_of(curve->high) >> SHIFT;
+    code->first_piece = neph_bits_from_double(curve->low) >> SHIFT;
+    uint64_t last_piece = neph_bits_from_double(curve->high) >> SHIFT;
     for (uint64_t piece = code->first_piece; piece <= last_piece; piece++)
-        fit_piece(curve->of, neph_of_bits(piece << SHIFT), neph_of_bits((piece + 1) << SHIFT),
+        fit_piece(curve->of, neph_double_from_bits(piece << SHIFT),
+                  neph_double_from_bits((piece + 1) << SHIFT),
                   code->pieces[piece - code->first_piece]);
 }
 
@@ -104,7 +105,7 @@ enum neph_status neph_code_create(enum neph_code_kind kind, const struct neph_vi
                                   struct neph_arena *memory, struct neph_code **code,
                                   struct neph_diag *diag)
 {
-    struct neph_code *created = neph_arena_zeroed(memory, 1, sizeof(*created));
+    struct neph_code *created = neph_arena_allocate(memory, 1, sizeof(*created));
     if (!created)
         return neph_fail_memory(diag);
     created->kind = kind;
@@ -126,9 +127,9 @@ static void look_up(const struct neph_code *code, const double *values, size_t c
     const uint64_t one = (uint64_t)1023 << MANTISSA_BITS;
     const uint64_t mantissa = ((uint64_t)1 << MANTISSA_BITS) - 1;
     for (size_t i = 0; i < count; i++) {
-        uint64_t bits = neph_bits_of(values[i]);
+        uint64_t bits = neph_bits_from_double(values[i]);
         const double *c = code->pieces[(bits >> (MANTISSA_BITS - PIECE_BITS)) - code->first_piece];
-        double s = neph_of_bits(((bits << PIECE_BITS) & mantissa) | one) - 1.5;
+        double s = neph_double_from_bits(((bits << PIECE_BITS) & mantissa) | one) - 1.5;
         double s2 = s * s;
         codes[i] = (c[0] + c[1] * s) + s2 * ((c[2] + c[3] * s) + s2 * (c[4] + c[5] * s));
     }

@@ -26,7 +26,7 @@ static void list_periods(struct neph_cycle_model *model, const struct neph_cycle
             model->periods[model->period_count++] = model->periods[i];
 }
 
-static int part_of(const struct neph_cycle_model *model, int period)
+static int find_period_part(const struct neph_cycle_model *model, int period)
 {
     int i = 0;
     while (model->periods[i] != period)
@@ -65,7 +65,7 @@ static void fill_columns(struct neph_cycle_model *model, const struct neph_cycle
     for (int i = 0; i < findings->count; i++) {
         const struct neph_cycle_found *found = &findings->items[i];
         const int m = found->frequency.m, period = found->frequency.period;
-        const int part = part_of(model, period);
+        const int part = find_period_part(model, period);
         const bool is_half = 2 * m == period;
         double *cosine = add_column(model, columns, part, is_half ? 1.0 : 0.5, found->noise);
         double *sine = is_half ? NULL : add_column(model, columns, part, 0.5, found->noise);
@@ -173,14 +173,14 @@ enum neph_status neph_cycle_model_begin(struct neph_cycle_model *model, int fram
     const size_t n = (size_t)frame_count, room = 2 * (size_t)findings->count + 1;
     double *columns = malloc(room * n * sizeof(*columns));
     double *unit = malloc(room * room * sizeof(*unit));
-    model->orthonormal = neph_arena_zeroed(memory, room * n, sizeof(*model->orthonormal));
-    model->triangle = neph_arena_zeroed(memory, room * room, sizeof(*model->triangle));
-    model->shared = neph_arena_zeroed(memory, room * room, sizeof(*model->shared));
-    model->squares = neph_arena_zeroed(memory, room, sizeof(*model->squares));
-    model->noise_share = neph_arena_zeroed(memory, room, sizeof(*model->noise_share));
-    model->part = neph_arena_zeroed(memory, room, sizeof(*model->part));
-    model->periods = neph_arena_zeroed(memory, room, sizeof(*model->periods));
-    model->period_scatter = neph_arena_zeroed(memory, room, sizeof(*model->period_scatter));
+    model->orthonormal = neph_arena_allocate(memory, room * n, sizeof(*model->orthonormal));
+    model->triangle = neph_arena_allocate(memory, room * room, sizeof(*model->triangle));
+    model->shared = neph_arena_allocate(memory, room * room, sizeof(*model->shared));
+    model->squares = neph_arena_allocate(memory, room, sizeof(*model->squares));
+    model->noise_share = neph_arena_allocate(memory, room, sizeof(*model->noise_share));
+    model->part = neph_arena_allocate(memory, room, sizeof(*model->part));
+    model->periods = neph_arena_allocate(memory, room, sizeof(*model->periods));
+    model->period_scatter = neph_arena_allocate(memory, room, sizeof(*model->period_scatter));
     const bool made = columns && unit && !memory->is_short;
     if (made) {
         list_periods(model, findings);
@@ -262,7 +262,7 @@ static void project_all(const struct neph_cycle_model *model, const double *seri
 }
 
 /* Overlap of the parts of a pixel; `coefficients` are LANES apart. */
-static double overlap_of(const struct neph_cycle_model *model, const double *coefficients)
+static double compute_overlap(const struct neph_cycle_model *model, const double *coefficients)
 {
     const int count = model->column_count;
     double sum = 0.0;
@@ -281,7 +281,7 @@ static void split(const struct neph_cycle_model *model, const double *coefficien
     const double n = (double)model->frame_count;
     const double noise = residual * n / (n - 1.0 - (double)model->column_count);
     parts[NEPH_CYCLE_VARIANCE][x] = variance;
-    parts[NEPH_CYCLE_OVERLAP][x] = overlap_of(model, coefficients);
+    parts[NEPH_CYCLE_OVERLAP][x] = compute_overlap(model, coefficients);
     parts[NEPH_CYCLE_NOISE][x] = residual;
     parts[NEPH_CYCLE_DRIFT][x] = 0.0;
     for (int p = 0; p < model->period_count; p++)

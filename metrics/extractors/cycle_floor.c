@@ -113,14 +113,14 @@ static struct neph_cycle_scatter scatter_for(struct neph_cycle_scatter scatter, 
 }
 
 /* The power relative to its mean at a normal score. */
-static double ratio_of(struct neph_cycle_scatter scatter, double z)
+static double power_ratio_at_score(struct neph_cycle_scatter scatter, double z)
 {
     const double k = scatter.shape;
     const double root = 1.0 - 1.0 / (9.0 * k) + z / (3.0 * sqrt(k));
     return 1.0 + sqrt(scatter.variance * k) * (root * root * root - 1.0);
 }
 
-static double score_of(struct neph_cycle_scatter scatter, double ratio)
+static double score_at_power_ratio(struct neph_cycle_scatter scatter, double ratio)
 {
     const double k = scatter.shape;
     const double gamma = 1.0 + (ratio - 1.0) / sqrt(scatter.variance * k);
@@ -130,7 +130,7 @@ static double score_of(struct neph_cycle_scatter scatter, double ratio)
 static double raw_score(const struct neph_cycle_floor *floor, const struct neph_cycle_probe *probe)
 {
     const double off = log_power(probe) - log_floor(floor, probe->per_frame);
-    return score_of(scatter_for(floor->scatter, probe->dof), exp(off) * floor->median);
+    return score_at_power_ratio(scatter_for(floor->scatter, probe->dof), exp(off) * floor->median);
 }
 
 static int by_score(const void *a, const void *b)
@@ -142,7 +142,7 @@ static int by_score(const void *a, const void *b)
 
 /* Standard deviation of the noise among probes sorted by score: from the lower half, or from the
  * upper quartile if that is larger. */
-static double deviation_of(const struct neph_cycle_probe *sorted, int count, double bins)
+static double compute_score_deviation(const struct neph_cycle_probe *sorted, int count, double bins)
 {
     double below = 0.0, squares = 0.0, lower = 0.0, upper = 0.0;
     for (int i = 0; i < count; i++) {
@@ -160,13 +160,13 @@ static double deviation_of(const struct neph_cycle_probe *sorted, int count, dou
     return fmax(of_lower, upper / upper_quartile_z);
 }
 
-struct neph_cycle_floor neph_cycle_floor_of(struct neph_cycle_probe *probes, int count, double bin,
-                                            struct neph_cycle_scatter scatter)
+struct neph_cycle_floor neph_cycle_floor_fit(struct neph_cycle_probe *probes, int count, double bin,
+                                             struct neph_cycle_scatter scatter)
 {
     struct neph_cycle_floor floor = {.low = INFINITY,
                                      .high = -INFINITY,
                                      .scatter = scatter,
-                                     .median = ratio_of(scatter, 0.0),
+                                     .median = power_ratio_at_score(scatter, 0.0),
                                      .probes = probes,
                                      .probe_count = count,
                                      .bin = bin};
@@ -175,7 +175,8 @@ struct neph_cycle_floor neph_cycle_floor_of(struct neph_cycle_probe *probes, int
         probes[p].score = raw_score(&floor, &probes[p]);
     qsort(probes, (size_t)count, sizeof(*probes), by_score);
     const double free_bins = fmax(bins - (double)floor.term_count, 1.0);
-    floor.widened = fmax(deviation_of(probes, count, bins), 1.0) * (1.0 + 1.0 / sqrt(free_bins));
+    floor.widened = fmax(compute_score_deviation(probes, count, bins), 1.0) *
+                    (1.0 + 1.0 / sqrt(free_bins));
     return floor;
 }
 
@@ -200,8 +201,8 @@ static double median_nearby(const struct neph_cycle_floor *floor,
     return 0.0;
 }
 
-bool neph_cycle_floor_towers(const struct neph_cycle_floor *floor,
-                             const struct neph_cycle_probe *probe)
+bool neph_cycle_floor_is_outlier(const struct neph_cycle_floor *floor,
+                                 const struct neph_cycle_probe *probe)
 {
     double bins = 0.0, below = 0.0;
     for (int p = 0; p < floor->probe_count; p++) {
@@ -223,5 +224,5 @@ double neph_cycle_floor_z(const struct neph_cycle_floor *floor,
 
 double neph_cycle_floor_ratio(const struct neph_cycle_floor *floor, double z)
 {
-    return ratio_of(floor->scatter, z * floor->widened);
+    return power_ratio_at_score(floor->scatter, z * floor->widened);
 }

@@ -16,7 +16,7 @@ struct neph_cycle_probe {
     double bins;      /* its part of the spectrum in bins of 1 / N, at most 1 */
     int dof;          /* 2, or 1 at half a cycle per frame */
     bool is_noise;    /* usable for the curve: contains no found wave */
-    double score;     /* standard deviations above the curve; set by neph_cycle_floor_of() */
+    double score;     /* standard deviations above the curve; set by neph_cycle_floor_fit() */
 };
 
 /* The scatter of the mean noise power over many series: a weighted sum of exponential variables,
@@ -49,8 +49,8 @@ struct neph_cycle_floor {
  * deviation, the larger one of two: the deviation of the lower half, which contains no lines, and
  * the deviation from the upper quartile, which includes the curve's misfit. `probes` are reordered
  * and must stay valid with the floor. */
-struct neph_cycle_floor neph_cycle_floor_of(struct neph_cycle_probe *probes, int count, double bin,
-                                            struct neph_cycle_scatter scatter);
+struct neph_cycle_floor neph_cycle_floor_fit(struct neph_cycle_probe *probes, int count, double bin,
+                                             struct neph_cycle_scatter scatter);
 
 /* The mean noise power at a frequency. */
 double neph_cycle_floor_at(const struct neph_cycle_floor *floor, double per_frame);
@@ -63,8 +63,8 @@ double neph_cycle_floor_z(const struct neph_cycle_floor *floor,
 
 /* Whether the power exceeds eight times the powers of half of the nearby probes, independent of the
  * curve: near the ends of the spectrum a strong line bends the curve. */
-bool neph_cycle_floor_towers(const struct neph_cycle_floor *floor,
-                             const struct neph_cycle_probe *probe);
+bool neph_cycle_floor_is_outlier(const struct neph_cycle_floor *floor,
+                                 const struct neph_cycle_probe *probe);
 
 /* The power relative to its mean that is `z` above the noise, for two degrees of freedom. */
 double neph_cycle_floor_ratio(const struct neph_cycle_floor *floor, double z);

@@ -21,7 +21,7 @@ enum neph_status neph_cycle_frames_begin(struct neph_cycle_frames *frames, int w
                                          struct neph_diag *diag)
 {
     const size_t count = (size_t)width_px * (size_t)height_px * (size_t)frame_count;
-    float *values = neph_arena_zeroed(memory, count, sizeof(*values));
+    float *values = neph_arena_allocate(memory, count, sizeof(*values));
     if (!values) {
         const enum neph_status status = neph_fail_memory(diag);
         neph_hint(diag,
@@ -149,7 +149,7 @@ enum neph_status neph_cycle_moments(const struct neph_cycle_frames *frames,
     work.columns = (frames->width_px + work.side_px - 1) / work.side_px;
     work.rows = (frames->height_px + work.side_px - 1) / work.side_px;
     const size_t n = (size_t)frames->frame_count;
-    double *sum = neph_arena_zeroed(memory, n * n, sizeof(*sum));
+    double *sum = neph_arena_allocate(memory, n * n, sizeof(*sum));
     enum neph_status status = sum ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
         status = neph_parallel_rows(PARTS, add_part, &work, diag);

@@ -64,7 +64,7 @@ static int common_divisor(int a, int b)
     return a;
 }
 
-static long long beat_of(int a, int b)
+static long long compute_beat_period(int a, int b)
 {
     return (long long)a / common_divisor(a, b) * b;
 }
@@ -83,7 +83,7 @@ void neph_cycle_explain(const struct neph_cycle_declared *declared, int period, 
     const bool is_known = shortest > 0;
     for (int i = 0; i < count && !is_known; i++)
         for (int j = 0; j < i; j++) {
-            const long long beat = beat_of(periods[i], periods[j]);
+            const long long beat = compute_beat_period(periods[i], periods[j]);
             if (beat % period == 0 && (shortest == 0 || beat < shortest)) {
                 shortest = beat;
                 snprintf(text, size, "beat of %s and %s", declared->names[j], declared->names[i]);
@@ -101,11 +101,12 @@ static int by_frequency(const void *a, const void *b)
 }
 
 /* Set wanted[P] for the declared periods and their beats up to `limit`. */
-static void want_declared(int limit, const struct neph_cycle_declared *declared, bool *wanted)
+static void mark_declared_periods(int limit, const struct neph_cycle_declared *declared,
+                                  bool *wanted)
 {
     for (int i = 0; i < declared->count; i++)
         for (int j = 0; j <= i; j++) {
-            const long long beat = beat_of(declared->periods[i], declared->periods[j]);
+            const long long beat = compute_beat_period(declared->periods[i], declared->periods[j]);
             if (beat <= limit)
                 wanted[beat] = true;
         }
@@ -117,16 +118,16 @@ enum neph_status neph_cycle_candidates(int frame_count, const struct neph_cycle_
                                        struct neph_diag *diag)
 {
     const int limit = frame_count / DECLARED_CYCLES_NEEDED;
-    bool *wanted = neph_arena_zeroed(memory, (size_t)limit + 1, sizeof(*wanted));
+    bool *wanted = neph_arena_allocate(memory, (size_t)limit + 1, sizeof(*wanted));
     if (!wanted)
         return neph_fail_memory(diag);
     for (int period = NEPH_CYCLE_PERIOD_MIN; period <= neph_cycle_longest(frame_count); period++)
         wanted[period] = true;
-    want_declared(limit, declared, wanted);
+    mark_declared_periods(limit, declared, wanted);
     size_t room = 0;
     for (int period = NEPH_CYCLE_PERIOD_MIN; period <= limit; period++)
         room += wanted[period] ? (size_t)period / 2 : 0;
-    struct neph_cycle_frequency *items = neph_arena_zeroed(memory, room + 1, sizeof(*items));
+    struct neph_cycle_frequency *items = neph_arena_allocate(memory, room + 1, sizeof(*items));
     if (!items)
         return neph_fail_memory(diag);
     int count = 0;

@@ -22,7 +22,7 @@ static const double separation_min = 1e-4;
 /* Reported waves need at least this separation from the other waves: in noise with a steep
  * spectrum, many waves close together follow the noise of lower frequencies. Two neighbours, of 31
  * and 32 frames in 256, are at 0.2. */
-static const double separation_told = 0.05;
+static const double reported_separation_min = 0.05;
 
 /* From this separation on, the residual of a wave shows the noise at its own frequency. */
 static const double separation_of_probe = 0.25;
@@ -31,7 +31,7 @@ static const double separation_of_probe = 0.25;
 static const double near_bins = 4.0;
 
 /* Twice the log-likelihood difference that distinguishes two waves. */
-static const double told_apart = 20.0;
+static const double likelihood_min = 20.0;
 
 /* Rounding error of the sum of squares at one frequency, relative to the total. */
 static const double rounding = 1e-14;
@@ -103,9 +103,9 @@ static enum neph_status begin(struct search *search, const double *moments,
 {
     const int candidate_count = search->candidates->count, n = search->frame_count;
     const size_t room = (size_t)candidate_count + (size_t)n + 1;
-    search->per_frame = neph_arena_zeroed(memory, room, sizeof(*search->per_frame));
-    search->bins = neph_arena_zeroed(memory, room, sizeof(*search->bins));
-    search->probes = neph_arena_zeroed(memory, room, sizeof(*search->probes));
+    search->per_frame = neph_arena_allocate(memory, room, sizeof(*search->per_frame));
+    search->bins = neph_arena_allocate(memory, room, sizeof(*search->bins));
+    search->probes = neph_arena_allocate(memory, room, sizeof(*search->probes));
     enum neph_status status = neph_arena_check(memory, diag);
     if (status)
         return status;
@@ -134,10 +134,10 @@ static void turn(struct search *search, int wave)
     const bool leaves = search->tableau.inside[wave];
     search->residual += leaves ? gain : -gain;
     search->inside_count += leaves ? -1 : 1;
-    neph_cycle_tableau_turn(&search->tableau, wave);
+    neph_cycle_tableau_toggle(&search->tableau, wave);
 }
 
-static struct neph_cycle_probe probe_of(const struct search *search, int wave)
+static struct neph_cycle_probe make_noise_probe(const struct search *search, int wave)
 {
     const struct neph_cycle_tableau *tableau = &search->tableau;
     const int dof = neph_cycle_dof(tableau, wave);
@@ -156,7 +156,7 @@ static struct neph_cycle_probe probe_of(const struct search *search, int wave)
  * frequencies: the means of W_ij^2 and of W_ij W_jk W_ki are the sums of the squared and cubed
  * weights of the independent series. Independent pixels all count; noise that is half shared counts
  * as half. */
-static struct neph_cycle_scatter scatter_of(const struct search *search)
+static struct neph_cycle_scatter estimate_noise_scatter(const struct search *search)
 {
     const int first = search->count + 1, end = first + search->window_count;
     double squares = 0.0, cubes = 0.0, pairs = 0.0, triples = 0.0;
@@ -188,27 +188,28 @@ static struct neph_cycle_scatter scatter_of(const struct search *search)
 static void find_floor(struct search *search)
 {
     for (int w = 1; w <= search->count; w++)
-        search->probes[w - 1] = probe_of(search, w);
-    search->floor = neph_cycle_floor_of(search->probes, search->count,
-                                        1.0 / (double)search->frame_count, scatter_of(search));
+        search->probes[w - 1] = make_noise_probe(search, w);
+    search->floor = neph_cycle_floor_fit(search->probes, search->count,
+                                         1.0 / (double)search->frame_count,
+                                         estimate_noise_scatter(search));
 }
 
-static double z_of(const struct search *search, int wave)
+static double compute_wave_score(const struct search *search, int wave)
 {
-    const struct neph_cycle_probe probe = probe_of(search, wave);
+    const struct neph_cycle_probe probe = make_noise_probe(search, wave);
     return neph_cycle_floor_z(&search->floor, &probe);
 }
 
 /* Whether a wave may be selected on trial; `*z`: its score. */
-static bool may_be_taken(const struct search *search, int wave, double *z)
+static bool is_wave_selectable(const struct search *search, int wave, double *z)
 {
     const struct neph_cycle_tableau *tableau = &search->tableau;
     if (tableau->inside[wave] || neph_cycle_gain(tableau, wave) < trial_share * search->total ||
         neph_cycle_separation(tableau, wave) < separation_min)
         return false;
-    const struct neph_cycle_probe probe = probe_of(search, wave);
+    const struct neph_cycle_probe probe = make_noise_probe(search, wave);
     *z = neph_cycle_floor_z(&search->floor, &probe);
-    return *z > trial_z || neph_cycle_floor_towers(&search->floor, &probe);
+    return *z > trial_z || neph_cycle_floor_is_outlier(&search->floor, &probe);
 }
 
 /* The most prominent candidate outside of the set; 0: none. */
@@ -218,7 +219,7 @@ static int most_prominent(const struct search *search)
     double best_z = -INFINITY;
     for (int w = 1; w <= search->candidates->count; w++) {
         double z;
-        if (may_be_taken(search, w, &z) && z > best_z) {
+        if (is_wave_selectable(search, w, &z) && z > best_z) {
             best_z = z;
             best = w;
         }
@@ -340,8 +341,9 @@ static void drop(struct search *search)
                 continue;
             const bool is_much = neph_cycle_gain(&search->tableau, w) >=
                                  NEPH_CYCLE_SHARE_MIN * search->total;
-            const bool is_apart = neph_cycle_separation(&search->tableau, w) >= separation_told;
-            const double z = is_much ? z_of(search, w) : -DBL_MAX;
+            const bool is_apart = neph_cycle_separation(&search->tableau, w) >=
+                                  reported_separation_min;
+            const double z = is_much ? compute_wave_score(search, w) : -DBL_MAX;
             if ((z < needed || !is_apart) && z < worst_z) {
                 worst = w;
                 worst_z = z;
@@ -360,7 +362,7 @@ static void drop(struct search *search)
 static int also_period(struct search *search, int wave)
 {
     const double noise = neph_cycle_floor_at(&search->floor, search->per_frame[wave - 1]);
-    const double needed = told_apart * noise * search->floor.scatter.variance;
+    const double needed = likelihood_min * noise * search->floor.scatter.variance;
     turn(search, wave);
     const double own = neph_cycle_gain(&search->tableau, wave);
     int also = 0;
@@ -381,8 +383,8 @@ static int also_period(struct search *search, int wave)
 static enum neph_status report(struct search *search, struct neph_arena *memory,
                                struct neph_cycle_findings *findings, struct neph_diag *diag)
 {
-    struct neph_cycle_found *items = neph_arena_zeroed(memory, (size_t)search->inside_count + 1,
-                                                       sizeof(*items));
+    struct neph_cycle_found *items = neph_arena_allocate(memory, (size_t)search->inside_count + 1,
+                                                         sizeof(*items));
     if (!items)
         return neph_fail_memory(diag);
     const double n = (double)search->frame_count;

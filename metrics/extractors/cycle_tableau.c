@@ -16,8 +16,8 @@ static size_t column_count(const struct neph_cycle_tableau *tableau)
     return 2 * (size_t)tableau->wave_count;
 }
 
-static struct block block_of(const struct neph_cycle_tableau *tableau, const double *matrix,
-                             int wave)
+static struct block copy_wave_block(const struct neph_cycle_tableau *tableau, const double *matrix,
+                                    int wave)
 {
     const size_t n = column_count(tableau), i = 2 * (size_t)wave;
     const double *row = matrix + i * n + i;
@@ -90,12 +90,12 @@ enum neph_status neph_cycle_tableau_begin(struct neph_cycle_tableau *tableau, in
     const size_t n = column_count(tableau), length = (size_t)frame_count;
     double *waves = malloc(n * length * sizeof(*waves));
     double *moved = malloc(n * length * sizeof(*moved));
-    tableau->inside = neph_arena_zeroed(memory, (size_t)tableau->wave_count, sizeof(bool));
-    tableau->wanted = neph_arena_zeroed(memory, (size_t)tableau->wave_count, sizeof(bool));
-    tableau->products = neph_arena_zeroed(memory, n * n, sizeof(*tableau->products));
-    tableau->moments = neph_arena_zeroed(memory, n * n, sizeof(*tableau->moments));
-    tableau->origin = neph_arena_zeroed(memory, 2 * n * n, sizeof(*tableau->origin));
-    tableau->scratch = neph_arena_zeroed(memory, 8 * n, sizeof(*tableau->scratch));
+    tableau->inside = neph_arena_allocate(memory, (size_t)tableau->wave_count, sizeof(bool));
+    tableau->wanted = neph_arena_allocate(memory, (size_t)tableau->wave_count, sizeof(bool));
+    tableau->products = neph_arena_allocate(memory, n * n, sizeof(*tableau->products));
+    tableau->moments = neph_arena_allocate(memory, n * n, sizeof(*tableau->moments));
+    tableau->origin = neph_arena_allocate(memory, 2 * n * n, sizeof(*tableau->origin));
+    tableau->scratch = neph_arena_allocate(memory, 8 * n, sizeof(*tableau->scratch));
     const bool made = waves && moved && !memory->is_short;
     if (made) {
         fill_waves(per_frame, count, window_count, frame_count, waves);
@@ -133,10 +133,10 @@ struct turn {
     double *t[2], *g[2];        /* moments with the wave, before and after */
 };
 
-static struct turn turn_of(struct neph_cycle_tableau *tableau, int wave)
+static struct turn prepare_turn(struct neph_cycle_tableau *tableau, int wave)
 {
     struct turn turn = {.n = column_count(tableau), .at = 2 * (size_t)wave};
-    turn.d = inverse(block_of(tableau, tableau->products, wave));
+    turn.d = inverse(copy_wave_block(tableau, tableau->products, wave));
     double *scratch = tableau->scratch;
     for (int c = 0; c < 2; c++, scratch += 4 * turn.n) {
         turn.signed_a[c] = scratch;
@@ -154,7 +154,7 @@ static void find_changes(const struct neph_cycle_tableau *tableau, int wave, str
 {
     const bool leaves = tableau->inside[wave];
     const double *d = turn->d.v;
-    const struct block m = block_of(tableau, tableau->moments, wave);
+    const struct block m = copy_wave_block(tableau, tableau->moments, wave);
     for (size_t k = 0; k < turn->n; k++) {
         const bool inside = tableau->inside[k / 2];
         const double sign = leaves && !inside ? 1.0 : -1.0, pair = inside != leaves ? 1.0 : -1.0;
@@ -214,7 +214,7 @@ static void set_block(double *matrix, size_t n, size_t at, struct block block)
  * them. */
 static void turn_wave(struct neph_cycle_tableau *tableau, int wave, const struct turn *turn)
 {
-    const struct block moments = block_of(tableau, tableau->moments, wave);
+    const struct block moments = copy_wave_block(tableau, tableau->moments, wave);
     for (size_t k = 0; k < turn->n; k++) {
         if (k / 2 == (size_t)wave)
             continue;
@@ -227,9 +227,9 @@ static void turn_wave(struct neph_cycle_tableau *tableau, int wave, const struct
     set_block(tableau->moments, turn->n, turn->at, product(product(turn->d, moments), turn->d));
 }
 
-void neph_cycle_tableau_turn(struct neph_cycle_tableau *tableau, int wave)
+void neph_cycle_tableau_toggle(struct neph_cycle_tableau *tableau, int wave)
 {
-    struct turn turn = turn_of(tableau, wave);
+    struct turn turn = prepare_turn(tableau, wave);
     find_changes(tableau, wave, &turn);
     turn_others(tableau, wave, &turn);
     turn_wave(tableau, wave, &turn);
@@ -246,7 +246,7 @@ void neph_cycle_tableau_refresh(struct neph_cycle_tableau *tableau)
     memset(tableau->inside, 0, (size_t)tableau->wave_count * sizeof(*tableau->inside));
     for (int w = 0; w < tableau->wave_count; w++)
         if (wanted[w])
-            neph_cycle_tableau_turn(tableau, w);
+            neph_cycle_tableau_toggle(tableau, w);
 }
 
 /* ---- results
@@ -254,14 +254,14 @@ void neph_cycle_tableau_refresh(struct neph_cycle_tableau *tableau)
 
 double neph_cycle_gain(const struct neph_cycle_tableau *tableau, int wave)
 {
-    const struct block d = inverse(block_of(tableau, tableau->products, wave));
-    const struct block explained = product(d, block_of(tableau, tableau->moments, wave));
+    const struct block d = inverse(copy_wave_block(tableau, tableau->products, wave));
+    const struct block explained = product(d, copy_wave_block(tableau, tableau->moments, wave));
     return explained.v[0] + explained.v[3];
 }
 
 double neph_cycle_separation(const struct neph_cycle_tableau *tableau, int wave)
 {
-    const struct block own = block_of(tableau, tableau->products, wave);
+    const struct block own = copy_wave_block(tableau, tableau->products, wave);
     const struct block left = tableau->inside[wave] ? inverse(own) : own;
     if (left.v[3] == 0.0)
         return left.v[0] / (double)tableau->frame_count;
@@ -283,5 +283,5 @@ void neph_cycle_coherence(const struct neph_cycle_tableau *tableau, int a, int b
 
 int neph_cycle_dof(const struct neph_cycle_tableau *tableau, int wave)
 {
-    return block_of(tableau, tableau->products, wave).v[3] == 0.0 ? 1 : 2;
+    return copy_wave_block(tableau, tableau->products, wave).v[3] == 0.0 ? 1 : 2;
 }

@@ -35,7 +35,7 @@ enum neph_status neph_cycle_tableau_begin(struct neph_cycle_tableau *tableau, in
                                           struct neph_diag *diag);
 
 /* Move a wave into the set, or out of it. */
-void neph_cycle_tableau_turn(struct neph_cycle_tableau *tableau, int wave);
+void neph_cycle_tableau_toggle(struct neph_cycle_tableau *tableau, int wave);
 
 /* Recompute the tableau of the current set, to remove accumulated rounding errors. */
 void neph_cycle_tableau_refresh(struct neph_cycle_tableau *tableau);

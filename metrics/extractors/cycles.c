@@ -199,9 +199,9 @@ static enum neph_status cycles_init(void *state, const struct neph_frame_pair *f
                               .warm_up = (int)settings->values[WARM_UP],
                               .memory = first->memory};
     read_declared(first, &cycles->declared);
-    cycles->reference_luma = neph_arena_zeroed(&cycles->seen, pixels, sizeof(double));
+    cycles->reference_luma = neph_arena_allocate(&cycles->seen, pixels, sizeof(double));
     for (int c = 0; c < 3; c++)
-        cycles->reference[c] = neph_arena_zeroed(&cycles->seen, pixels, sizeof(float));
+        cycles->reference[c] = neph_arena_allocate(&cycles->seen, pixels, sizeof(float));
     const enum neph_status status = neph_arena_check(&cycles->seen, diag);
     return status ? status
                   : neph_cycle_frames_begin(&cycles->frames, first->width_px, first->height_px,
@@ -222,15 +222,15 @@ struct frame_work {
     int t; /* frame index after the warm-up */
 };
 
-static void luma_of(const float *const planes[3], size_t first, size_t count, double gain,
-                    double *luma)
+static void compute_chunk_luma(const float *const planes[3], size_t first, size_t count,
+                               double gain, double *luma)
 {
     const float *const chunk[3] = {planes[0] + first, planes[1] + first, planes[2] + first};
     neph_display_luma(chunk, count, gain, luma, NULL);
 }
 
 /* Compute the luma of the reference, only once for a static reference. */
-static void look_at_reference(const struct frame_work *work, size_t first, size_t count)
+static void update_reference_luma(const struct frame_work *work, size_t first, size_t count)
 {
     struct cycles *cycles = work->cycles;
     const size_t size = count * sizeof(float);
@@ -241,10 +241,11 @@ static void look_at_reference(const struct frame_work *work, size_t first, size_
         return;
     for (int c = 0; c < 3; c++)
         memcpy(cycles->reference[c] + first, work->pair->reference[c] + first, size);
-    luma_of(work->pair->reference, first, count, cycles->gain, cycles->reference_luma + first);
+    compute_chunk_luma(work->pair->reference, first, count, cycles->gain,
+                       cycles->reference_luma + first);
 }
 
-static void look_at_row(int row, void *context)
+static void store_signal_row(int row, void *context)
 {
     const struct frame_work *work = context;
     struct cycles *cycles = work->cycles;
@@ -253,8 +254,8 @@ static void look_at_row(int row, void *context)
     for (size_t x = 0; x < width; x += CHUNK_PX) {
         const size_t count = width - x < CHUNK_PX ? width - x : CHUNK_PX;
         double luma[CHUNK_PX];
-        look_at_reference(work, begin + x, count);
-        luma_of(work->pair->test, begin + x, count, cycles->gain, luma);
+        update_reference_luma(work, begin + x, count);
+        compute_chunk_luma(work->pair->test, begin + x, count, cycles->gain, luma);
         for (size_t i = 0; i < count; i++)
             d[x + i] = (float)(luma[i] - cycles->reference_luma[begin + x + i]);
     }
@@ -268,7 +269,7 @@ static enum neph_status cycles_extract(void *state, const struct neph_frame_pair
     if (work.t < 0 || work.t >= cycles->frames.frame_count)
         return NEPH_OK;
     cycles->frames_seen++;
-    return neph_parallel_rows(pair->height_px, look_at_row, &work, diag);
+    return neph_parallel_rows(pair->height_px, store_signal_row, &work, diag);
 }
 
 /* ---- after the last frame -------------------------------------------------------------------- */
@@ -297,9 +298,9 @@ static enum neph_status allocate_parts(struct cycles *cycles, struct neph_diag *
 {
     const size_t pixels = (size_t)cycles->frames.width_px * (size_t)cycles->frames.height_px;
     const int count = NEPH_CYCLE_SQUARES + cycles->model.period_count;
-    cycles->parts = neph_arena_zeroed(cycles->memory, (size_t)count, sizeof(*cycles->parts));
+    cycles->parts = neph_arena_allocate(cycles->memory, (size_t)count, sizeof(*cycles->parts));
     for (int i = 0; cycles->parts && i < count; i++)
-        cycles->parts[i] = neph_arena_zeroed(cycles->memory, pixels, sizeof(**cycles->parts));
+        cycles->parts[i] = neph_arena_allocate(cycles->memory, pixels, sizeof(**cycles->parts));
     return neph_arena_check(cycles->memory, diag);
 }
 
@@ -355,7 +356,7 @@ struct periods_of_map {
 };
 
 /* The periods of a map of squares; period 0: none found. */
-static struct periods_of_map periods_of(const struct cycles *cycles, int map)
+static struct periods_of_map find_map_periods(const struct cycles *cycles, int map)
 {
     const struct neph_cycle_model *model = &cycles->model;
     if (map < REPEATS)
@@ -404,7 +405,7 @@ static double floor_factor(const struct cycles *cycles, int map)
     const double pixels = (double)cycles->frames.width_px * (double)cycles->frames.height_px;
     double squares = 0.0;
     for (int i = 0; map != DRIFT && i < model->period_count; i++)
-        if (counts(periods_of(cycles, map), model->periods[i]))
+        if (counts(find_map_periods(cycles, map), model->periods[i]))
             squares += model->period_scatter[i] * model->period_scatter[i];
     if (map == DRIFT)
         squares = 2.0 * model->noise_share[0] * model->noise_share[0];
@@ -421,7 +422,7 @@ static double found_factor(const struct cycles *cycles)
 static void add_squares(const struct cycles *cycles, int map, size_t begin, size_t count,
                         double *values)
 {
-    const struct periods_of_map wanted = periods_of(cycles, map);
+    const struct periods_of_map wanted = find_map_periods(cycles, map);
     const bool any = has_any(cycles, wanted);
     for (size_t i = 0; i < count; i++)
         values[i] = any ? 0.0 : NAN;
@@ -431,7 +432,7 @@ static void add_squares(const struct cycles *cycles, int map, size_t begin, size
 }
 
 /* The part of a pixel's budget for a map that is not a sum of periods. */
-static enum neph_cycle_part part_of(int map)
+static enum neph_cycle_part find_map_part(int map)
 {
     switch (map) {
     case DRIFT:
@@ -445,7 +446,7 @@ static enum neph_cycle_part part_of(int map)
     }
 }
 
-static double factor_of(const struct cycles *cycles, int map)
+static double map_noise_factor(const struct cycles *cycles, int map)
 {
     if (map == FOUND_FLOOR)
         return found_factor(cycles);
@@ -467,7 +468,8 @@ static void cycles_rows(const void *state, int map, int first_row, int row_count
         add_squares(cycles, map, begin, count, values[0]);
         return;
     }
-    const double *part = cycles->parts[part_of(map)] + begin, factor = factor_of(cycles, map);
+    const double *part = cycles->parts[find_map_part(map)] + begin,
+                 factor = map_noise_factor(cycles, map);
     for (size_t i = 0; i < count; i++)
         values[0][i] = factor * part[i];
 }
@@ -486,7 +488,7 @@ static const char *cycles_empty(const void *state, int map)
     const struct cycles *cycles = state;
     if (!cycles->complete || map >= DRIFT)
         return ended_early;
-    const int period = periods_of(cycles, map).period;
+    const int period = find_map_periods(cycles, map).period;
     if (period == 0)
         return not_so_many;
     if (period > neph_cycle_longest(cycles->frames.frame_count))
@@ -508,7 +510,7 @@ static const char *cycles_scalar(const void *state, int which, double *value)
         for (int i = 0; i < cycles->findings.count; i++)
             *value += cycles->findings.items[i].also_period > 0;
     else
-        *value = (double)periods_of(cycles, LONG + which - LONG_FRAMES).period;
+        *value = (double)find_map_periods(cycles, LONG + which - LONG_FRAMES).period;
     return which >= LONG_FRAMES && *value == 0.0 ? not_so_many : NULL;
 }
 

@@ -217,9 +217,9 @@ static enum neph_status flicker_init(void *state, const struct neph_frame_pair *
                    .first_slot = (int)settings->values[FIRST_SLOT],
                    .slot_px = (int)settings->values[SLOT_PX],
                    .checkerboard = settings->values[CHECKERBOARD] != 0.0},
-        .window = neph_flicker_window_of(frames_used(first, settings),
-                                         settings->values[TREND] == 0.0,
-                                         settings->values[NOISE_FLOOR] != 0.0),
+        .window = neph_flicker_window_make(frames_used(first, settings),
+                                           settings->values[TREND] == 0.0,
+                                           settings->values[NOISE_FLOOR] != 0.0),
         .warm_up = (int)settings->values[WARM_UP],
         .width_px = first->width_px,
         .height_px = first->height_px,
@@ -262,18 +262,18 @@ static struct neph_flicker_spectrum block_spectrum(const struct flicker *flicker
     for (int v = top; v < bottom; v++) {
         for (int u = left; u < right; u++) {
             double sums[NEPH_FLICKER_SUM_COUNT];
-            neph_flicker_sums_of(&watch->test.sums, u, v, sums);
+            neph_flicker_sums_read(&watch->test.sums, u, v, sums);
             for (int s = 0; s < NEPH_FLICKER_LINEAR_COUNT; s++)
                 total[s] += sums[s];
         }
     }
     for (int s = 0; s < NEPH_FLICKER_LINEAR_COUNT; s++)
         total[s] /= (double)((right - left) * (bottom - top));
-    return neph_flicker_spectrum_of(&flicker->window, total);
+    return neph_flicker_spectrum_compute(&flicker->window, total);
 }
 
-static double cycle_share_of(const struct flicker *flicker, const double *sums,
-                             const struct neph_flicker_spectrum *spectrum)
+static double compute_cycle_share(const struct flicker *flicker, const double *sums,
+                                  const struct neph_flicker_spectrum *spectrum)
 {
     const double variance = neph_flicker_variance(&flicker->window, sums, flicker->window.detrend);
     const double cycle = 0.5 * spectrum->a4 * spectrum->a4 + spectrum->a2 * spectrum->a2;
@@ -285,11 +285,11 @@ static void find_ages(const struct flicker *flicker, int x, int y, const double 
                       double ages[NEPH_AGE_COUNT])
 {
     const struct neph_flicker_watch *watch = &flicker->watch;
-    const double first = neph_flicker_first(watch, &watch->test, x, y) -
-                         neph_flicker_first(watch, &watch->reference, x, y);
+    const double first = neph_flicker_read_first(watch, &watch->test, x, y) -
+                         neph_flicker_read_first(watch, &watch->reference, x, y);
     const double cycle_count = (double)(flicker->window.frame_count / CYCLE);
     for (int age = 0; age < NEPH_AGE_COUNT; age++) {
-        const int frame = neph_frame_of_age(&flicker->scheme, x, y, age);
+        const int frame = neph_slot_frame_at_age(&flicker->scheme, x, y, age);
         const int t = (frame + CYCLE - flicker->warm_up % CYCLE) % CYCLE;
         ages[age] = first + sums[NEPH_FLICKER_PHASE_0 + t] / cycle_count;
     }
@@ -299,15 +299,16 @@ static void find_ages(const struct flicker *flicker, int x, int y, const double 
 static void find_pixel(const struct flicker *flicker, int x, int y, double values[MAP_COUNT])
 {
     double sums[NEPH_FLICKER_SUM_COUNT];
-    neph_flicker_sums_of(&flicker->watch.test.sums, x, y, sums);
-    const struct neph_flicker_spectrum spectrum = neph_flicker_spectrum_of(&flicker->window, sums);
+    neph_flicker_sums_read(&flicker->watch.test.sums, x, y, sums);
+    const struct neph_flicker_spectrum spectrum = neph_flicker_spectrum_compute(&flicker->window,
+                                                                                sums);
     const int frame_count = flicker->window.frame_count;
     values[STD] = sqrt(neph_flicker_variance(&flicker->window, sums, false));
     values[P2P] = sums[NEPH_FLICKER_MOST] - sums[NEPH_FLICKER_LEAST];
     values[MAD] = sums[NEPH_FLICKER_TRAVEL] / (double)(frame_count - 1);
     values[A4] = spectrum.a4;
     values[A2] = spectrum.a2;
-    values[CYCLE_SHARE] = cycle_share_of(flicker, sums, &spectrum);
+    values[CYCLE_SHARE] = compute_cycle_share(flicker, sums, &spectrum);
     values[CYCLIC] = neph_flicker_is_cyclic(&spectrum) ? 1.0 : 0.0;
     values[UNREST] = neph_flicker_unrest(values[MAD], values[P2P], frame_count);
     find_ages(flicker, x, y, sums, values + AGE);
@@ -317,8 +318,9 @@ static void find_pixel(const struct flicker *flicker, int x, int y, double value
 static void find_reference(const struct flicker *flicker, int x, int y, double values[MAP_COUNT])
 {
     double sums[NEPH_FLICKER_SUM_COUNT];
-    neph_flicker_sums_of(&flicker->watch.reference.sums, x, y, sums);
-    const struct neph_flicker_spectrum spectrum = neph_flicker_spectrum_of(&flicker->window, sums);
+    neph_flicker_sums_read(&flicker->watch.reference.sums, x, y, sums);
+    const struct neph_flicker_spectrum spectrum = neph_flicker_spectrum_compute(&flicker->window,
+                                                                                sums);
     values[REFERENCE_STD] = sqrt(neph_flicker_variance(&flicker->window, sums, false));
     values[REFERENCE_A4] = spectrum.a4;
     values[REFERENCE_A2] = spectrum.a2;
@@ -352,7 +354,7 @@ static void find_phase_age(struct flicker *flicker)
     struct neph_sum totals[NEPH_PHASE_COUNT * NEPH_AGE_COUNT] = {{0.0, 0.0}};
     for (int y = 0; y < flicker->height_px; y++) {
         for (int x = 0; x < flicker->width_px; x++) {
-            const int phase = neph_phase_of(&flicker->scheme, x, y);
+            const int phase = neph_slot_phase(&flicker->scheme, x, y);
             flicker->phase_pixel_count[phase] += 1.0;
             for (int age = 0; age < NEPH_AGE_COUNT; age++)
                 neph_sum_add(&totals[NEPH_AGE_COUNT * phase + age],
@@ -368,7 +370,7 @@ static enum neph_status allocate_maps(struct flicker *flicker, struct neph_diag 
 {
     const size_t pixel_count = (size_t)flicker->width_px * (size_t)flicker->height_px;
     for (int map = 0; map < MAP_COUNT; map++)
-        flicker->values[map] = neph_arena_zeroed(flicker->memory, pixel_count, sizeof(double));
+        flicker->values[map] = neph_arena_allocate(flicker->memory, pixel_count, sizeof(double));
     return neph_arena_check(flicker->memory, diag);
 }
 

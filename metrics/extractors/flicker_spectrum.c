@@ -3,18 +3,18 @@
 
 #include <math.h>
 
-struct neph_flicker_window neph_flicker_window_of(int frame_count, bool detrend, bool keep_noise)
+struct neph_flicker_window neph_flicker_window_make(int frame_count, bool detrend, bool keep_noise)
 {
     struct neph_flicker_window window = {
         .frame_count = frame_count, .detrend = detrend, .keep_noise = keep_noise};
-    neph_flicker_sums_of_ramp(frame_count, window.ramp);
+    neph_flicker_ramp_sums(frame_count, window.ramp);
     return window;
 }
 
 /* The slope of the trend [signal per frame]. In a joint fit of a line and a cycle, only the part of
  * the line that no cycle can represent determines the slope: its steps from cycle to cycle (Frisch
  * and Waugh, Econometrica 1, 1933), which are the weights of NEPH_FLICKER_TREND. */
-static double slope_of(const struct neph_flicker_window *window, const double *linear)
+static double compute_trend_slope(const struct neph_flicker_window *window, const double *linear)
 {
     return linear[NEPH_FLICKER_TREND] / window->ramp[NEPH_FLICKER_TREND];
 }
@@ -32,10 +32,10 @@ static double amplitude(double square, double noise)
     return sqrt(fmax(0.0, square - noise));
 }
 
-struct neph_flicker_spectrum neph_flicker_spectrum_of(const struct neph_flicker_window *window,
-                                                      const double *linear)
+struct neph_flicker_spectrum neph_flicker_spectrum_compute(const struct neph_flicker_window *window,
+                                                           const double *linear)
 {
-    const double slope = window->detrend ? slope_of(window, linear) : 0.0;
+    const double slope = window->detrend ? compute_trend_slope(window, linear) : 0.0;
     const double n = (double)window->frame_count;
     double sums[NEPH_FLICKER_LINEAR_COUNT];
     for (int s = 0; s < NEPH_FLICKER_LINEAR_COUNT; s++)
@@ -74,7 +74,7 @@ double neph_flicker_variance(const struct neph_flicker_window *window, const dou
          * of tau^2. */
         const double along = 4.0 * sums[NEPH_FLICKER_TREND] +
                              (1.5 * (phase[3] - phase[0]) + 0.5 * (phase[2] - phase[1]));
-        const double slope = slope_of(window, sums);
+        const double slope = compute_trend_slope(window, sums);
         scatter += slope * (slope * n * (n * n - 1.0) / 12.0 - 2.0 * along);
     }
     return fmax(0.0, scatter / n);

@@ -21,7 +21,7 @@ struct neph_flicker_window {
     double ramp[NEPH_FLICKER_LINEAR_COUNT];
 };
 
-struct neph_flicker_window neph_flicker_window_of(int frame_count, bool detrend, bool keep_noise);
+struct neph_flicker_window neph_flicker_window_make(int frame_count, bool detrend, bool keep_noise);
 
 /* Results in the unit of the signal. D_k is its discrete Fourier transform, after detrending. */
 struct neph_flicker_spectrum {
@@ -39,8 +39,8 @@ struct neph_flicker_spectrum {
 
 /* Compute the spectrum. `linear`: the first NEPH_FLICKER_LINEAR_COUNT sums. They are linear: the
  * sums of a mean of pixels are the mean of the sums. */
-struct neph_flicker_spectrum neph_flicker_spectrum_of(const struct neph_flicker_window *window,
-                                                      const double *linear);
+struct neph_flicker_spectrum neph_flicker_spectrum_compute(const struct neph_flicker_window *window,
+                                                           const double *linear);
 
 /* Population variance of the signal, or of the detrended signal with `detrended`; never
  * negative. */

@@ -9,7 +9,7 @@
 
 enum { LANES = NEPH_FLICKER_LANES, CYCLE = NEPH_FLICKER_CYCLE };
 
-struct neph_flicker_weights neph_flicker_weights_of(int first_frame, int frame_count)
+struct neph_flicker_weights neph_flicker_weights_make(int first_frame, int frame_count)
 {
     static const double quarter_sign[CYCLE] = {1.0, -1.0, -1.0, 1.0};
     static const double half_sign[CYCLE] = {1.0, -1.0, 1.0, -1.0};
@@ -47,8 +47,8 @@ enum neph_status neph_flicker_sums_begin(struct neph_flicker_sums *sums, int wid
         .sum_count = sum_count,
     };
     const size_t pixel_count = (size_t)begun.padded_width_px * (size_t)height_px;
-    begun.values = neph_arena_zeroed(memory, pixel_count * (size_t)begun.sum_count,
-                                     sizeof(*begun.values));
+    begun.values = neph_arena_allocate(memory, pixel_count * (size_t)begun.sum_count,
+                                       sizeof(*begun.values));
     if (begun.values)
         *sums = begun;
     return neph_arena_check(memory, diag);
@@ -159,8 +159,8 @@ void neph_flicker_sums_add(struct neph_flicker_sums *sums, int row, int cycle_co
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-void neph_flicker_sums_of(const struct neph_flicker_sums *sums, int x_px, int y_px,
-                          double values[NEPH_FLICKER_SUM_COUNT])
+void neph_flicker_sums_read(const struct neph_flicker_sums *sums, int x_px, int y_px,
+                            double values[NEPH_FLICKER_SUM_COUNT])
 {
     memset(values, 0, NEPH_FLICKER_SUM_COUNT * sizeof(*values));
     if (!sums->values)
@@ -170,11 +170,11 @@ void neph_flicker_sums_of(const struct neph_flicker_sums *sums, int x_px, int y_
         values[s] = cell[s * LANES];
 }
 
-void neph_flicker_sums_of_ramp(int frame_count, double values[NEPH_FLICKER_LINEAR_COUNT])
+void neph_flicker_ramp_sums(int frame_count, double values[NEPH_FLICKER_LINEAR_COUNT])
 {
     double cell[NEPH_FLICKER_SUM_COUNT * LANES] = {0};
     for (int t = 0; t < frame_count; t += CYCLE) {
-        const struct neph_flicker_weights weights = neph_flicker_weights_of(t, frame_count);
+        const struct neph_flicker_weights weights = neph_flicker_weights_make(t, frame_count);
         double v[CYCLE][LANES];
         for (int k = 0; k < CYCLE; k++)
             for (int i = 0; i < LANES; i++)

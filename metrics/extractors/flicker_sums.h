@@ -55,7 +55,7 @@ struct neph_flicker_weights {
 /* Weights of the frames first_frame .. first_frame + 3 of `frame_count`; first_frame is a multiple
  * of 4.
  */
-struct neph_flicker_weights neph_flicker_weights_of(int first_frame, int frame_count);
+struct neph_flicker_weights neph_flicker_weights_make(int first_frame, int frame_count);
 
 /* The sums of all pixels of one signal. Start from {0}. */
 struct neph_flicker_sums {
@@ -79,10 +79,10 @@ void neph_flicker_sums_add(struct neph_flicker_sums *sums, int row, int cycle_co
                            const struct neph_flicker_weights *weights, const double *const *frames);
 
 /* The sums of a pixel; sums beyond sum_count are 0. */
-void neph_flicker_sums_of(const struct neph_flicker_sums *sums, int x_px, int y_px,
-                          double values[NEPH_FLICKER_SUM_COUNT]);
+void neph_flicker_sums_read(const struct neph_flicker_sums *sums, int x_px, int y_px,
+                            double values[NEPH_FLICKER_SUM_COUNT]);
 
 /* The linear sums of the ramp v_t = t - (N - 1) / 2, to remove a trend from other sums. */
-void neph_flicker_sums_of_ramp(int frame_count, double values[NEPH_FLICKER_LINEAR_COUNT]);
+void neph_flicker_ramp_sums(int frame_count, double values[NEPH_FLICKER_LINEAR_COUNT]);
 
 #endif

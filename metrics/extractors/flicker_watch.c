@@ -26,23 +26,23 @@ struct frame_work {
 
 static double *allocate(struct neph_arena *memory, int row_width, int row_count)
 {
-    return neph_arena_zeroed(memory, (size_t)row_width * (size_t)row_count, sizeof(double));
+    return neph_arena_allocate(memory, (size_t)row_width * (size_t)row_count, sizeof(double));
 }
 
-static double *row_of(const struct neph_flicker_watch *watch, double *rows, int row)
+static double *padded_row(const struct neph_flicker_watch *watch, double *rows, int row)
 {
     return rows + (size_t)row * (size_t)watch->padded_width_px;
 }
 
-static double *recent_of(const struct neph_flicker_watch *watch,
-                         const struct neph_flicker_signal *signal, int row, int t)
+static double *recent_frame_row(const struct neph_flicker_watch *watch,
+                                const struct neph_flicker_signal *signal, int row, int t)
 {
-    return row_of(watch, signal->recent, BLOCK * row + t % BLOCK);
+    return padded_row(watch, signal->recent, BLOCK * row + t % BLOCK);
 }
 
-static enum neph_status let_move(struct neph_flicker_watch *watch,
-                                 struct neph_flicker_signal *signal, int sum_count,
-                                 struct neph_diag *diag)
+static enum neph_status start_moving_sums(struct neph_flicker_watch *watch,
+                                          struct neph_flicker_signal *signal, int sum_count,
+                                          struct neph_diag *diag)
 {
     signal->recent = allocate(&watch->recent, BLOCK * watch->padded_width_px, watch->height_px);
     const enum neph_status status = neph_arena_check(&watch->recent, diag);
@@ -80,12 +80,12 @@ static void convert(const struct neph_flicker_watch *watch, const float *const p
     neph_display_luma(rows, (size_t)watch->width_px, watch->gain, luma, NULL);
 }
 
-static void look_at_first(int row, void *context)
+static void store_first_row(int row, void *context)
 {
     const struct frame_work *work = context;
     struct neph_flicker_watch *watch = work->watch;
-    convert(watch, work->pair->test, row, row_of(watch, watch->test.first, row));
-    convert(watch, work->pair->reference, row, row_of(watch, watch->reference.first, row));
+    convert(watch, work->pair->test, row, padded_row(watch, watch->test.first, row));
+    convert(watch, work->pair->reference, row, padded_row(watch, watch->reference.first, row));
     const size_t begin = plane_row(watch, row);
     for (int c = 0; c < 3; c++)
         memcpy(watch->reference_planes[c] + begin, work->pair->reference[c] + begin,
@@ -100,39 +100,39 @@ static void subtract(double *restrict values, const double *restrict others, int
 }
 
 /* Convert a row of an image to its difference to frame 0. */
-static void look_at_picture(const struct frame_work *work, struct neph_flicker_signal *signal,
-                            const float *const planes[3], int row)
+static void store_difference_row(const struct frame_work *work, struct neph_flicker_signal *signal,
+                                 const float *const planes[3], int row)
 {
     const struct neph_flicker_watch *watch = work->watch;
-    double *luma = recent_of(watch, signal, row, work->t);
+    double *luma = recent_frame_row(watch, signal, row, work->t);
     convert(watch, planes, row, luma);
-    subtract(luma, row_of(watch, signal->first, row), watch->width_px);
+    subtract(luma, padded_row(watch, signal->first, row), watch->width_px);
 }
 
-static void take_out(const struct frame_work *work, struct neph_flicker_signal *test,
-                     const struct neph_flicker_signal *reference, int row)
+static void subtract_reference_row(const struct frame_work *work, struct neph_flicker_signal *test,
+                                   const struct neph_flicker_signal *reference, int row)
 {
-    subtract(recent_of(work->watch, test, row, work->t),
-             recent_of(work->watch, reference, row, work->t), work->watch->width_px);
+    subtract(recent_frame_row(work->watch, test, row, work->t),
+             recent_frame_row(work->watch, reference, row, work->t), work->watch->width_px);
 }
 
 static void add_cycles(const struct frame_work *work, struct neph_flicker_signal *signal, int row)
 {
     const double *frames[BLOCK];
     for (int k = 0; k < BLOCK; k++)
-        frames[k] = recent_of(work->watch, signal, row, k);
+        frames[k] = recent_frame_row(work->watch, signal, row, k);
     neph_flicker_sums_add(&signal->sums, row, work->cycle_count, work->weights, frames);
 }
 
-static void look_at_row(int row, void *context)
+static void add_frame_row(int row, void *context)
 {
     const struct frame_work *work = context;
     struct neph_flicker_watch *watch = work->watch;
     struct neph_flicker_signal *test = &watch->test, *reference = &watch->reference;
-    look_at_picture(work, test, work->pair->test, row);
+    store_difference_row(work, test, work->pair->test, row);
     if (watch->reference_moves) {
-        look_at_picture(work, reference, work->pair->reference, row);
-        take_out(work, test, reference, row);
+        store_difference_row(work, reference, work->pair->reference, row);
+        subtract_reference_row(work, test, reference, row);
     }
     if (work->cycle_count == 0)
         return;
@@ -155,7 +155,7 @@ static enum neph_status watch_reference(struct frame_work *work, struct neph_dia
         return status;
     neph_arena_finish(&watch->planes);
     watch->reference_moves = true;
-    return let_move(watch, &watch->reference, NEPH_FLICKER_VARIANCE_COUNT, diag);
+    return start_moving_sums(watch, &watch->reference, NEPH_FLICKER_VARIANCE_COUNT, diag);
 }
 
 /* At the last frame of a block or of the sequence: compute the weights of the block's frames. */
@@ -167,7 +167,7 @@ static void weigh(struct frame_work *work)
     const int first = work->t / BLOCK * BLOCK;
     work->cycle_count = (work->t + 1 - first) / CYCLE;
     for (int k = 0; k < work->cycle_count; k++)
-        work->weights[k] = neph_flicker_weights_of(first + CYCLE * k, frame_count);
+        work->weights[k] = neph_flicker_weights_make(first + CYCLE * k, frame_count);
 }
 
 enum neph_status neph_flicker_watch_frame(struct neph_flicker_watch *watch,
@@ -176,11 +176,11 @@ enum neph_status neph_flicker_watch_frame(struct neph_flicker_watch *watch,
 {
     struct frame_work work = {.watch = watch, .pair = pair, .t = t};
     weigh(&work);
-    enum neph_status status = t == 0
-                                  ? neph_parallel_rows(watch->height_px, look_at_first, &work, diag)
-                                  : watch_reference(&work, diag);
+    enum neph_status status = t == 0 ? neph_parallel_rows(watch->height_px, store_first_row, &work,
+                                                          diag)
+                                     : watch_reference(&work, diag);
     if (!status)
-        status = neph_parallel_rows(watch->height_px, look_at_row, &work, diag);
+        status = neph_parallel_rows(watch->height_px, add_frame_row, &work, diag);
     if (!status)
         watch->frames_seen++;
     return status;
@@ -200,14 +200,15 @@ enum neph_status neph_flicker_watch_begin(struct neph_flicker_watch *watch,
         .gain = exp2(first->viewing->exposure_ev),
         .frame_count = frame_count,
     };
-    watch->reference_row_moved = neph_arena_zeroed(&watch->sums, (size_t)first->height_px,
-                                                   sizeof(bool));
+    watch->reference_row_moved = neph_arena_allocate(&watch->sums, (size_t)first->height_px,
+                                                     sizeof(bool));
     for (int c = 0; c < 3; c++)
-        watch->reference_planes[c] = neph_arena_zeroed(&watch->planes, pixel_count, sizeof(float));
+        watch->reference_planes[c] = neph_arena_allocate(&watch->planes, pixel_count,
+                                                         sizeof(float));
     watch->reference.first = allocate(&watch->sums, watch->padded_width_px, watch->height_px);
     watch->test.first = allocate(&watch->sums, watch->padded_width_px, watch->height_px);
     const enum neph_status status = neph_arena_check(&watch->planes, diag);
-    return status ? status : let_move(watch, &watch->test, NEPH_FLICKER_SUM_COUNT, diag);
+    return status ? status : start_moving_sums(watch, &watch->test, NEPH_FLICKER_SUM_COUNT, diag);
 }
 
 void neph_flicker_watch_stop(struct neph_flicker_watch *watch)

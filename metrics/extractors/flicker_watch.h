@@ -55,9 +55,9 @@ void neph_flicker_watch_stop(struct neph_flicker_watch *watch);
 void neph_flicker_watch_end(struct neph_flicker_watch *watch);
 
 /* The value of a signal in frame 0. */
-static inline double neph_flicker_first(const struct neph_flicker_watch *watch,
-                                        const struct neph_flicker_signal *signal, int x_px,
-                                        int y_px)
+static inline double neph_flicker_read_first(const struct neph_flicker_watch *watch,
+                                             const struct neph_flicker_signal *signal, int x_px,
+                                             int y_px)
 {
     return signal->first[(size_t)y_px * (size_t)watch->padded_width_px + (size_t)x_px];
 }

@@ -247,7 +247,7 @@ static enum neph_status make_kernels(struct neph_flip *flip, double pixels_per_d
         flip->kernels[k] = (struct kernel){
             .radius_px = k < RING_SMOOTH ? color_radius : feature_radius,
             .is_odd = k == RING_EDGE,
-            .weights = neph_arena_zeroed(memory, stride, sizeof(double)),
+            .weights = neph_arena_allocate(memory, stride, sizeof(double)),
         };
     const enum neph_status status = neph_arena_check(memory, diag);
     if (status)
@@ -263,11 +263,12 @@ static enum neph_status make_workspace(const struct neph_flip *flip, struct work
     const size_t input_size = (size_t)flip->input_stride;
     const size_t ring_size = (size_t)flip->ring_rows * STRIDE;
     const size_t output_size = (size_t)BATCH_ROWS * STRIDE;
-    double *rows = neph_arena_zeroed(memory,
-                                     LANES + INPUT_COUNT * input_size + 2 * RING_COUNT * ring_size +
-                                         2 * OUTPUT_COUNT * output_size,
-                                     sizeof(*rows));
-    space->lines = neph_arena_zeroed(memory, (size_t)flip->ring_rows, sizeof(*space->lines));
+    double *rows = neph_arena_allocate(memory,
+                                       LANES + INPUT_COUNT * input_size +
+                                           2 * RING_COUNT * ring_size +
+                                           2 * OUTPUT_COUNT * output_size,
+                                       sizeof(*rows));
+    space->lines = neph_arena_allocate(memory, (size_t)flip->ring_rows, sizeof(*space->lines));
     if (!rows || !space->lines)
         return neph_fail_memory(diag);
 
@@ -291,8 +292,8 @@ static enum neph_status make_workspaces(struct neph_flip *flip, struct neph_aren
     flip->margin_px = flip->radius_px + 1; /* for that 0 */
     flip->input_stride = STRIDE + 2 * flip->margin_px;
     flip->workspace_count = neph_processor_count();
-    flip->workspaces = neph_arena_zeroed(memory, (size_t)flip->workspace_count,
-                                         sizeof(*flip->workspaces));
+    flip->workspaces = neph_arena_allocate(memory, (size_t)flip->workspace_count,
+                                           sizeof(*flip->workspaces));
     enum neph_status status = flip->workspaces ? NEPH_OK : neph_fail_memory(diag);
     for (int i = 0; i < flip->workspace_count && !status; i++)
         status = make_workspace(flip, &flip->workspaces[i], memory, diag);
@@ -309,7 +310,7 @@ enum neph_status neph_flip_create(double pixels_per_degree, struct neph_arena *m
                         "has 40, the publication 67.02");
         return NEPH_ERR_INPUT;
     }
-    struct neph_flip *made = neph_arena_zeroed(memory, 1, sizeof(*made));
+    struct neph_flip *made = neph_arena_allocate(memory, 1, sizeof(*made));
     enum neph_status status = neph_arena_check(memory, diag);
     if (!status)
         status = make_kernels(made, pixels_per_degree, memory, diag);
@@ -611,7 +612,7 @@ NEPH_VECTOR static void combine(int count, double *const reference[OUTPUT_COUNT]
     }
 }
 
-NEPH_VECTOR static void keep_larger_of(int count, const double *restrict from, double *restrict to)
+NEPH_VECTOR static void keep_maximum(int count, const double *restrict from, double *restrict to)
 {
     for (int i = 0; i < count; i++)
         to[i] = from[i] > to[i] ? from[i] : to[i];
@@ -714,7 +715,7 @@ static void write_row(const struct map_job *job, struct workspace *space, const 
     if (is_first)
         memcpy(to, scratch, (size_t)tile->width_px * sizeof(*to));
     else
-        keep_larger_of(tile->width_px, scratch, to);
+        keep_maximum(tile->width_px, scratch, to);
 }
 
 /* Take a free workspace. There are as many workspaces as threads, so one is free at once or

@@ -62,12 +62,12 @@ static size_t pixel_count(const struct state *state)
 static void allocate(struct state *state, struct neph_arena *memory)
 {
     const size_t count = pixel_count(state);
-    state->map = neph_arena_zeroed(memory, count, sizeof(*state->map));
+    state->map = neph_arena_allocate(memory, count, sizeof(*state->map));
     for (int side = 0; side < SIDE_COUNT; side++)
         for (int d = 0; d < DISTANCE_COUNT; d++) {
-            state->sums[side][d] = neph_arena_zeroed(memory, count, sizeof(double));
+            state->sums[side][d] = neph_arena_allocate(memory, count, sizeof(double));
             for (int c = 0; c < 3; c++)
-                state->kept[side][d][c] = neph_arena_zeroed(memory, count, sizeof(float));
+                state->kept[side][d][c] = neph_arena_allocate(memory, count, sizeof(float));
         }
 }
 

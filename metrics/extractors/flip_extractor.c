@@ -32,7 +32,7 @@ static enum neph_status start(struct state *state, const struct neph_frame_pair 
         .exposure_ev = first->viewing->exposure_ev,
         .tone = (enum neph_flip_tone)settings->values[OPTION_TONE],
     };
-    state->map = neph_arena_zeroed(
+    state->map = neph_arena_allocate(
         first->memory, (size_t)first->width_px * (size_t)first->height_px, sizeof(*state->map));
     return neph_flip_create(pixels_per_degree, first->memory, &state->flip, diag);
 }

@@ -93,7 +93,7 @@ struct basis {
     int slots[PERIODS_MAX];      /* index of their options */
 };
 
-static struct basis basis_of(const struct neph_settings *settings)
+static struct basis make_fit_basis(const struct neph_settings *settings)
 {
     struct basis basis = {.count = 2};
     for (int k = 0; k < PERIODS_MAX; k++) {
@@ -106,7 +106,7 @@ static struct basis basis_of(const struct neph_settings *settings)
     return basis;
 }
 
-static void take_basis(const struct basis *basis, int frame, double values[BASIS_MAX])
+static void evaluate_basis(const struct basis *basis, int frame, double values[BASIS_MAX])
 {
     values[0] = 1.0;
     values[1] = frame;
@@ -136,7 +136,7 @@ static const char *too_short_for(const struct basis *basis, int frame_count)
 static const char *obstacle(const struct neph_frame_pair *first,
                             const struct neph_settings *settings)
 {
-    const struct basis basis = basis_of(settings);
+    const struct basis basis = make_fit_basis(settings);
     if (basis.period_count == 0)
         return "no period of the light: give -s follow:period_1=FRAMES";
     for (int k = 0; k < basis.period_count; k++)
@@ -169,9 +169,9 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
     *state = (struct state){.width_px = first->width_px,
                             .height_px = first->height_px,
                             .gain = exp2(first->viewing->exposure_ev),
-                            .basis = basis_of(settings)};
+                            .basis = make_fit_basis(settings)};
     const size_t plane_count = (size_t)(PICTURE_COUNT * (state->basis.count + 1));
-    double *next = neph_arena_zeroed(first->memory, pixel_count, plane_count * sizeof(*next));
+    double *next = neph_arena_allocate(first->memory, pixel_count, plane_count * sizeof(*next));
     state->block = next;
     if (!next)
         return neph_fail_memory(diag);
@@ -234,7 +234,7 @@ static enum neph_status extract(void *state_, const struct neph_frame_pair *pair
 {
     struct state *state = state_;
     struct work work = {.state = state, .pair = pair};
-    take_basis(&state->basis, pair->frame, work.values);
+    evaluate_basis(&state->basis, pair->frame, work.values);
     for (int j = 0; j < state->basis.count; j++)
         for (int k = 0; k < state->basis.count; k++)
             state->gram[j][k] += work.values[j] * work.values[k];
@@ -291,7 +291,7 @@ struct sine {
     bool above_noise;
 };
 
-static struct sine sine_of(const struct state *state, const struct fit *fit, int k)
+static struct sine read_fitted_sine(const struct state *state, const struct fit *fit, int k)
 {
     const int c = 2 + 2 * k, s = c + 1;
     const double variance = fit->noise * (state->gram[c][c] + state->gram[s][s]);
@@ -304,8 +304,8 @@ static struct sine sine_of(const struct state *state, const struct fit *fit, int
 static void compare_sines(const struct state *state, const struct fit fits[PICTURE_COUNT], int k,
                           double values[MAPS_PER_PERIOD])
 {
-    const struct sine test = sine_of(state, &fits[TEST], k);
-    const struct sine reference = sine_of(state, &fits[REFERENCE], k);
+    const struct sine test = read_fitted_sine(state, &fits[TEST], k);
+    const struct sine reference = read_fitted_sine(state, &fits[REFERENCE], k);
     const double *line = fits[REFERENCE].coefficients;
     const double middle = line[0] + 0.5 * (state->frame_count - 1) * line[1];
     const bool moves = reference.above_noise &&
@@ -321,7 +321,7 @@ static void compare_sines(const struct state *state, const struct fit fits[PICTU
 }
 
 /* The plane of a map of a given period; the maps replace the planes of the sums. */
-static double *plane_of(const struct state *state, int k, int map)
+static double *find_map_plane(const struct state *state, int k, int map)
 {
     const size_t pixel_count = (size_t)state->width_px * (size_t)state->height_px;
     return state->block + (size_t)(k * MAPS_PER_PERIOD + map) * pixel_count;
@@ -338,7 +338,7 @@ static void fit_row(int row, void *context)
             double values[MAPS_PER_PERIOD];
             compare_sines(state, fits, k, values);
             for (int map = 0; map < MAPS_PER_PERIOD; map++)
-                plane_of(state, k, map)[i] = values[map];
+                find_map_plane(state, k, map)[i] = values[map];
         }
     }
 }
@@ -357,7 +357,7 @@ static enum neph_status flush(void *state_, struct neph_diag *diag)
 /* ---- the numbers ----------------------------------------------------------------------------- */
 
 /* The index of an option among the given periods; -1: not given. */
-static int given_as(const struct basis *basis, int slot)
+static int find_given_period(const struct basis *basis, int slot)
 {
     for (int k = 0; k < basis->period_count; k++)
         if (basis->slots[k] == slot)
@@ -369,8 +369,8 @@ static void rows(const void *state_, int map, int first_row, int row_count, doub
 {
     const struct state *state = state_;
     const size_t width = (size_t)state->width_px, count = (size_t)row_count * width;
-    const int k = given_as(&state->basis, map / MAPS_PER_PERIOD);
-    const double *plane = k < 0 ? NULL : plane_of(state, k, map % MAPS_PER_PERIOD);
+    const int k = find_given_period(&state->basis, map / MAPS_PER_PERIOD);
+    const double *plane = k < 0 ? NULL : find_map_plane(state, k, map % MAPS_PER_PERIOD);
     for (size_t i = 0; i < count; i++)
         values[0][i] = plane ? plane[(size_t)first_row * width + i] : (double)NAN;
 }
@@ -378,7 +378,7 @@ static void rows(const void *state_, int map, int first_row, int row_count, doub
 static const char *scalar(const void *state_, int which, double *value)
 {
     const struct state *state = state_;
-    const int k = given_as(&state->basis, which);
+    const int k = find_given_period(&state->basis, which);
     if (k < 0)
         return not_given;
     *value = state->basis.periods[k];

@@ -112,7 +112,7 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                             .height_px = first->height_px,
                             .gain = exp2(first->viewing->exposure_ev),
                             .depth_tolerance = settings->values[DEPTH_TOLERANCE]};
-    state->pixels = neph_arena_zeroed(first->memory, pixel_count, sizeof(*state->pixels));
+    state->pixels = neph_arena_allocate(first->memory, pixel_count, sizeof(*state->pixels));
     return neph_kept_init(state->frames, pixel_count, first->memory, diag);
 }
 
@@ -125,7 +125,7 @@ struct work {
     struct neph_kept *now, *before;
 };
 
-static void look_row(int row, void *context)
+static void start_ghost_row(int row, void *context)
 {
     const struct work *work = context;
     const size_t width = (size_t)work->state->width_px, first = (size_t)row * width;
@@ -146,8 +146,8 @@ static void follow_age(const struct work *work, int x, int y, size_t i)
         return;
     const double wanted_per_m = neph_moved_nearness_before_per_m(&work->moved, i,
                                                                  work->now->nearness_per_m[i]);
-    if (!neph_place_was_seen(&place, before->nearness_per_m, wanted_per_m,
-                             state->depth_tolerance)) {
+    if (!neph_place_was_visible(&place, before->nearness_per_m, wanted_per_m,
+                                state->depth_tolerance)) {
         work->now->age[i] = 1;
         work->now->planes[FRONT][i] = neph_place_value(&place, before->planes[REFERENCE]);
         return;
@@ -200,7 +200,7 @@ static enum neph_status extract(void *state_, const struct neph_frame_pair *pair
                         .before = &state->frames[(state->frame_count + 1) % 2]};
     enum neph_status status = neph_moved_find(pair, &work.moved, diag);
     if (!status)
-        status = neph_parallel_rows(state->height_px, look_row, &work, diag);
+        status = neph_parallel_rows(state->height_px, start_ghost_row, &work, diag);
     if (!status && state->frame_count > 0)
         status = neph_parallel_rows(state->height_px, follow_row, &work, diag);
     state->frame_count++;
@@ -209,7 +209,7 @@ static enum neph_status extract(void *state_, const struct neph_frame_pair *pair
 
 /* ---- the numbers ----------------------------------------------------------------------------- */
 
-static double value_of_age(const struct age_sums *sums, int map)
+static double compute_age_value(const struct age_sums *sums, int map)
 {
     const double values[MAPS_PER_AGE] = {
         [PRODUCT] = sums->product,
@@ -220,10 +220,10 @@ static double value_of_age(const struct age_sums *sums, int map)
     return sums->told > 0 ? values[map] : (double)NAN;
 }
 
-static double value_of(const struct state *state, int map, const struct pixel *pixel)
+static double compute_ghost_value(const struct state *state, int map, const struct pixel *pixel)
 {
     if (map < AREA)
-        return value_of_age(&pixel->ages[map / MAPS_PER_AGE], map % MAPS_PER_AGE);
+        return compute_age_value(&pixel->ages[map / MAPS_PER_AGE], map % MAPS_PER_AGE);
     if (map == AREA)
         return state->frame_count > 1 ? (double)pixel->ghost_frames / (state->frame_count - 1)
                                       : (double)NAN;
@@ -237,7 +237,7 @@ static void rows(const void *state_, int map, int first_row, int row_count, doub
     const struct state *state = state_;
     const size_t width = (size_t)state->width_px, first = (size_t)first_row * width;
     for (size_t i = 0; i < (size_t)row_count * width; i++)
-        values[0][i] = value_of(state, map, &state->pixels[first + i]);
+        values[0][i] = compute_ghost_value(state, map, &state->pixels[first + i]);
 }
 
 const struct neph_extractor neph_extractor_ghost = {

@@ -81,7 +81,7 @@ struct census {
     double largest;
 };
 
-static struct census take_census(const struct neph_frame_pair *pair)
+static struct census count_luminances(const struct neph_frame_pair *pair)
 {
     struct census census = {.largest = -INFINITY};
     for (size_t i = 0; i < pixel_count(pair); i++) {
@@ -98,15 +98,15 @@ static struct census take_census(const struct neph_frame_pair *pair)
 enum { DIGIT_BITS = 16, DIGIT_VALUES = 1 << DIGIT_BITS };
 
 /* An unsigned integer with the same order as the doubles. */
-static uint64_t key_of(double value)
+static uint64_t sortable_key(double value)
 {
-    const uint64_t bits = neph_bits_of(value);
+    const uint64_t bits = neph_bits_from_double(value);
     return bits >> 63 ? ~bits : bits | 0x8000000000000000u;
 }
 
-static double value_of(uint64_t key)
+static double value_from_sortable_key(uint64_t key)
 {
-    return neph_of_bits(key >> 63 ? key ^ 0x8000000000000000u : ~key);
+    return neph_double_from_bits(key >> 63 ? key ^ 0x8000000000000000u : ~key);
 }
 
 /* The finite luminance at a rank in ascending order, found digit by digit: each pass over the
@@ -120,7 +120,7 @@ static double luminance_of_rank(const struct neph_frame_pair *pair, size_t rank,
         memset(counts, 0, DIGIT_VALUES * sizeof(*counts));
         for (size_t i = 0; i < pixel_count(pair); i++) {
             const double luminance = neph_luminance_at(pair->reference, i);
-            const uint64_t candidate = key_of(luminance);
+            const uint64_t candidate = sortable_key(luminance);
             if (isfinite(luminance) && (candidate & known) == key)
                 counts[candidate >> shift & (DIGIT_VALUES - 1)]++;
         }
@@ -129,7 +129,7 @@ static double luminance_of_rank(const struct neph_frame_pair *pair, size_t rank,
             rank -= counts[digit];
         key |= digit << shift;
     }
-    return value_of(key);
+    return value_from_sortable_key(key);
 }
 
 /* The range by the rule. The median is element n / 2 of n sorted values, over all pixels, or, if
@@ -140,7 +140,7 @@ static enum neph_status range_by_rule(const struct neph_frame_pair *pair, enum n
     size_t *counts = malloc(DIGIT_VALUES * sizeof(*counts));
     if (!counts)
         return neph_fail_memory(diag);
-    const struct census census = take_census(pair);
+    const struct census census = count_luminances(pair);
     const size_t first_positive = census.count - census.positive_count;
     const size_t middle = first_positive > census.count / 2
                               ? first_positive + census.positive_count / 2
@@ -196,9 +196,9 @@ static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
     enum neph_status status = choose_exposures(first, tone, settings, &state->exposures, diag);
     if (status)
         return status;
-    state->displays = neph_arena_zeroed(first->memory, (size_t)state->exposures.count,
-                                        sizeof(*state->displays));
-    state->map = neph_arena_zeroed(first->memory, pixel_count(first), sizeof(*state->map));
+    state->displays = neph_arena_allocate(first->memory, (size_t)state->exposures.count,
+                                          sizeof(*state->displays));
+    state->map = neph_arena_allocate(first->memory, pixel_count(first), sizeof(*state->map));
     for (int i = 0; state->displays && i < state->exposures.count; i++)
         state->displays[i] = (struct neph_flip_display){exposure_at(&state->exposures, i), tone};
     return neph_flip_create(first->viewing->pixels_per_degree, first->memory, &state->flip, diag);

@@ -197,7 +197,7 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                             .old_is_second = settings->values[OLD] > 0.0,
                             .gain = exp2(first->viewing->exposure_ev)};
     for (int p = 0; p < PLANE_COUNT; p++)
-        state->planes[p] = neph_arena_zeroed(first->memory, pixel_count, sizeof(double));
+        state->planes[p] = neph_arena_allocate(first->memory, pixel_count, sizeof(double));
     return neph_arena_check(first->memory, diag);
 }
 
@@ -317,7 +317,7 @@ static enum neph_status extract(void *state_, const struct neph_frame_pair *pair
 }
 
 /* A time; all frames if it has not been reached; NaN without a step. */
-static double time_of(const struct state *state, int limit, size_t i)
+static double compute_crossing_time(const struct state *state, int limit, size_t i)
 {
     const double crossing = state->planes[CROSSING + limit][i];
     if (isnan(state->planes[STEP][i]))
@@ -332,7 +332,8 @@ static void take_phases(struct state *state)
     for (int y = 0; y < state->height_px; y++) {
         for (int x = 0; x < state->width_px; x++) {
             const int phase = (x / state->slot_px & 1) + 2 * (y / state->slot_px & 1);
-            const double time = time_of(state, 0, (size_t)y * (size_t)state->width_px + (size_t)x);
+            const double time = compute_crossing_time(
+                state, 0, (size_t)y * (size_t)state->width_px + (size_t)x);
             if (isnan(time))
                 continue;
             neph_sum_add(&sums[phase], time);
@@ -364,7 +365,7 @@ static enum neph_status flush(void *state_, struct neph_diag *diag)
 }
 
 /* Pixels without a step have no ghost. */
-static double ghost_of(const struct state *state, int map, size_t i)
+static double compute_ghost_map_value(const struct state *state, int map, size_t i)
 {
     const uint64_t bits = (uint64_t)state->planes[GHOSTS][i];
     const bool steps = !isnan(state->planes[STEP][i]);
@@ -385,7 +386,7 @@ static double ghost_of(const struct state *state, int map, size_t i)
     return count;
 }
 
-static double value_of(const struct state *state, int map, size_t i)
+static double compute_lag_value(const struct state *state, int map, size_t i)
 {
     double above = 0.0;
     switch (map) {
@@ -394,7 +395,7 @@ static double value_of(const struct state *state, int map, size_t i)
     case HALF_LIFE:
     case TO_10:
     case TO_1:
-        return time_of(state, map - HALF_LIFE, i);
+        return compute_crossing_time(state, map - HALF_LIFE, i);
     case OVERSHOOT:
         return isnan(state->planes[STEP][i]) ? (double)NAN : state->planes[BEYOND][i];
     case RESIDUAL:
@@ -404,7 +405,7 @@ static double value_of(const struct state *state, int map, size_t i)
             above += state->planes[CROSSING + k][i] < 0.0;
         return isnan(state->planes[STEP][i]) ? (double)NAN : above;
     default:
-        return ghost_of(state, map, i);
+        return compute_ghost_map_value(state, map, i);
     }
 }
 
@@ -413,7 +414,7 @@ static void rows(const void *state_, int map, int first_row, int row_count, doub
     const struct state *state = state_;
     const size_t width = (size_t)state->width_px, first = (size_t)first_row * width;
     for (size_t i = 0; i < (size_t)row_count * width; i++)
-        values[0][i] = value_of(state, map, first + i);
+        values[0][i] = compute_lag_value(state, map, first + i);
 }
 
 static const char *scalar(const void *state_, int which, double *value)

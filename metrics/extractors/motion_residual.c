@@ -139,8 +139,9 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                             .luminance = settings->values[SIGNAL] > 0.0,
                             .depth_tolerance = settings->values[DEPTH_TOLERANCE],
                             .edge_ratio = settings->values[EDGE_RATIO]};
-    state->pixels = neph_arena_zeroed(first->memory, pixel_count, sizeof(*state->pixels));
-    state->rows = neph_arena_zeroed(first->memory, (size_t)first->height_px, sizeof(*state->rows));
+    state->pixels = neph_arena_allocate(first->memory, pixel_count, sizeof(*state->pixels));
+    state->rows = neph_arena_allocate(first->memory, (size_t)first->height_px,
+                                      sizeof(*state->rows));
     const enum neph_status status = neph_kept_init(state->frames, pixel_count, first->memory, diag);
     for (int k = 0; k < 2 && !status; k++)
         memset(state->frames[k].age, AGE_UNKNOWN, pixel_count);
@@ -156,7 +157,7 @@ struct work {
     struct neph_kept *now, *before;
 };
 
-static void look_row(int row, void *context)
+static void start_motion_row(int row, void *context)
 {
     const struct work *work = context;
     const struct state *state = work->state;
@@ -253,7 +254,7 @@ static void compare_pixel(const struct work *work, int x, int y, struct ages *ag
     const double *nearness_per_m = work->before->nearness_per_m;
     const double tolerance = state->depth_tolerance;
     const bool there = neph_place_agrees(&place, nearness_per_m, wanted_per_m, tolerance);
-    const bool seen = neph_place_was_seen(&place, nearness_per_m, wanted_per_m, tolerance);
+    const bool seen = neph_place_was_visible(&place, nearness_per_m, wanted_per_m, tolerance);
     if (there && !any_step(&place, work->before->flags) &&
         !step_within_1_px(state, work->now->flags, x, y))
         add_residuals(work, &place, i);
@@ -283,7 +284,7 @@ static enum neph_status extract(void *state_, const struct neph_frame_pair *pair
                         .before = &state->frames[(state->frame_count + 1) % 2]};
     enum neph_status status = neph_moved_find(pair, &work.moved, diag);
     if (!status)
-        status = neph_parallel_rows(state->height_px, look_row, &work, diag);
+        status = neph_parallel_rows(state->height_px, start_motion_row, &work, diag);
     if (!status)
         status = neph_parallel_rows(state->height_px, mark_row, &work, diag);
     if (!status && state->frame_count > 0)
@@ -307,30 +308,30 @@ static enum neph_status flush(void *state_, struct neph_diag *diag)
     return NEPH_OK;
 }
 
-static double mean_of(double sum, double count)
+static double divide_by_count(double sum, double count)
 {
     return count > 0.0 ? sum / count : (double)NAN;
 }
 
-static double value_of(const struct state *state, int map, const struct pixel *pixel)
+static double compute_motion_value(const struct state *state, int map, const struct pixel *pixel)
 {
     const double pairs = state->frame_count - 1;
     switch (map) {
     case SHOWN:
-        return sqrt(mean_of(pixel->test, pixel->valid)) -
-               sqrt(mean_of(pixel->reference, pixel->valid));
+        return sqrt(divide_by_count(pixel->test, pixel->valid)) -
+               sqrt(divide_by_count(pixel->reference, pixel->valid));
     case TEST:
-        return mean_of(pixel->test, pixel->valid);
+        return divide_by_count(pixel->test, pixel->valid);
     case REFERENCE:
-        return mean_of(pixel->reference, pixel->valid);
+        return divide_by_count(pixel->reference, pixel->valid);
     case COVERAGE:
-        return mean_of(pixel->valid, pairs);
+        return divide_by_count(pixel->valid, pairs);
     case DISOCCLUDED:
-        return mean_of(pixel->fresh_count, pairs);
+        return divide_by_count(pixel->fresh_count, pairs);
     case FRESH:
-        return mean_of(pixel->fresh, pixel->fresh_count);
+        return divide_by_count(pixel->fresh, pixel->fresh_count);
     default:
-        return mean_of(pixel->rest, pixel->rest_count);
+        return divide_by_count(pixel->rest, pixel->rest_count);
     }
 }
 
@@ -339,12 +340,12 @@ static void rows(const void *state_, int map, int first_row, int row_count, doub
     const struct state *state = state_;
     const size_t width = (size_t)state->width_px, first = (size_t)first_row * width;
     for (size_t i = 0; i < (size_t)row_count * width; i++)
-        values[0][i] = value_of(state, map, &state->pixels[first + i]);
+        values[0][i] = compute_motion_value(state, map, &state->pixels[first + i]);
 }
 
 static double rms_of_age(const struct state *state, int age)
 {
-    return sqrt(mean_of(state->totals.squares[age], state->totals.counts[age]));
+    return sqrt(divide_by_count(state->totals.squares[age], state->totals.counts[age]));
 }
 
 /* The last time at which the residual falls to the share; log-linear between frames. */

@@ -105,11 +105,11 @@ enum neph_status neph_kept_init(struct neph_kept frames[2], size_t pixel_count,
                                 struct neph_arena *memory, struct neph_diag *diag)
 {
     for (int k = 0; k < 2; k++) {
-        frames[k].nearness_per_m = neph_arena_zeroed(memory, pixel_count, sizeof(double));
-        frames[k].planes[0] = neph_arena_zeroed(memory, pixel_count, sizeof(double));
-        frames[k].planes[1] = neph_arena_zeroed(memory, pixel_count, sizeof(double));
-        frames[k].age = neph_arena_zeroed(memory, pixel_count, sizeof(uint8_t));
-        frames[k].flags = neph_arena_zeroed(memory, pixel_count, sizeof(uint8_t));
+        frames[k].nearness_per_m = neph_arena_allocate(memory, pixel_count, sizeof(double));
+        frames[k].planes[0] = neph_arena_allocate(memory, pixel_count, sizeof(double));
+        frames[k].planes[1] = neph_arena_allocate(memory, pixel_count, sizeof(double));
+        frames[k].age = neph_arena_allocate(memory, pixel_count, sizeof(uint8_t));
+        frames[k].flags = neph_arena_allocate(memory, pixel_count, sizeof(uint8_t));
     }
     return neph_arena_check(memory, diag);
 }

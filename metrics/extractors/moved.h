@@ -111,8 +111,9 @@ static inline bool neph_place_agrees(const struct neph_place *place, const doubl
 }
 
 /* Whether the point was visible: the depth agrees at the position or at one of the four pixels. */
-static inline bool neph_place_was_seen(const struct neph_place *place, const double *nearness_per_m,
-                                       double wanted_per_m, double tolerance)
+static inline bool neph_place_was_visible(const struct neph_place *place,
+                                          const double *nearness_per_m, double wanted_per_m,
+                                          double tolerance)
 {
     if (neph_place_agrees(place, nearness_per_m, wanted_per_m, tolerance))
         return true;

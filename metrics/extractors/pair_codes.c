@@ -36,17 +36,17 @@ static enum neph_status prepare(const struct neph_frame_pair *pair, enum neph_co
     const size_t count = (size_t)pair->width_px * (size_t)pair->height_px;
     struct neph_arena *memory = pair->codes->memory;
     if (!planes->reference)
-        planes->reference = neph_arena_zeroed(memory, count, sizeof(double));
+        planes->reference = neph_arena_allocate(memory, count, sizeof(double));
     if (!planes->test)
-        planes->test = neph_arena_zeroed(memory, count, sizeof(double));
+        planes->test = neph_arena_allocate(memory, count, sizeof(double));
     if (!planes->reference || !planes->test)
         return neph_fail_memory(diag);
     return planes->code ? NEPH_OK
                         : neph_code_create(kind, pair->viewing, memory, &planes->code, diag);
 }
 
-enum neph_status neph_pair_codes_of(const struct neph_frame_pair *pair, enum neph_code_kind kind,
-                                    const struct neph_code_planes **planes, struct neph_diag *diag)
+enum neph_status neph_pair_codes_get(const struct neph_frame_pair *pair, enum neph_code_kind kind,
+                                     const struct neph_code_planes **planes, struct neph_diag *diag)
 {
     struct neph_code_planes *of_kind = &pair->codes->kinds[kind];
     struct encoding encoding = {pair, of_kind};

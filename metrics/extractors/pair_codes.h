@@ -29,7 +29,8 @@ void neph_pair_codes_forget(struct neph_pair_codes *codes);
 
 /* The codes of a pair, in its `codes`; `planes` is valid until neph_pair_codes_forget(). Values
  * that are not finite are clamped to the curve. NEPH_ERR_MEMORY, NEPH_ERR_INTERRUPTED. */
-enum neph_status neph_pair_codes_of(const struct neph_frame_pair *pair, enum neph_code_kind kind,
-                                    const struct neph_code_planes **planes, struct neph_diag *diag);
+enum neph_status neph_pair_codes_get(const struct neph_frame_pair *pair, enum neph_code_kind kind,
+                                     const struct neph_code_planes **planes,
+                                     struct neph_diag *diag);
 
 #endif

@@ -28,10 +28,10 @@ struct neph_phase_age {
 };
 
 /* The phase of a pixel, 0..3. */
-int neph_phase_of(const struct neph_phase_age *scheme, int x_px, int y_px);
+int neph_slot_phase(const struct neph_phase_age *scheme, int x_px, int y_px);
 
 /* The frame, modulo 4, in which a pixel is `age` frames old (0: just traced). */
-int neph_frame_of_age(const struct neph_phase_age *scheme, int x_px, int y_px, int age);
+int neph_slot_frame_at_age(const struct neph_phase_age *scheme, int x_px, int y_px, int age);
 
 /* Slope of the least-squares line through values at ages 0, 1, 2, 3 [per frame]. */
 double neph_age_slope(const double values[NEPH_AGE_COUNT]);

@@ -28,11 +28,12 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
                                 struct neph_diag *diag)
 {
     struct state *state = opaque;
-    return neph_pair_codes_of(pair, NEPH_CODE_PU21, &state->codes, diag);
+    return neph_pair_codes_get(pair, NEPH_CODE_PU21, &state->codes, diag);
 }
 
-NEPH_VECTOR static void squares_of(const double *restrict reference, const double *restrict test,
-                                   size_t count, double *restrict squares)
+NEPH_VECTOR static void compute_squared_error(const double *restrict reference,
+                                              const double *restrict test, size_t count,
+                                              double *restrict squares)
 {
     for (size_t i = 0; i < count; i++)
         squares[i] = (test[i] - reference[i]) * (test[i] - reference[i]);
@@ -43,8 +44,8 @@ static void rows(const void *opaque, int map, int first_row, int row_count, doub
     (void)map;
     const struct state *state = opaque;
     const size_t first = (size_t)first_row * state->width_px;
-    squares_of(state->codes->reference + first, state->codes->test + first,
-               (size_t)row_count * state->width_px, values[0]);
+    compute_squared_error(state->codes->reference + first, state->codes->test + first,
+                          (size_t)row_count * state->width_px, values[0]);
 }
 
 static enum neph_display_bound bound(const struct neph_settings *settings)

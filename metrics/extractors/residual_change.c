@@ -61,8 +61,8 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                             .has_luma = (first->quantity->bit & SHOWABLE) != 0,
                             .gain = exp2(first->viewing->exposure_ev)};
     for (int p = 0; p < PLANE_COUNT; p++) {
-        state->residual[p] = neph_arena_zeroed(first->memory, pixel_count, sizeof(double));
-        state->squares[p] = neph_arena_zeroed(first->memory, pixel_count, sizeof(double));
+        state->residual[p] = neph_arena_allocate(first->memory, pixel_count, sizeof(double));
+        state->squares[p] = neph_arena_allocate(first->memory, pixel_count, sizeof(double));
     }
     return neph_arena_check(first->memory, diag);
 }

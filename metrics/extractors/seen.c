@@ -195,9 +195,9 @@ static enum neph_status allocate(struct seen *seen, struct neph_diag *diag)
         {&seen->row_energies, rows * (size_t)seen->window.bin_count},
     };
     for (size_t i = 0; i < sizeof(planes) / sizeof(planes[0]); i++)
-        *planes[i].plane = neph_arena_zeroed(&seen->frames, planes[i].count, sizeof(float));
-    seen->sums = neph_arena_zeroed(&seen->frames, rows * ((size_t)seen->width_px + 1),
-                                   sizeof(*seen->sums));
+        *planes[i].plane = neph_arena_allocate(&seen->frames, planes[i].count, sizeof(float));
+    seen->sums = neph_arena_allocate(&seen->frames, rows * ((size_t)seen->width_px + 1),
+                                     sizeof(*seen->sums));
     return neph_arena_check(&seen->frames, diag);
 }
 
@@ -214,8 +214,8 @@ static enum neph_status seen_init(void *state, const struct neph_frame_pair *fir
         .width_px = first->width_px,
         .height_px = first->height_px,
         .padded_width_px = padded(first->width_px),
-        .filter = neph_seen_filter_of(ppd),
-        .disks = neph_seen_disks_of(first->width_px, first->height_px, ppd),
+        .filter = neph_seen_filter_make(ppd),
+        .disks = neph_seen_disks_make(first->width_px, first->height_px, ppd),
     };
     seen->padded_disk_count = padded(seen->disks.disk_count);
     const enum neph_status status = neph_seen_window_create(seen->frame_count, &seen->frames,
@@ -279,12 +279,12 @@ static size_t row_begin(const struct seen *seen, int row)
     return (size_t)row * (size_t)seen->width_px;
 }
 
-static double *sums_of(const struct seen *seen, int row)
+static double *prefix_sum_row(const struct seen *seen, int row)
 {
     return seen->sums + (size_t)row * ((size_t)seen->width_px + 1);
 }
 
-static float *series_of(const struct seen *seen, int row, int t)
+static float *series_row(const struct seen *seen, int row, int t)
 {
     return seen->series +
            ((size_t)row * (size_t)seen->frame_count + (size_t)t) * (size_t)seen->padded_width_px;
@@ -299,11 +299,11 @@ static void show_row(int row, void *context)
     const float gain = (float)exp2(seen->viewing.exposure_ev);
     const float white = (float)seen->viewing.white_cd_per_m2;
     const float *const *r = work->pair->reference, *const *x = work->pair->test;
-    float *reference = series_of(seen, row, work->t), *test = seen->plane + begin;
+    float *reference = series_row(seen, row, work->t), *test = seen->plane + begin;
     show(r[0] + begin, r[1] + begin, r[2] + begin, seen->width_px, gain, white, reference);
     show(x[0] + begin, x[1] + begin, x[2] + begin, seen->width_px, gain, white, test);
     subtract(test, reference, seen->width_px, seen->luminance + begin);
-    sum_up(test, seen->width_px, sums_of(seen, row));
+    sum_up(test, seen->width_px, prefix_sum_row(seen, row));
 }
 
 static void filter_row(int row, void *context)
@@ -313,7 +313,7 @@ static void filter_row(int row, void *context)
     float *wide = malloc((size_t)(seen->width_px + 2 * seen->filter.radius_px) * sizeof(*wide));
     if (wide)
         neph_seen_filter_row(&seen->filter, seen->plane, seen->width_px, seen->height_px, row, wide,
-                             series_of(seen, row, work->t));
+                             series_row(seen, row, work->t));
     else
         atomic_store(&seen->out_of_memory, true);
     free(wide);
@@ -362,7 +362,7 @@ static void average_row(int row, void *context)
     float *luminance = seen->luminance + row_begin(seen, row);
     for (int x = 0; x < seen->width_px; x++)
         luminance[x] /= (float)seen->frame_count;
-    sum_up(luminance, seen->width_px, sums_of(seen, row));
+    sum_up(luminance, seen->width_px, prefix_sum_row(seen, row));
 }
 
 /* The adaptation luminance of the eye: the mean of a pixel's surroundings. */
@@ -382,7 +382,7 @@ static enum neph_status find_luminance(struct seen *seen, struct neph_diag *diag
 static void find_lanes(const struct seen *seen, int row, int first, float *room, float *energies)
 {
     const int count = seen->width_px - first < LANES ? seen->width_px - first : LANES;
-    const float *series = series_of(seen, row, 0) + first;
+    const float *series = series_row(seen, row, 0) + first;
     const size_t stride = (size_t)seen->padded_width_px, at = row_begin(seen, row) + (size_t)first;
     const double fade = exp(-1.0 / (seen->viewing.frame_rate_hz * NEPH_EYE_EDGE_S));
     float luminances[LANES], lane_levels[LANES], pops[LANES];
@@ -411,7 +411,7 @@ static void add_energies(const float *energies, int bin_count, float *sums)
 }
 
 /* Allocate memory for a transform and its energies; NULL: out of memory, which is recorded. */
-static float *take_room(struct seen *seen)
+static float *allocate_transform_room(struct seen *seen)
 {
     const size_t energies = (size_t)seen->window.bin_count * LANES;
     float *room = malloc((neph_seen_room(&seen->window) + energies) * sizeof(*room));
@@ -424,7 +424,7 @@ static void find_row(int row, void *context)
 {
     struct seen *seen = context;
     const int bin_count = seen->window.bin_count;
-    float *room = take_room(seen);
+    float *room = allocate_transform_room(seen);
     if (!room)
         return;
     float *energies = room + neph_seen_room(&seen->window);
@@ -458,7 +458,7 @@ static void find_disks(int block, void *context)
 {
     struct seen *seen = context;
     const int first = block * LANES;
-    float *room = take_room(seen);
+    float *room = allocate_transform_room(seen);
     if (!room)
         return;
     float *energies = room + neph_seen_room(&seen->window);
@@ -485,8 +485,8 @@ static void combine_row(int row, void *context)
         }
     for (int x = 0; x < seen->width_px; x++)
         for (int c = 0; c < CONDITIONS; c++)
-            seen->values[SEEN + c][row_begin(seen, row) + (size_t)x] = (float)neph_eye_seen(
-                levels[c] * (double)contrast[x]);
+            seen->values[SEEN + c][row_begin(seen, row) + (size_t)x] =
+                (float)neph_eye_flicker_probability(levels[c] * (double)contrast[x]);
 }
 
 static void judge_pops(int row, void *context)
@@ -494,7 +494,7 @@ static void judge_pops(int row, void *context)
     const struct seen *seen = context;
     float *pops = seen->values[POP] + row_begin(seen, row);
     for (int x = 0; x < seen->width_px; x++)
-        pops[x] = (float)neph_eye_pop_seen((double)pops[x]);
+        pops[x] = (float)neph_eye_pop_probability((double)pops[x]);
 }
 
 static enum neph_status find_contrast(struct seen *seen, struct neph_diag *diag)
@@ -566,7 +566,7 @@ static double tile_period(const struct seen *seen, int left, int top, int right,
 
 static void find_worst_tile(struct seen *seen)
 {
-    const struct neph_tiling tiling = neph_tiling_of(seen->width_px, seen->height_px);
+    const struct neph_tiling tiling = neph_tiling_make(seen->width_px, seen->height_px);
     const int side = tiling.side_px;
     seen->scalars[WORST_CONTRAST] = -1.0;
     for (int top = 0; top < seen->height_px; top += side)
@@ -591,7 +591,7 @@ static void find_most_coherent(struct seen *seen)
             most = disk;
     seen->scalars[COHERENT_CONTRAST] = (double)seen->disk_contrast[most];
     seen->scalars[COHERENT_HZ] = (double)seen->disk_hertz[most];
-    seen->scalars[COHERENT_RADIUS] = neph_seen_grid_of(&seen->disks, most)->radius_px /
+    seen->scalars[COHERENT_RADIUS] = neph_seen_grid_find(&seen->disks, most)->radius_px /
                                      seen->viewing.pixels_per_degree;
 }
 
@@ -611,7 +611,7 @@ static enum neph_status allocate_maps(struct seen *seen, struct neph_diag *diag)
 {
     for (int map = 0; map < MAP_COUNT; map++)
         if (map != FOURTH_POWER) /* derived from another map */
-            seen->values[map] = neph_arena_zeroed(seen->memory, pixel_count(seen), sizeof(float));
+            seen->values[map] = neph_arena_allocate(seen->memory, pixel_count(seen), sizeof(float));
     return neph_arena_check(seen->memory, diag);
 }
 
@@ -638,7 +638,7 @@ static enum neph_status seen_flush(void *state, struct neph_diag *diag)
     return NEPH_OK;
 }
 
-static double value_of(const struct seen *seen, int map, size_t pixel)
+static double read_map_value(const struct seen *seen, int map, size_t pixel)
 {
     if (!seen->complete)
         return NAN;
@@ -651,7 +651,7 @@ static void seen_rows(const void *state, int map, int first_row, int row_count,
     const struct seen *seen = state;
     const size_t begin = row_begin(seen, first_row), count = row_begin(seen, row_count);
     for (size_t i = 0; i < count; i++)
-        values[0][i] = value_of(seen, map, begin + i);
+        values[0][i] = read_map_value(seen, map, begin + i);
 }
 
 static const char *seen_scalar(const void *state, int which, double *value)

@@ -14,7 +14,7 @@ static int count_along(int side_px, double radius_px)
     return (int)fmax(round(side_px / spacing_px), 1.0);
 }
 
-struct neph_seen_disks neph_seen_disks_of(int width_px, int height_px, double pixels_per_degree)
+struct neph_seen_disks neph_seen_disks_make(int width_px, int height_px, double pixels_per_degree)
 {
     struct neph_seen_disks disks = {
         .width_px = width_px, .height_px = height_px, .pixels_per_degree = pixels_per_degree};
@@ -28,7 +28,7 @@ struct neph_seen_disks neph_seen_disks_of(int width_px, int height_px, double pi
     return disks;
 }
 
-const struct neph_seen_grid *neph_seen_grid_of(const struct neph_seen_disks *disks, int disk)
+const struct neph_seen_grid *neph_seen_grid_find(const struct neph_seen_disks *disks, int disk)
 {
     int g = 0;
     while (g + 1 < NEPH_SEEN_RADII && disk >= disks->grids[g + 1].first)
@@ -64,9 +64,9 @@ struct extent {
     struct span rows;
 };
 
-static struct extent extent_of(const struct neph_seen_disks *disks, int disk)
+static struct extent compute_disk_extent(const struct neph_seen_disks *disks, int disk)
 {
-    const struct neph_seen_grid *grid = neph_seen_grid_of(disks, disk);
+    const struct neph_seen_grid *grid = neph_seen_grid_find(disks, disk);
     const int place = disk - grid->first, reach_px = (int)grid->radius_px;
     const int x_px = centre_px(place % grid->columns, grid->columns, disks->width_px);
     const int y_px = centre_px(place / grid->columns, grid->rows, disks->height_px);
@@ -77,8 +77,8 @@ static struct extent extent_of(const struct neph_seen_disks *disks, int disk)
         {greater(y_px - reach_px, 0), lesser(y_px + reach_px + 1, disks->height_px)}};
 }
 
-static struct span span_of(const struct neph_seen_disks *disks, const struct extent *extent,
-                           int row)
+static struct span compute_row_span(const struct neph_seen_disks *disks,
+                                    const struct extent *extent, int row)
 {
     const double dy = row - extent->y_px;
     const int reach_px = (int)sqrt(extent->radius_px * extent->radius_px - dy * dy);
@@ -90,7 +90,7 @@ static double area_px2(const struct neph_seen_disks *disks, const struct extent 
 {
     double area = 0.0;
     for (int row = extent->rows.begin; row < extent->rows.end; row++) {
-        const struct span span = span_of(disks, extent, row);
+        const struct span span = compute_row_span(disks, extent, row);
         area += span.end - span.begin;
     }
     return area;
@@ -98,7 +98,7 @@ static double area_px2(const struct neph_seen_disks *disks, const struct extent 
 
 double neph_seen_cut_radius_deg(const struct neph_seen_disks *disks, int disk)
 {
-    const struct extent extent = extent_of(disks, disk);
+    const struct extent extent = compute_disk_extent(disks, disk);
     return sqrt(area_px2(disks, &extent) / M_PI) / disks->pixels_per_degree;
 }
 
@@ -111,11 +111,11 @@ struct work {
 static void take_mean(int disk, void *context)
 {
     const struct work *work = context;
-    const struct extent extent = extent_of(work->disks, disk);
+    const struct extent extent = compute_disk_extent(work->disks, disk);
     double sum = 0.0, area = 0.0;
     for (int row = extent.rows.begin; row < extent.rows.end; row++) {
         const double *sums = work->sums + (size_t)row * ((size_t)work->disks->width_px + 1);
-        const struct span span = span_of(work->disks, &extent, row);
+        const struct span span = compute_row_span(work->disks, &extent, row);
         sum += sums[span.end] - sums[span.begin];
         area += span.end - span.begin;
     }

@@ -29,9 +29,9 @@ struct neph_seen_disks {
     int disk_count;
 };
 
-struct neph_seen_disks neph_seen_disks_of(int width_px, int height_px, double pixels_per_degree);
+struct neph_seen_disks neph_seen_disks_make(int width_px, int height_px, double pixels_per_degree);
 
-const struct neph_seen_grid *neph_seen_grid_of(const struct neph_seen_disks *disks, int disk);
+const struct neph_seen_grid *neph_seen_grid_find(const struct neph_seen_disks *disks, int disk);
 
 /* Radius [deg] of the full disk with the area of this disk's inner part. */
 double neph_seen_cut_radius_deg(const struct neph_seen_disks *disks, int disk);

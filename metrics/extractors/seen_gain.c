@@ -52,8 +52,8 @@ enum neph_status neph_seen_gains_create(int bin_count, double bin_hz, double fra
         .bin_count = bin_count,
         .black_cd_per_m2 = black_cd_per_m2,
         .levels_per_octave = (NEPH_SEEN_LEVELS - 1) / log2(white_cd_per_m2 / black_cd_per_m2),
-        .values = neph_arena_zeroed(memory, (size_t)bin_count * NEPH_SEEN_LEVELS,
-                                    sizeof(*gains->values))};
+        .values = neph_arena_allocate(memory, (size_t)bin_count * NEPH_SEEN_LEVELS,
+                                      sizeof(*gains->values))};
     struct work work = {gains, bin_hz, frame_rate_hz};
     return gains->values ? neph_parallel_rows(bin_count, fill_bin, &work, diag)
                          : neph_fail_memory(diag);

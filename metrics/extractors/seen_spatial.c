@@ -28,7 +28,7 @@ static double coefficient(double pixels_per_degree, int dy, int dx)
     return sum / (STEPS * STEPS);
 }
 
-struct neph_seen_filter neph_seen_filter_of(double pixels_per_degree)
+struct neph_seen_filter neph_seen_filter_make(double pixels_per_degree)
 {
     struct neph_seen_filter filter = {
         .radius_px = (int)fmin(fmax(ceil(pixels_per_degree / 15.0), 2.0), NEPH_SEEN_RADIUS_MAX_PX)};

@@ -25,7 +25,7 @@ struct neph_seen_filter {
 
 /* The Fourier series of the sensitivity, cut at a fifteenth of a degree: the relative error is 3 %,
  * and 6 % at the frequency of the pixels (60 pixels per degree). */
-struct neph_seen_filter neph_seen_filter_of(double pixels_per_degree);
+struct neph_seen_filter neph_seen_filter_make(double pixels_per_degree);
 
 /* Compute one row of the filtered plane. `wide`: memory for width + 2 radius_px values. */
 void neph_seen_filter_row(const struct neph_seen_filter *filter, const float *plane, int width_px,

@@ -52,11 +52,12 @@ enum neph_status neph_seen_window_create(int frame_count, struct neph_arena *mem
     while (window->padded_count < frame_count)
         window->padded_count *= 2;
     window->bin_count = window->padded_count / 2 + 1;
-    window->taper = neph_arena_zeroed(memory, n, sizeof(*window->taper));
-    window->mean_weights = neph_arena_zeroed(memory, n, sizeof(*window->mean_weights));
-    window->slope_weights = neph_arena_zeroed(memory, n, sizeof(*window->slope_weights));
-    window->turns = neph_arena_zeroed(memory, (size_t)window->padded_count, sizeof(*window->turns));
-    window->places = neph_arena_zeroed(memory, n, sizeof(*window->places));
+    window->taper = neph_arena_allocate(memory, n, sizeof(*window->taper));
+    window->mean_weights = neph_arena_allocate(memory, n, sizeof(*window->mean_weights));
+    window->slope_weights = neph_arena_allocate(memory, n, sizeof(*window->slope_weights));
+    window->turns = neph_arena_allocate(memory, (size_t)window->padded_count,
+                                        sizeof(*window->turns));
+    window->places = neph_arena_allocate(memory, n, sizeof(*window->places));
     const enum neph_status status = neph_arena_check(memory, diag);
     if (status)
         return status;

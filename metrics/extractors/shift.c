@@ -43,8 +43,8 @@ static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
     struct state *state = opaque;
     state->columns = (first->width_px + BLOCK - 1) / BLOCK;
     int rows = (first->height_px + BLOCK - 1) / BLOCK;
-    state->best = neph_arena_zeroed(first->memory, (size_t)state->columns * (size_t)rows,
-                                    sizeof(*state->best));
+    state->best = neph_arena_allocate(first->memory, (size_t)state->columns * (size_t)rows,
+                                      sizeof(*state->best));
     return neph_arena_check(first->memory, diag);
 }
 
@@ -190,7 +190,7 @@ struct rgb {
     const float *plane[3];
 };
 
-static struct rgb row_of(const float *const planes[3], size_t first)
+static struct rgb rgb_row(const float *const planes[3], size_t first)
 {
     return (struct rgb){{planes[0] + first, planes[1] + first, planes[2] + first}};
 }
@@ -213,8 +213,8 @@ static void compare(const struct neph_frame_pair *pair, int first_x, int count, 
                     int step_px, double *row)
 {
     const size_t width = (size_t)pair->width_px, x = (size_t)first_x;
-    const struct rgb from = row_of(pair->reference, (size_t)y * width + x);
-    const struct rgb to = row_of(pair->test, (size_t)test_y * width + x + (size_t)step_px);
+    const struct rgb from = rgb_row(pair->reference, (size_t)y * width + x);
+    const struct rgb to = rgb_row(pair->test, (size_t)test_y * width + x + (size_t)step_px);
     mean_squares(&from, &to, (size_t)count, row + x);
 }
 

@@ -53,7 +53,8 @@ static enum neph_display_bound bound(const struct neph_settings *settings)
 }
 
 /* libvmaf's factor, with halves rounded up. */
-static int factor_of(const struct neph_frame_pair *first, const struct neph_settings *settings)
+static int choose_decimation_factor(const struct neph_frame_pair *first,
+                                    const struct neph_settings *settings)
 {
     int shorter_px = first->width_px < first->height_px ? first->width_px : first->height_px;
     int factor = (shorter_px + 128) / 256;
@@ -69,7 +70,7 @@ static int decimated_px(int side_px, int factor)
 static const char *obstacle(const struct neph_frame_pair *first,
                             const struct neph_settings *settings)
 {
-    int factor = factor_of(first, settings);
+    int factor = choose_decimation_factor(first, settings);
     return decimated_px(first->width_px, factor) < NEPH_STRUCTURE_WINDOW_PX ||
                    decimated_px(first->height_px, factor) < NEPH_STRUCTURE_WINDOW_PX
                ? "the window of 11x11 px does not fit into the image"
@@ -84,14 +85,14 @@ static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
     state->peak = neph_code_peak(state->code);
     state->width_px = first->width_px;
     state->height_px = first->height_px;
-    state->factor = factor_of(first, settings);
+    state->factor = choose_decimation_factor(first, settings);
     state->small_width_px = decimated_px(first->width_px, state->factor);
     state->small_height_px = decimated_px(first->height_px, state->factor);
     const size_t count = (size_t)state->small_width_px * (size_t)state->small_height_px;
-    state->map = neph_arena_zeroed(first->memory, count, sizeof(double));
+    state->map = neph_arena_allocate(first->memory, count, sizeof(double));
     if (state->factor > 1) {
-        state->small_reference = neph_arena_zeroed(first->memory, count, sizeof(double));
-        state->small_test = neph_arena_zeroed(first->memory, count, sizeof(double));
+        state->small_reference = neph_arena_allocate(first->memory, count, sizeof(double));
+        state->small_test = neph_arena_allocate(first->memory, count, sizeof(double));
     }
     for (size_t i = 0; state->map && i < count; i++)
         state->map[i] = NAN;
@@ -131,7 +132,7 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
     struct state *state = opaque;
     struct neph_structure means;
     const struct neph_code_planes *codes = NULL;
-    enum neph_status status = neph_pair_codes_of(pair, state->code, &codes, diag);
+    enum neph_status status = neph_pair_codes_get(pair, state->code, &codes, diag);
     if (!status)
         status = neph_structure_compare(codes->reference, codes->test, state->width_px,
                                         state->height_px, state->peak,

@@ -35,8 +35,8 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
 }
 
 /* log2(max(test, floor) / max(reference, floor)) of the luminance; count is at most CHUNK_PX. */
-NEPH_VECTOR static void stops_of(const float *const reference[3], const float *const test[3],
-                                 size_t first, size_t count, double floor, double *stops)
+NEPH_VECTOR static void compute_stops(const float *const reference[3], const float *const test[3],
+                                      size_t first, size_t count, double floor, double *stops)
 {
     const float *rr = reference[0] + first, *rg = reference[1] + first, *rb = reference[2] + first;
     const float *tr = test[0] + first, *tg = test[1] + first, *tb = test[2] + first;
@@ -59,7 +59,7 @@ static void rows(const void *opaque, int map, int first_row, int row_count, doub
         size_t part = count - done < CHUNK_PX ? count - done : CHUNK_PX;
         double *stops = values[0] + done;
         if (floor > 0.0)
-            stops_of(pair->reference, pair->test, first + done, part, floor, stops);
+            compute_stops(pair->reference, pair->test, first + done, part, floor, stops);
         for (size_t i = 0; i < part; i++) {
             if (!(floor > 0.0)) /* a black frame within a sequence */
                 stops[i] = NAN;

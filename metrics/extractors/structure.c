@@ -43,7 +43,7 @@ struct work {
 typedef double segment[COLUMN + 2 * MARGIN];
 typedef double blurred[MOMENT_COUNT][COLUMN];
 
-static struct constants constants_of(double peak)
+static struct constants make_ssim_constants(double peak)
 {
     const double sigma_px = 1.5;
     struct constants constants = {.c1 = (0.01 * peak) * (0.01 * peak),
@@ -157,7 +157,7 @@ static void compare_column(int column, void *context)
     }
 }
 
-static struct neph_structure means_of(const struct work *work, int column_count)
+static struct neph_structure compute_factor_means(const struct work *work, int column_count)
 {
     struct neph_sum luminance = {0}, contrast = {0}, structure = {0};
     for (int column = 0; column < column_count; column++) {
@@ -185,14 +185,14 @@ enum neph_status neph_structure_compare(const double *reference, const double *t
                         .map = map,
                         .width = (size_t)width_px,
                         .height = (size_t)height_px,
-                        .constants = constants_of(peak)};
+                        .constants = make_ssim_constants(peak)};
     int column_count = (width_px - 2 * MARGIN + COLUMN - 1) / COLUMN;
     work.sums = calloc((size_t)column_count, sizeof(*work.sums));
     if (!work.sums)
         return neph_fail_memory(diag);
     enum neph_status status = neph_parallel_rows(column_count, compare_column, &work, diag);
     if (!status)
-        *means = means_of(&work, column_count);
+        *means = compute_factor_means(&work, column_count);
     free(work.sums);
     return status;
 }

@@ -86,8 +86,9 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
     const size_t pixel_count = (size_t)first->width_px * (size_t)first->height_px;
     state->width_px = first->width_px;
     state->height_px = first->height_px;
-    state->pixels = neph_arena_zeroed(first->memory, pixel_count, sizeof(*state->pixels));
-    state->rows = neph_arena_zeroed(first->memory, (size_t)first->height_px, sizeof(*state->rows));
+    state->pixels = neph_arena_allocate(first->memory, pixel_count, sizeof(*state->pixels));
+    state->rows = neph_arena_allocate(first->memory, (size_t)first->height_px,
+                                      sizeof(*state->rows));
     return neph_arena_check(first->memory, diag);
 }
 

@@ -35,15 +35,15 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
     return NEPH_OK;
 }
 
-NEPH_VECTOR static void product_of(const float *a, const float *b, const float *t, size_t count,
-                                   double *values)
+NEPH_VECTOR static void compute_unbiased_square(const float *a, const float *b, const float *t,
+                                                size_t count, double *values)
 {
     for (size_t i = 0; i < count; i++)
         values[i] = ((double)t[i] - (double)a[i]) * ((double)t[i] - (double)b[i]);
 }
 
-NEPH_VECTOR static void noise_of(const float *a, const float *b, const float *t, size_t count,
-                                 double *values)
+NEPH_VECTOR static void compute_seed_noise(const float *a, const float *b, const float *t,
+                                           size_t count, double *values)
 {
     (void)t;
     for (size_t i = 0; i < count; i++) {
@@ -52,8 +52,8 @@ NEPH_VECTOR static void noise_of(const float *a, const float *b, const float *t,
     }
 }
 
-NEPH_VECTOR static void against_mean_of(const float *a, const float *b, const float *t,
-                                        size_t count, double *values)
+NEPH_VECTOR static void compute_square_to_mean(const float *a, const float *b, const float *t,
+                                               size_t count, double *values)
 {
     for (size_t i = 0; i < count; i++) {
         double d = (double)t[i] - 0.5 * ((double)a[i] + (double)b[i]);
@@ -64,8 +64,9 @@ NEPH_VECTOR static void against_mean_of(const float *a, const float *b, const fl
 typedef void map_function(const float *a, const float *b, const float *t, size_t count,
                           double *values);
 
-static map_function *const functions[MAP_COUNT] = {
-    [MAP_PRODUCT] = product_of, [MAP_NOISE] = noise_of, [MAP_AGAINST_MEAN] = against_mean_of};
+static map_function *const functions[MAP_COUNT] = {[MAP_PRODUCT] = compute_unbiased_square,
+                                                   [MAP_NOISE] = compute_seed_noise,
+                                                   [MAP_AGAINST_MEAN] = compute_square_to_mean};
 
 static void rows(const void *opaque, int map, int first_row, int row_count, double *const values[3])
 {

@@ -62,8 +62,9 @@ static double largest_per_m(const struct neph_medium *medium)
 
 /* Extinction times distance of a fog layer. From above, the visible surface is where the extinction
  * grows by a factor of e within a mean free path, or the lower bound of the layer. */
-static double layer_reach(const struct neph_fog_layer *layer, const struct neph_bounds *box,
-                          struct neph_vec3 camera_m, double *extinction_per_m)
+static double compute_layer_product(const struct neph_fog_layer *layer,
+                                    const struct neph_bounds *box, struct neph_vec3 camera_m,
+                                    double *extinction_per_m)
 {
     const double b_per_m = layer->falloff_per_m;
     *extinction_per_m = layer->extinction_per_m;
@@ -88,7 +89,8 @@ static double reach(const struct neph_medium *medium, const struct neph_bounds *
     double largest = 0.0;
     for (int i = 0; i < medium->layer_count; i++) {
         double layer_per_m;
-        const double reach = layer_reach(&medium->layers[i], support, camera_m, &layer_per_m);
+        const double reach = compute_layer_product(&medium->layers[i], support, camera_m,
+                                                   &layer_per_m);
         if (i == 0 || reach > largest) {
             largest = reach;
             *extinction_per_m = layer_per_m;

@@ -24,11 +24,12 @@ static void pack(const struct neph_medium *medium, struct neph_vec3 camera_m, ui
 
 /* The relative slope r / w^2 of the density at the distance r, at least w, where extinction times w
  * is 1. */
-static double skin_per_m(const struct neph_medium *medium, double largest_per_m)
+static double surface_extinction_per_m(const struct neph_medium *medium, double largest_per_m)
 {
     const double width_m = medium->gaussian.width_m;
     const double depth = fmax(largest_per_m * width_m, exp(0.5));
     return sqrt(2.0 * log(depth)) / width_m;
 }
 
-const struct neph_gpu_kind neph_gpu_gaussian = {.pack = pack, .skin_per_m = skin_per_m};
+const struct neph_gpu_kind neph_gpu_gaussian = {
+    .pack = pack, .surface_extinction_per_m = surface_extinction_per_m};

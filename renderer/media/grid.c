@@ -11,14 +11,14 @@
 #include <string.h>
 
 /* Limit of densities on the device: a denser medium is opaque in any case. */
-static float value_max(const struct neph_medium *medium)
+static float compute_density_limit(const struct neph_medium *medium)
 {
     return (float)(NEPH_GPU_EXTINCTION_MAX / fmax(1.0, medium->extinction_per_m));
 }
 
-float neph_gpu_grid_full(const struct neph_medium *medium)
+float neph_gpu_grid_maximum(const struct neph_medium *medium)
 {
-    return fminf(medium->grid->maximum, value_max(medium));
+    return fminf(medium->grid->maximum, compute_density_limit(medium));
 }
 
 void neph_gpu_grid_size(const struct neph_grid *grid, int size[3])
@@ -29,7 +29,7 @@ void neph_gpu_grid_size(const struct neph_grid *grid, int size[3])
 
 /* The node of the grid for a node of the padded grid; -1: padding with 0. Along a periodic axis the
  * padding repeats the grid. */
-static int node_of(const struct neph_grid *grid, int axis, int padded)
+static int map_padded_node(const struct neph_grid *grid, int axis, int padded)
 {
     const int node = padded - 1;
     if (grid->is_endless[axis])
@@ -40,12 +40,12 @@ static int node_of(const struct neph_grid *grid, int axis, int padded)
 void neph_gpu_grid_slab(const struct neph_medium *medium, int z, float *slab)
 {
     const struct neph_grid *grid = medium->grid;
-    const float most = value_max(medium);
+    const float most = compute_density_limit(medium);
     const size_t nx = (size_t)grid->size[0], ny = (size_t)grid->size[1];
-    const int layer = node_of(grid, 2, z);
+    const int layer = map_padded_node(grid, 2, z);
     for (int y = 0; y < grid->size[1] + 2; y++)
         for (int x = 0; x < grid->size[0] + 2; x++) {
-            const int row = node_of(grid, 1, y), column = node_of(grid, 0, x);
+            const int row = map_padded_node(grid, 1, y), column = map_padded_node(grid, 0, x);
             const bool is_zero = layer < 0 || row < 0 || column < 0;
             *slab++ =
                 is_zero
@@ -57,7 +57,8 @@ void neph_gpu_grid_slab(const struct neph_medium *medium, int z, float *slab)
 
 /* Offset from the origin of a periodic grid to the repetition nearest the camera, in whole periods,
  * so that float32 can count cells there. */
-static struct neph_vec3 periods_to(const struct neph_grid *grid, struct neph_vec3 camera_m)
+static struct neph_vec3 compute_period_offset(const struct neph_grid *grid,
+                                              struct neph_vec3 camera_m)
 {
     const double origin_m[3] = {grid->origin_m.x, grid->origin_m.y, grid->origin_m.z},
                  spacing_m[3] = {grid->spacing_m.x, grid->spacing_m.y, grid->spacing_m.z},
@@ -75,9 +76,10 @@ static void pack(const struct neph_medium *medium, struct neph_vec3 camera_m, ui
                  struct neph_gpu_medium *gpu)
 {
     const struct neph_grid *grid = medium->grid;
-    const struct neph_vec3 origin_m = neph_vec3_add(grid->origin_m, periods_to(grid, camera_m));
+    const struct neph_vec3 origin_m = neph_vec3_add(grid->origin_m,
+                                                    compute_period_offset(grid, camera_m));
     gpu->shape.grid = (struct neph_gpu_grid){.first = first,
-                                             .full = neph_gpu_grid_full(medium),
+                                             .full = neph_gpu_grid_maximum(medium),
                                              .nodes_per_m = {(float)(1.0 / grid->spacing_m.x),
                                                              (float)(1.0 / grid->spacing_m.y),
                                                              (float)(1.0 / grid->spacing_m.z)}};
@@ -185,7 +187,7 @@ static double largest_per_m(const struct neph_medium *medium)
 
 /* If the density rises linearly from 0 within one cell, optical depth 1 is reached at the distance
  * sqrt(2 cell / extinction). */
-static double skin_per_m(const struct neph_medium *medium, double largest_per_m)
+static double surface_extinction_per_m(const struct neph_medium *medium, double largest_per_m)
 {
     const struct neph_vec3 spacing_m = medium->grid->spacing_m;
     return sqrt(2.0 * largest_per_m / fmin(spacing_m.x, fmin(spacing_m.y, spacing_m.z)));
@@ -199,5 +201,5 @@ const struct neph_gpu_kind neph_gpu_grid = {
     .upload_pairs = upload_pairs,
     .integral_turns = integral_turns,
     .largest_per_m = largest_per_m,
-    .skin_per_m = skin_per_m,
+    .surface_extinction_per_m = surface_extinction_per_m,
 };

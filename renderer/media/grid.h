@@ -15,6 +15,6 @@ void neph_gpu_grid_size(const struct neph_grid *grid, int size[3]);
 void neph_gpu_grid_slab(const struct neph_medium *medium, int z, float *slab);
 
 /* The largest density on the device. */
-float neph_gpu_grid_full(const struct neph_medium *medium);
+float neph_gpu_grid_maximum(const struct neph_medium *medium);
 
 #endif

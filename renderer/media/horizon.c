@@ -11,7 +11,7 @@
 #include <stdlib.h>
 
 /* Coordinate along one axis of a periodic texture, relative to the first texel [texels]. */
-static float texel_at(double place_m, double repeats_per_m, int side)
+static float compute_texel_position(double place_m, double repeats_per_m, int side)
 {
     const double repeats = place_m * repeats_per_m;
     return (float)((repeats - floor(repeats)) * side - 0.5);
@@ -39,8 +39,8 @@ static void pack(const struct neph_medium *medium, struct neph_vec3 camera_m, ui
         .globe = neph_gpu_globe_from(center_m, params->planet_radius_m, camera_m),
         .base_per_m = (float)(base_per_m * BASE),
         .detail_per_m = (float)(detail_per_m * DETAIL),
-        .weather_at = {texel_at(from_m.x, weather_per_m, NEPH_HORIZON_WEATHER_SIDE),
-                       texel_at(from_m.z, weather_per_m, NEPH_HORIZON_WEATHER_SIDE)},
+        .weather_at = {compute_texel_position(from_m.x, weather_per_m, NEPH_HORIZON_WEATHER_SIDE),
+                       compute_texel_position(from_m.z, weather_per_m, NEPH_HORIZON_WEATHER_SIDE)},
         .weather_per_m = (float)(weather_per_m * NEPH_HORIZON_WEATHER_SIDE),
         .thickness_m = (float)params->thickness_m,
         .coverage = (float)params->coverage,
@@ -49,8 +49,8 @@ static void pack(const struct neph_medium *medium, struct neph_vec3 camera_m, ui
         .first = first,
     };
     for (int axis = 0; axis < 3; axis++) {
-        horizon->base_at[axis] = texel_at(from[axis], base_per_m, BASE);
-        horizon->detail_at[axis] = texel_at(from[axis], detail_per_m, DETAIL);
+        horizon->base_at[axis] = compute_texel_position(from[axis], base_per_m, BASE);
+        horizon->detail_at[axis] = compute_texel_position(from[axis], detail_per_m, DETAIL);
     }
     gpu->extinction_per_m = fminf(gpu->extinction_per_m,
                                   (float)(NEPH_GPU_EXTINCTION_MAX / density_max(medium)));
@@ -69,7 +69,7 @@ _Static_assert(NEPH_HORIZON_BASE_SIDE == NEPH_GPU_HORIZON_BASE_SIDE &&
                "the shader's textures");
 
 /* Expand to four channels, the format of all textures in the shaders. */
-static void four_channels(const float *texels, int count, int channels, float *out)
+static void expand_to_four_channels(const float *texels, int count, int channels, float *out)
 {
     for (int i = 0; i < count; i++)
         for (int c = 0; c < 4; c++)
@@ -91,9 +91,10 @@ static enum neph_status upload(const struct neph_vulkan *vulkan, const struct ne
     float *texels = malloc(all_texels * texel_bytes);
     if (!texels)
         return neph_fail_memory(diag);
-    four_channels(horizon->base, base_texels, 4, texels);
-    four_channels(horizon->detail, detail_texels, 3, texels + 4 * base_texels);
-    four_channels(horizon->weather, weather_texels, 4, texels + 4 * (base_texels + detail_texels));
+    expand_to_four_channels(horizon->base, base_texels, 4, texels);
+    expand_to_four_channels(horizon->detail, detail_texels, 3, texels + 4 * base_texels);
+    expand_to_four_channels(horizon->weather, weather_texels, 4,
+                            texels + 4 * (base_texels + detail_texels));
     const enum neph_status status = neph_buffer_upload(vulkan, buffer, first * texel_bytes, texels,
                                                        all_texels * texel_bytes, diag);
     free(texels);

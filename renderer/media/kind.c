@@ -15,13 +15,13 @@ static const struct neph_gpu_kind *const kinds[NEPH_MEDIUM_KIND_COUNT] = {
     [NEPH_MEDIUM_TENT] = &neph_gpu_tent,
 };
 
-const struct neph_gpu_kind *neph_gpu_kind_of(const struct neph_medium *medium)
+const struct neph_gpu_kind *neph_gpu_get_kind(const struct neph_medium *medium)
 {
     return kinds[medium->kind];
 }
 
 double neph_gpu_largest_per_m(const struct neph_medium *medium)
 {
-    const struct neph_gpu_kind *kind = neph_gpu_kind_of(medium);
+    const struct neph_gpu_kind *kind = neph_gpu_get_kind(medium);
     return kind->largest_per_m ? kind->largest_per_m(medium) : medium->extinction_per_m;
 }

@@ -48,8 +48,8 @@ struct neph_gpu_kind {
     double (*largest_per_m)(const struct neph_medium *medium);
     /* Extinction scale of the visible surface as seen from outside (see reach.h) [1/m], at most the
      * largest extinction. NULL: the largest extinction. */
-    double (*skin_per_m)(const struct neph_medium *medium, double largest_per_m);
-    /* Extinction times distance, and that extinction. NULL: skin_per_m times the distance of the
+    double (*surface_extinction_per_m)(const struct neph_medium *medium, double largest_per_m);
+    /* Extinction times distance, and that extinction. NULL: surface_extinction_per_m times the distance of the
      * bounds. */
     double (*reach)(const struct neph_medium *medium, const struct neph_bounds *support,
                     struct neph_vec3 camera_m, double *extinction_per_m);
@@ -59,7 +59,7 @@ extern const struct neph_gpu_kind neph_gpu_homogeneous, neph_gpu_height_fog, nep
     neph_gpu_shell, neph_gpu_grid, neph_gpu_horizon, neph_gpu_plume, neph_gpu_tent;
 
 /* NULL: the shaders do not support the kind. */
-const struct neph_gpu_kind *neph_gpu_kind_of(const struct neph_medium *medium);
+const struct neph_gpu_kind *neph_gpu_get_kind(const struct neph_medium *medium);
 
 double neph_gpu_largest_per_m(const struct neph_medium *medium);
 

@@ -25,10 +25,11 @@ static void pack(const struct neph_medium *medium, struct neph_vec3 camera_m, ui
     };
 }
 
-static double skin_per_m(const struct neph_medium *medium, double largest_per_m)
+static double surface_extinction_per_m(const struct neph_medium *medium, double largest_per_m)
 {
     (void)largest_per_m;
     return 1.0 / medium->shell.scale_height_m;
 }
 
-const struct neph_gpu_kind neph_gpu_shell = {.pack = pack, .skin_per_m = skin_per_m};
+const struct neph_gpu_kind neph_gpu_shell = {.pack = pack,
+                                             .surface_extinction_per_m = surface_extinction_per_m};

@@ -39,18 +39,18 @@ struct work {
     const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
     int stage_count;
     struct neph_buffer pictures[2], table, eye, pyramid, readback, eye_readback;
-    struct neph_buffer views[NEPH_POST_STAGES_MAX], heat_view;
+    struct neph_buffer views[NEPH_POST_STAGES_MAX], warm_up_view;
     struct neph_batch batch;
 };
 
 /* ---- sizes ----------------------------------------------------------------------------------- */
 
-static int enlarged(int side_px, double percent)
+static int compute_enlarged_side(int side_px, double percent)
 {
     return (int)fmin(round(side_px * 100.0 / percent), NEPH_IMAGE_SIDE_MAX_PX + 1.0);
 }
 
-static int reduced(int side_px, double percent)
+static int compute_reduced_side(int side_px, double percent)
 {
     const double rounding = 1e-9; /* 50 % of 38 is 19 in spite of rounding */
     return (int)ceil(side_px * percent / 100.0 - rounding);
@@ -63,8 +63,8 @@ static struct size size_before(const struct neph_post_stage *const *stages, int 
     for (int i = count - 1; i >= 0; i--) {
         const double percent = settings->values[stages[i]->percent];
         if (stages[i]->makes == NEPH_POST_MAKES_LARGER)
-            window = (struct size){reduced(window.width_px, percent),
-                                   reduced(window.height_px, percent)};
+            window = (struct size){compute_reduced_side(window.width_px, percent),
+                                   compute_reduced_side(window.height_px, percent)};
     }
     return window;
 }
@@ -79,7 +79,8 @@ static struct size size_after(const struct work *work, int at, struct size size)
     if (window.width_px > 0)
         return size_before(&work->stages[at + 1], work->stage_count - at - 1, &params->settings,
                            window);
-    return (struct size){enlarged(size.width_px, percent), enlarged(size.height_px, percent)};
+    return (struct size){compute_enlarged_side(size.width_px, percent),
+                         compute_enlarged_side(size.height_px, percent)};
 }
 
 static struct size last_size(const struct work *work)
@@ -103,7 +104,7 @@ void neph_post_frame_size(const struct neph_post_order *order, const struct neph
 
 /* ---- the pyramid of bloom ------------------------------------------------------------------- */
 
-static struct size halved(struct size size)
+static struct size compute_half_size(struct size size)
 {
     return (struct size){(size.width_px + 1) / 2, (size.height_px + 1) / 2};
 }
@@ -117,7 +118,7 @@ static int level_sizes(const struct neph_settings *settings, struct size picture
     int level = 0;
     sizes[0] = picture;
     do {
-        sizes[level + 1] = halved(sizes[level]);
+        sizes[level + 1] = compute_half_size(sizes[level]);
         level++;
     } while (level < most && texel_count(sizes[level]) > 1);
     return level;
@@ -181,8 +182,8 @@ static uint32_t meter_units(size_t pixel_count)
     return most < 65536 ? (uint32_t)most : 65536;
 }
 
-static void fill_eye(const struct neph_post_params *params, size_t pixel_count,
-                     struct neph_gpu_post_view *view)
+static void fill_exposure(const struct neph_post_params *params, size_t pixel_count,
+                          struct neph_gpu_post_view *view)
 {
     view->step_s = (float)params->step_s;
     view->is_eye_open = params->eye && params->eye->is_open;
@@ -192,7 +193,7 @@ static void fill_eye(const struct neph_post_params *params, size_t pixel_count,
 
 /* Format of a stage's output: radiance does not fit 10-bit formats, the output of tone mapping
  * does. */
-static uint32_t target_of(const struct work *work, int at)
+static uint32_t choose_target_format(const struct work *work, int at)
 {
     const int targets = (int)work->params->settings.values[POST_TARGETS];
     for (int i = 0; i <= at; i++)
@@ -214,9 +215,9 @@ static void fill_view(const struct work *work, int at, struct size to,
     view->to_px[1] = (uint32_t)to.height_px;
     view->frame = (uint32_t)params->frame;
     view->seed = (uint32_t)(params->seed ^ params->seed >> 32);
-    fill_eye(params, texel_count(work->size), view);
+    fill_exposure(params, texel_count(work->size), view);
     view->upscale_filter = (uint32_t)params->settings.values[stage->filter];
-    view->target = target_of(work, at);
+    view->target = choose_target_format(work, at);
     fill_levels(work, view);
     fill_colours(&params->settings, view);
 }
@@ -261,7 +262,7 @@ static size_t thread_count(const struct work *work, const struct neph_post_stage
     return texel_count(to);
 }
 
-static bool makes_picture(const struct neph_post_stage *stage)
+static bool makes_image(const struct neph_post_stage *stage)
 {
     return stage->makes == NEPH_POST_MAKES_PICTURE || stage->makes == NEPH_POST_MAKES_LARGER ||
            stage->makes == NEPH_POST_MAKES_BLOOM;
@@ -312,18 +313,18 @@ static enum neph_status prepare_stage(struct work *work, int at, struct size to,
 
 /* Warm-up: run the first stage that makes an image repeatedly, into the buffer of the next image.
  */
-static enum neph_status heat(struct work *work, struct neph_diag *diag)
+static enum neph_status warm_up_stage(struct work *work, struct neph_diag *diag)
 {
     struct neph_dispatch whole;
     const struct neph_kernel *kernel;
     int at = 0;
     while (at < work->stage_count && work->stages[at]->makes != NEPH_POST_MAKES_PICTURE)
         at++;
-    if (work->params->heat_runs == 0 || at == work->stage_count)
+    if (work->params->warm_up_runs == 0 || at == work->stage_count)
         return NEPH_OK;
-    const enum neph_status status = prepare_stage(work, at, work->size, &work->heat_view, &whole,
+    const enum neph_status status = prepare_stage(work, at, work->size, &work->warm_up_view, &whole,
                                                   &kernel, diag);
-    for (int i = 0; i < work->params->heat_runs && !status; i++)
+    for (int i = 0; i < work->params->warm_up_runs && !status; i++)
         run_stage(work, work->stages[at], kernel, &whole, work->size, diag);
     neph_batch_stamp(&work->batch, NULL);
     return status;
@@ -341,7 +342,7 @@ static enum neph_status add_stage(struct work *work, int at, double *gpu_s, stru
         return status;
     run_stage(work, stage, kernel, &whole, to, diag);
     neph_batch_stamp(&work->batch, gpu_s);
-    if (makes_picture(stage)) {
+    if (makes_image(stage)) {
         const struct neph_buffer newest = work->pictures[1];
         work->pictures[1] = work->pictures[0];
         work->pictures[0] = newest;
@@ -355,19 +356,19 @@ static enum neph_status run_stages(struct work *work, struct neph_post_stats *st
 {
     enum neph_status status = neph_batch_begin(work->vulkan, &work->batch, diag);
     if (!status)
-        status = heat(work, diag);
+        status = warm_up_stage(work, diag);
     for (int i = 0; i < work->stage_count && !status; i++)
         status = add_stage(work, i, &stats->gpu_s[work->stages[i] - neph_post_stages], diag);
     if (!status)
-        status = neph_batch_send(&work->batch, "picture chain", diag);
+        status = neph_batch_submit(&work->batch, "picture chain", diag);
     return status ? status
-                  : neph_batches_wait(work->vulkan, neph_batches_sent(work->vulkan),
+                  : neph_batches_wait(work->vulkan, neph_batches_submitted(work->vulkan),
                                       "picture chain", diag);
 }
 
 /* ---- upload and read-back -------------------------------------------------------------------- */
 
-static enum neph_status put_in(struct work *work, float *const rgb[3], struct neph_diag *diag)
+static enum neph_status upload_frame(struct work *work, float *const rgb[3], struct neph_diag *diag)
 {
     const size_t count = texel_count(work->size);
     float *texels = malloc(count * texel_bytes);
@@ -384,8 +385,8 @@ static enum neph_status put_in(struct work *work, float *const rgb[3], struct ne
     return status;
 }
 
-static enum neph_status take_out(struct work *work, struct neph_image *image,
-                                 struct neph_diag *diag)
+static enum neph_status download_image(struct work *work, struct neph_image *image,
+                                       struct neph_diag *diag)
 {
     const size_t count = texel_count(work->size);
     float *rgb[3];
@@ -400,17 +401,17 @@ static enum neph_status take_out(struct work *work, struct neph_image *image,
     return status;
 }
 
-static enum neph_status close_eye(struct work *work, struct neph_diag *diag)
+static enum neph_status reset_exposure(struct work *work, struct neph_diag *diag)
 {
     static const struct eye closed;
     return neph_buffer_upload(work->vulkan, &work->eye, 0, &closed, sizeof(closed), diag);
 }
 
 /* Read the exposure state back for the next frame and for the statistics. */
-static enum neph_status look_into_eye(struct work *work, struct neph_post_stats *stats,
-                                      struct neph_diag *diag)
+static enum neph_status read_exposure_state(struct work *work, struct neph_post_stats *stats,
+                                            struct neph_diag *diag)
 {
-    struct neph_post_eye *eye = work->params->eye;
+    struct neph_exposure_state *eye = work->params->eye;
     if (work->params->settings.values[POST_AUTO_EXPOSURE] == 0.0)
         return NEPH_OK;
     const enum neph_status status = neph_buffer_download(
@@ -421,11 +422,12 @@ static enum neph_status look_into_eye(struct work *work, struct neph_post_stats 
     stats->metered_ev = seen->target_ev;
     stats->adapted_ev = seen->adapted_ev;
     if (eye)
-        *eye = (struct neph_post_eye){.is_open = true, .adapted_ev = seen->adapted_ev};
+        *eye = (struct neph_exposure_state){.is_open = true, .adapted_ev = seen->adapted_ev};
     return NEPH_OK;
 }
 
-static enum neph_status make_room(struct work *work, struct size last, struct neph_diag *diag)
+static enum neph_status create_chain_buffers(struct work *work, struct size last,
+                                             struct neph_diag *diag)
 {
     const size_t first_bytes = texel_count(work->size) * texel_bytes;
     const size_t last_bytes = texel_count(last) * texel_bytes;
@@ -449,7 +451,7 @@ static void finish(struct work *work)
 {
     for (int i = 0; i < NEPH_POST_STAGES_MAX; i++)
         neph_buffer_destroy(work->vulkan, &work->views[i]);
-    neph_buffer_destroy(work->vulkan, &work->heat_view);
+    neph_buffer_destroy(work->vulkan, &work->warm_up_view);
     neph_buffer_destroy(work->vulkan, &work->eye_readback);
     neph_buffer_destroy(work->vulkan, &work->readback);
     neph_buffer_destroy(work->vulkan, &work->pyramid);
@@ -474,19 +476,19 @@ enum neph_status neph_post_run(struct neph_vulkan *vulkan, const struct neph_pos
     const struct size last = last_size(&work);
     enum neph_status status = neph_image_create(last.width_px, last.height_px, &image, diag);
     if (!status)
-        status = make_room(&work, last, diag);
+        status = create_chain_buffers(&work, last, diag);
     if (!status)
-        status = put_in(&work, rgb, diag);
+        status = upload_frame(&work, rgb, diag);
     if (!status)
-        status = close_eye(&work, diag);
+        status = reset_exposure(&work, diag);
     if (!status)
         status = run_stages(&work, &own_stats, diag);
     if (!status)
-        status = look_into_eye(&work, &own_stats, diag);
+        status = read_exposure_state(&work, &own_stats, diag);
     if (!status)
-        status = neph_post_copy_rest(frame, image, diag);
+        status = neph_post_copy_metadata(frame, image, diag);
     if (!status)
-        status = take_out(&work, image, diag);
+        status = download_image(&work, image, diag);
     finish(&work);
     if (status) {
         neph_image_destroy(image);

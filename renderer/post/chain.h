@@ -32,7 +32,7 @@ enum neph_post_pass {
 extern const char *const neph_post_pass_names[NEPH_POST_PASS_COUNT + 1];
 
 /* The setting that switches a pass on. */
-int neph_post_switch(enum neph_post_pass pass);
+int neph_post_switch_setting(enum neph_post_pass pass);
 
 /* The order of passes; missing ones are off. */
 struct neph_post_order {
@@ -89,7 +89,7 @@ bool neph_post_is_displayed(const struct neph_settings *settings);
 enum neph_status neph_post_check(const struct neph_settings *settings, struct neph_diag *diag);
 
 /* State of automatic exposure from frame to frame. Zero-initialise it for a sequence. */
-struct neph_post_eye {
+struct neph_exposure_state {
     bool is_open;      /* a frame was metered */
     double adapted_ev; /* log2 of the luminance that exposure has adapted to */
 };
@@ -99,12 +99,12 @@ struct neph_post_params {
     const struct neph_post_order *order; /* borrowed; NULL: the usual order */
     int frame;                           /* seed of the grain, with `seed` */
     uint64_t seed;
-    double step_s;             /* time since the previous frame, >= 0 */
-    int width_px, height_px;   /* of the window that stages enlarge to; 0: by their percents */
-    struct neph_post_eye *eye; /* of the sequence, borrowed; NULL: no previous frame */
+    double step_s;           /* time since the previous frame, >= 0 */
+    int width_px, height_px; /* of the window that stages enlarge to; 0: by their percents */
+    struct neph_exposure_state *eye; /* of the sequence, borrowed; NULL: no previous frame */
     /* For measurements of time: extra runs of a stage before the first one, with discarded results.
      * They keep the GPU busy between two frames, so that its clock does not drop. */
-    int heat_runs;
+    int warm_up_runs;
 };
 
 struct neph_post_stats {

@@ -27,7 +27,8 @@ static enum neph_status check_order(const struct neph_settings *settings, int lo
                      neph_post_options[high].name, settings->values[high]);
 }
 
-static enum neph_status check_eye(const struct neph_settings *settings, struct neph_diag *diag)
+static enum neph_status check_auto_exposure(const struct neph_settings *settings,
+                                            struct neph_diag *diag)
 {
     const double least_percent = 0.01; /* nothing would be metered */
     if (settings->values[POST_AUTO_EXPOSURE] == 0.0)
@@ -46,5 +47,5 @@ static enum neph_status check_eye(const struct neph_settings *settings, struct n
 enum neph_status neph_post_check(const struct neph_settings *settings, struct neph_diag *diag)
 {
     const enum neph_status status = check_range(settings, diag);
-    return status ? status : check_eye(settings, diag);
+    return status ? status : check_auto_exposure(settings, diag);
 }

@@ -14,7 +14,7 @@ struct vec {
     double v[3];
 };
 
-static struct vec multiplied(const struct neph_matrix3 *a, struct vec b)
+static struct vec multiply_vector(const struct neph_matrix3 *a, struct vec b)
 {
     struct vec product = {{0}};
     for (int row = 0; row < 3; row++)
@@ -34,7 +34,7 @@ struct neph_matrix3 neph_matrix_product(const struct neph_matrix3 *a, const stru
 }
 
 /* By cofactors. */
-static struct neph_matrix3 inverse(const struct neph_matrix3 *a)
+static struct neph_matrix3 invert_matrix(const struct neph_matrix3 *a)
 {
     struct neph_matrix3 cofactors, result;
     for (int row = 0; row < 3; row++)
@@ -58,7 +58,7 @@ static struct neph_matrix3 scaling(struct vec by)
 }
 
 /* CIE XYZ at Y = 1. */
-static struct vec xyz_of(struct neph_chromaticity c)
+static struct vec convert_to_xyz(struct neph_chromaticity c)
 {
     return (struct vec){{c.x / c.y, 1.0, (1.0 - c.x - c.y) / c.y}};
 }
@@ -73,8 +73,8 @@ static struct neph_matrix3 to_xyz(const struct neph_primaries *space)
         columns.m[1][c] = all[c]->y;
         columns.m[2][c] = 1.0 - all[c]->x - all[c]->y;
     }
-    const struct neph_matrix3 back = inverse(&columns);
-    const struct neph_matrix3 scale = scaling(multiplied(&back, xyz_of(space->white)));
+    const struct neph_matrix3 back = invert_matrix(&columns);
+    const struct neph_matrix3 scale = scaling(multiply_vector(&back, convert_to_xyz(space->white)));
     return neph_matrix_product(&columns, &scale);
 }
 
@@ -82,12 +82,12 @@ static struct neph_matrix3 adaptation(struct neph_chromaticity from, struct neph
 {
     static const struct neph_matrix3 bradford = {
         {{0.8951, 0.2664, -0.1614}, {-0.7502, 1.7135, 0.0367}, {0.0389, -0.0685, 1.0296}}};
-    const struct vec cones_from = multiplied(&bradford, xyz_of(from));
-    const struct vec cones_to = multiplied(&bradford, xyz_of(to));
+    const struct vec cones_from = multiply_vector(&bradford, convert_to_xyz(from));
+    const struct vec cones_to = multiply_vector(&bradford, convert_to_xyz(to));
     struct vec gains;
     for (int k = 0; k < 3; k++)
         gains.v[k] = cones_to.v[k] / cones_from.v[k];
-    const struct neph_matrix3 scale = scaling(gains), back = inverse(&bradford);
+    const struct neph_matrix3 scale = scaling(gains), back = invert_matrix(&bradford);
     const struct neph_matrix3 scaled = neph_matrix_product(&scale, &bradford);
     return neph_matrix_product(&back, &scaled);
 }
@@ -96,7 +96,8 @@ struct neph_matrix3 neph_colour_matrix(const struct neph_primaries *from,
                                        const struct neph_primaries *to)
 {
     const struct neph_matrix3 in = to_xyz(from), out = to_xyz(to);
-    const struct neph_matrix3 adapted = adaptation(from->white, to->white), back = inverse(&out);
+    const struct neph_matrix3 adapted = adaptation(from->white, to->white),
+                              back = invert_matrix(&out);
     const struct neph_matrix3 seen = neph_matrix_product(&adapted, &in);
     return neph_matrix_product(&back, &seen);
 }
@@ -126,16 +127,16 @@ static struct neph_chromaticity black_body(double temperature_k)
     return (struct neph_chromaticity){x, y};
 }
 
-struct neph_chromaticity neph_white_of(double temperature_k)
+struct neph_chromaticity neph_white_chromaticity(double temperature_k)
 {
     return temperature_k < 4000.0 ? black_body(temperature_k) : daylight(temperature_k);
 }
 
 struct neph_matrix3 neph_white_balance(double temperature_k)
 {
-    const struct neph_matrix3 in = to_xyz(&neph_rec709), back = inverse(&in);
-    const struct neph_matrix3 adapted = adaptation(neph_white_of(temperature_k),
-                                                   neph_white_of(NEPH_WHITE_K));
+    const struct neph_matrix3 in = to_xyz(&neph_rec709), back = invert_matrix(&in);
+    const struct neph_matrix3 adapted = adaptation(neph_white_chromaticity(temperature_k),
+                                                   neph_white_chromaticity(NEPH_WHITE_K));
     const struct neph_matrix3 seen = neph_matrix_product(&adapted, &in);
     return neph_matrix_product(&back, &seen);
 }

@@ -32,7 +32,7 @@ struct neph_matrix3 neph_colour_matrix(const struct neph_primaries *from,
 /* The white of a correlated colour temperature: daylight from 4000 to 25000 K (CIE 015:2018, eq.
  * 4.5 ff.), a black body below 4000 K (Kim et al. 2002, 1667 K and above). At 4000 K the two differ
  * by 0.006. */
-struct neph_chromaticity neph_white_of(double temperature_k);
+struct neph_chromaticity neph_white_chromaticity(double temperature_k);
 
 /* The matrix in Rec.709 that maps light of a colour temperature to white; the identity at
  * NEPH_WHITE_K. There the daylight formula agrees with D65 to within 1.2e-4. */

@@ -15,12 +15,12 @@ bool neph_post_is_hdr(const struct neph_settings *settings)
     return settings->values[POST_TONE] != 0.0 && is_encoded_as(settings, POST_ENCODE_PQ);
 }
 
-static double encoded(double linear)
+static double encode_srgb_code(double linear)
 {
     return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1.0 / 2.4) - 0.055;
 }
 
-static double decoded(double code)
+static double decode_srgb_code(double code)
 {
     return code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4);
 }
@@ -33,8 +33,8 @@ double neph_pq_nits(double code)
     return 10000.0 * pow(fmax(x - c1, 0.0) / (c2 - c3 * x), 1.0 / m1);
 }
 
-void neph_post_codes(const struct neph_settings *settings, const struct neph_image *picture,
-                     int bits, uint16_t *codes)
+void neph_post_encode_codes(const struct neph_settings *settings, const struct neph_image *picture,
+                            int bits, uint16_t *codes)
 {
     const bool is_linear = is_encoded_as(settings, POST_ENCODE_LINEAR);
     const double largest = (double)((1 << bits) - 1);
@@ -43,19 +43,19 @@ void neph_post_codes(const struct neph_settings *settings, const struct neph_ima
         return;
     for (size_t i = 0; i < neph_image_pixel_count(picture); i++)
         for (size_t c = 0; c < 3; c++) {
-            const double value = is_linear ? encoded(rgb[c][i]) : rgb[c][i];
+            const double value = is_linear ? encode_srgb_code(rgb[c][i]) : rgb[c][i];
             codes[3 * i + c] = (uint16_t)lround(largest * fmin(fmax(value, 0.0), 1.0));
         }
 }
 
-static void show_srgb(float *const rgb[3], size_t count)
+static void decode_srgb_image(float *const rgb[3], size_t count)
 {
     for (size_t i = 0; i < count; i++)
         for (int c = 0; c < 3; c++)
-            rgb[c][i] = (float)decoded(rgb[c][i]);
+            rgb[c][i] = (float)decode_srgb_code(rgb[c][i]);
 }
 
-static void show_pq(float *const rgb[3], size_t count, double peak_nits)
+static void decode_pq_image(float *const rgb[3], size_t count, double peak_nits)
 {
     const struct neph_matrix3 to_rec709 = neph_colour_matrix(&neph_rec2020, &neph_rec709);
     for (size_t i = 0; i < count; i++) {
@@ -71,14 +71,14 @@ static void show_pq(float *const rgb[3], size_t count, double peak_nits)
     }
 }
 
-void neph_post_show(const struct neph_settings *settings, struct neph_image *picture)
+void neph_post_apply_display(const struct neph_settings *settings, struct neph_image *picture)
 {
     const size_t count = neph_image_pixel_count(picture);
     float *rgb[3];
     if (!neph_image_rgb(picture, NULL, rgb))
         return;
     if (is_encoded_as(settings, POST_ENCODE_SRGB))
-        show_srgb(rgb, count);
+        decode_srgb_image(rgb, count);
     else if (is_encoded_as(settings, POST_ENCODE_PQ))
-        show_pq(rgb, count, settings->values[POST_PEAK_NITS]);
+        decode_pq_image(rgb, count, settings->values[POST_PEAK_NITS]);
 }

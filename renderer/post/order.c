@@ -39,7 +39,7 @@ struct neph_post_order neph_post_usual_order(void)
     return order;
 }
 
-static int place_of(const struct neph_post_order *order, enum neph_post_pass pass)
+static int find_pass_position(const struct neph_post_order *order, enum neph_post_pass pass)
 {
     for (int i = 0; i < order->count; i++)
         if (order->passes[i] == pass)
@@ -50,11 +50,11 @@ static int place_of(const struct neph_post_order *order, enum neph_post_pass pas
 const char *neph_post_order_fault(const struct neph_post_order *order, int *at)
 {
     for (*at = 0; *at < order->count; ++*at)
-        if (place_of(order, order->passes[*at]) != *at)
+        if (find_pass_position(order, order->passes[*at]) != *at)
             return "it is listed twice";
     for (size_t i = 0; i < sizeof(rules) / sizeof(rules[0]); i++) {
-        *at = place_of(order, rules[i].before);
-        const int after = place_of(order, rules[i].after);
+        *at = find_pass_position(order, rules[i].before);
+        const int after = find_pass_position(order, rules[i].after);
         if (*at >= 0 && after >= 0 && *at > after)
             return rules[i].why;
     }
@@ -74,7 +74,7 @@ int neph_post_sequence(const struct neph_post_order *order, const struct neph_se
     return count;
 }
 
-int neph_post_switch(enum neph_post_pass pass)
+int neph_post_switch_setting(enum neph_post_pass pass)
 {
     const struct neph_post_stage *stage = neph_post_stages;
     while (stage->pass != pass)

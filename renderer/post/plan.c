@@ -147,9 +147,10 @@ static enum neph_status check_entries(const struct neph_reader *reader, struct n
     if (plan->entry_count == 0)
         plan->order = neph_post_usual_order();
     const char *fault = neph_post_order_fault(&all, &at);
-    return fault ? neph_refuse(reader, neph_at("passes[%d]", at).text, "%s cannot come here: %s",
-                               neph_post_pass_names[all.passes[at]], fault)
-                 : NEPH_OK;
+    return fault
+               ? neph_refuse(reader, neph_format_path("passes[%d]", at).text,
+                             "%s cannot come here: %s", neph_post_pass_names[all.passes[at]], fault)
+               : NEPH_OK;
 }
 
 /* --- the file -------------------------------------------------------------------------------- */
@@ -229,11 +230,11 @@ struct neph_settings neph_post_plan_settings(const struct neph_post_plan *plan)
     if (plan->preset) /* checked when the plan was read */
         neph_options_preset(neph_post_options, "the picture chain", neph_post_presets, plan->preset,
                             &settings, NULL);
-    neph_post_change(&plan->changes, &settings);
+    neph_post_apply_changes(&plan->changes, &settings);
     return settings;
 }
 
-bool neph_post_plan_wants_camera(const struct neph_post_plan *plan)
+bool neph_post_plan_needs_camera(const struct neph_post_plan *plan)
 {
     for (int i = 0; i < plan->volume_count; i++)
         if (plan->volumes[i].box.present)

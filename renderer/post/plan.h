@@ -40,7 +40,7 @@ void neph_post_plan_finish(struct neph_post_plan *plan);
 struct neph_settings neph_post_plan_settings(const struct neph_post_plan *plan);
 
 /* Whether the settings depend on the camera's position. */
-bool neph_post_plan_wants_camera(const struct neph_post_plan *plan);
+bool neph_post_plan_needs_camera(const struct neph_post_plan *plan);
 
 /* Print the keys as rows of a Markdown table. */
 void neph_post_plan_print_keys(FILE *file);

@@ -21,8 +21,8 @@ static enum neph_status copy_others(const struct neph_image *from, struct neph_i
     return status;
 }
 
-enum neph_status neph_post_copy_rest(const struct neph_image *from, struct neph_image *to,
-                                     struct neph_diag *diag)
+enum neph_status neph_post_copy_metadata(const struct neph_image *from, struct neph_image *to,
+                                         struct neph_diag *diag)
 {
     const enum neph_status status = neph_image_copy_labels(from, to, diag);
     return status ? status : copy_others(from, to, diag);

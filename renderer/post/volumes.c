@@ -6,7 +6,8 @@
 /* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
 
-void neph_post_change(const struct neph_post_changes *changes, struct neph_settings *settings)
+void neph_post_apply_changes(const struct neph_post_changes *changes,
+                             struct neph_settings *settings)
 {
     for (int i = 0; i < POST_SETTING_COUNT; i++)
         if (changes->is_given[i])

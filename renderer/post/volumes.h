@@ -30,7 +30,8 @@ struct neph_post_volume {
     struct neph_post_changes changes;
 };
 
-void neph_post_change(const struct neph_post_changes *changes, struct neph_settings *settings);
+void neph_post_apply_changes(const struct neph_post_changes *changes,
+                             struct neph_settings *settings);
 
 /* The weight of a volume at a position: its own weight inside, falling linearly to 0 over the blend
  * radius outside. */

@@ -37,17 +37,17 @@ static bool can_march_near_fog(const struct neph_scene *scene, struct neph_march
                                enum neph_march_lighting lighting, char *reason, size_t reason_size)
 {
     veils.fog.is_look = false;
-    return neph_march_can_render_under(scene, veils, lighting, reason, reason_size);
+    return neph_march_can_render_with(scene, veils, lighting, reason, reason_size);
 }
 
 bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
                               char *reason, size_t reason_size)
 {
     const struct neph_march_veils veils = {settings->values[RT_SKY] != 0.0,
-                                           neph_fog_for_march((int)settings->values[RT_FOG])};
-    const struct neph_rt_settings of_passes = neph_rt_settings_of(settings);
+                                           neph_march_fog_choose((int)settings->values[RT_FOG])};
+    const struct neph_rt_settings of_passes = neph_rt_group_settings(settings);
     struct neph_scene rest;
-    if (!neph_march_rest(scene, veils, &rest, reason, reason_size) ||
+    if (!neph_march_remove_veils(scene, veils, &rest, reason, reason_size) ||
         (of_passes.shared.screen_percent < 100 &&
          !can_upsample(scene, &of_passes, reason, reason_size)))
         return false;
@@ -77,7 +77,7 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
                  "this lighting in froxels, which support single and octaves: set froxels=off");
         return false;
     }
-    return neph_march_can_render_under(scene, veils, lighting, reason, reason_size) &&
-           (!neph_rt_is_handed_over(scene, settings) ||
+    return neph_march_can_render_with(scene, veils, lighting, reason, reason_size) &&
+           (!neph_rt_is_fog_split_at_froxels(scene, settings) ||
             can_march_near_fog(scene, veils, lighting, reason, reason_size));
 }

@@ -44,7 +44,7 @@ enum neph_status neph_rt_device_add_target(struct neph_rt_device *device, int ta
                                                  words * sizeof(*zeros),
                                                  neph_rt_target_name(target), buffer, diag);
     if (!status)
-        status = neph_buffer_see_texels(device->vulkan, buffer, diag);
+        status = neph_buffer_create_texel_views(device->vulkan, buffer, diag);
     if (!status)
         status = neph_buffer_upload(device->vulkan, buffer, 0, zeros, words * sizeof(*zeros), diag);
     free(zeros);
@@ -67,7 +67,7 @@ static enum neph_status create_targets(struct neph_rt_device *device, uint32_t t
         status = neph_buffer_create(device->vulkan, NEPH_BUFFER_DEVICE, sizeof(uint32_t), "nothing",
                                     &device->nothing, diag);
     if (!status)
-        status = neph_buffer_see_texels(device->vulkan, &device->nothing, diag);
+        status = neph_buffer_create_texel_views(device->vulkan, &device->nothing, diag);
     if (!status)
         status = neph_buffer_create(device->vulkan, NEPH_BUFFER_READBACK, most_bytes,
                                     "target readback", &device->readback, diag);
@@ -82,7 +82,8 @@ enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct 
     enum neph_status status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, sizeof(*view), "view",
                                                  &device->view_buffer, diag);
     if (!status)
-        status = neph_turns_create(vulkan, &device->view_buffer, "view", &device->view_turns, diag);
+        status = neph_buffer_ring_create(vulkan, &device->view_buffer, "view", &device->view_turns,
+                                         diag);
     if (status)
         return status;
     device->view = malloc(sizeof(*device->view));
@@ -91,8 +92,8 @@ enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct 
     *device->view = *view;
     status = create_noise(device, noise_ranks, diag);
     device->kind = vulkan->description.is_cpu ? NEPH_RT_CPU : NEPH_RT_GPU;
-    if (!status && neph_rt_tuning_of(device->kind)->has_driver_halves)
-        status = neph_halves_ask(vulkan, &device->native_halves, diag);
+    if (!status && neph_rt_get_tuning(device->kind)->has_driver_halves)
+        status = neph_halves_test(vulkan, &device->native_halves, diag);
     return status ? status : create_targets(device, targets, diag);
 }
 
@@ -105,7 +106,7 @@ void neph_rt_device_destroy(struct neph_rt_device *device)
     for (int t = 0; t < RT_TARGET_COUNT; t++)
         neph_buffer_destroy(device->vulkan, &device->targets[t]);
     neph_buffer_destroy(device->vulkan, &device->noise);
-    neph_turns_destroy(device->vulkan, &device->view_turns);
+    neph_buffer_ring_destroy(device->vulkan, &device->view_turns);
     neph_buffer_destroy(device->vulkan, &device->view_buffer);
     free(device->view);
     *device = (struct neph_rt_device){0};
@@ -131,11 +132,11 @@ enum neph_status neph_rt_device_download(struct neph_rt_device *device, int targ
 
 /* --- passes --------------------------------------------------------------------------------- */
 
-void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_pass *pass)
+void neph_rt_device_swap_histories(struct neph_rt_device *device, const struct neph_rt_pass *pass)
 {
     for (int i = 0; i < NEPH_RT_HISTORIES_MAX && pass->histories[i].before; i++) {
         const struct neph_rt_history history = pass->histories[i];
-        if (neph_rt_buffer_of(device->view, history.now) == history.before)
+        if (neph_rt_find_buffer(device->view, history.now) == history.before)
             continue; /* it is there */
         const struct neph_buffer before = device->targets[history.before];
         device->targets[history.before] = device->targets[history.now];
@@ -151,7 +152,7 @@ const struct neph_rt_shader *neph_rt_device_shader(const struct neph_rt_device *
 }
 
 /* The digit of a setting for the shaders (realtime/shared/choices.glsl). */
-static uint32_t digit_of(int setting, float value)
+static uint32_t encode_digit(int setting, float value)
 {
     if (setting >= RT_SETTING_COUNT || neph_rt_options[setting].kind == NEPH_OPTION_CHOICE)
         return (uint32_t)value;
@@ -160,15 +161,15 @@ static uint32_t digit_of(int setting, float value)
     return value != 0.0f;
 }
 
-static uint32_t rests_of(const struct neph_rt_device *device)
+static uint32_t find_static_parts(const struct neph_rt_device *device)
 {
-    const bool all_rest = neph_rt_view_rests(device->view);
-    const bool air_rests = all_rest || (neph_rt_tuning_of(device->kind)->has_air_kernels &&
-                                        neph_rt_air_rests(device->view));
-    return (all_rest ? RT_RESTS_ALL : 0u) | (air_rests ? RT_RESTS_AIR : 0u);
+    const bool all_rest = neph_rt_is_view_static(device->view);
+    const bool is_medium_static = all_rest || (neph_rt_get_tuning(device->kind)->has_air_kernels &&
+                                               neph_rt_is_medium_static(device->view));
+    return (all_rest ? RT_STATIC_VIEW : 0u) | (is_medium_static ? RT_STATIC_MEDIUM : 0u);
 }
 
-static bool is_of_rest(int setting)
+static bool is_static_setting(int setting)
 {
     return setting == RT_STEADY || setting == RT_SOLID_MOTION;
 }
@@ -182,15 +183,16 @@ static void set_choices(const struct neph_rt_device *device, const struct neph_r
     params->constant_count = RT_CONSTANT_COUNT;
     params->constants[RT_HALVES_CONSTANT] = device->native_halves;
     params->constants[RT_GPU_ACCESS_CONSTANT] = device->kind == NEPH_RT_GPU;
-    params->constants[RT_RESTS_CONSTANT] = pass->rays ? 0u : rests_of(device);
+    params->constants[RT_STATIC_CONSTANT] = pass->rays ? 0u : find_static_parts(device);
     params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
     params->constants[RT_DARK_CONSTANT] = device->is_dark;
     for (int s = 0; s < RT_NUMBER_COUNT && device->specialises; s++)
-        if (!pass->rays || !is_of_rest(s))
-            params->constants[RT_CHOICE_CONSTANT + s / 8] |= digit_of(s, values[s]) << 4 * (s % 8);
+        if (!pass->rays || !is_static_setting(s))
+            params->constants[RT_CHOICE_CONSTANT + s / 8] |= encode_digit(s, values[s])
+                                                             << 4 * (s % 8);
 }
 
-void neph_rt_device_show(struct neph_rt_device *device)
+void neph_rt_device_upload_view(struct neph_rt_device *device)
 {
     memcpy(device->view_buffer.mapped, device->view, sizeof(*device->view));
 }
@@ -217,7 +219,7 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
     const uint32_t touched = neph_rt_targets_touched(device->view, pass);
     for (int t = 0; t < (int)params->array_count; t++)
         dispatch->buffers[first + 2 + t] =
-            touched & NEPH_RT_BIT(t) ? &device->targets[neph_rt_buffer_of(device->view, t)]
+            touched & NEPH_RT_BIT(t) ? &device->targets[neph_rt_find_buffer(device->view, t)]
                                      : &device->nothing;
 }
 
@@ -241,7 +243,7 @@ static enum neph_status add_colour(struct neph_rt_device *device, const struct n
 }
 
 /* Kinds of frames with separate kernels. */
-enum { SOLIDS_MOVING, MOVING, AT_REST, STEADY, KINDS };
+enum { SOLIDS_MOVING, MOVING, STATIC, KNOWN_STATIC, KINDS };
 
 enum neph_status neph_rt_device_prepare(struct neph_rt_device *device,
                                         const struct neph_rt_pass *pass, struct neph_diag *diag)
@@ -252,15 +254,16 @@ enum neph_status neph_rt_device_prepare(struct neph_rt_device *device,
     const float steady = settings[RT_STEADY], solid_motion = settings[RT_SOLID_MOTION];
     for (int kind = solid_motion == 0.0f ? MOVING : SOLIDS_MOVING; kind < KINDS && !status;
          kind++) {
-        settings[RT_STEADY] = kind == STEADY ? RT_STEADY_KNOWN : steady;
+        settings[RT_STEADY] = kind == KNOWN_STATIC ? RT_STEADY_KNOWN : steady;
         settings[RT_SOLID_MOTION] = kind == SOLIDS_MOVING ? solid_motion : 0.0f;
-        if ((kind == STEADY && neph_rt_is_done_by_other(device->view, pass)) ||
-            !neph_rt_holds(device->view, pass->condition))
+        if ((kind == KNOWN_STATIC && neph_rt_is_pass_skipped(device->view, pass)) ||
+            !neph_rt_is_condition_met(device->view, pass->condition))
             continue;
         struct neph_kernel_params params = {.push_size_bytes = sizeof(struct neph_gpu_pass_run)};
         struct neph_dispatch dispatch = {.group_count = 0};
         neph_rt_device_bind(device, pass, 0, &params, &dispatch);
-        params.constants[RT_RESTS_CONSTANT] = kind >= AT_REST ? RT_RESTS_ALL | RT_RESTS_AIR : 0u;
+        params.constants[RT_STATIC_CONSTANT] = kind >= STATIC ? RT_STATIC_VIEW | RT_STATIC_MEDIUM
+                                                              : 0u;
         status = neph_kernel_get(device->vulkan, &params, &kernel, diag);
     }
     settings[RT_STEADY] = steady;
@@ -277,8 +280,9 @@ static enum neph_status bind_pass(struct neph_rt_device *device, const struct ne
     return neph_kernel_get(device->vulkan, &params, kernel, diag);
 }
 
-enum neph_status neph_rt_device_ask(struct neph_rt_device *device, const struct neph_rt_pass *pass,
-                                    struct neph_diag *diag)
+enum neph_status neph_rt_device_start_kernel(struct neph_rt_device *device,
+                                             const struct neph_rt_pass *pass,
+                                             struct neph_diag *diag)
 {
     struct neph_dispatch dispatch = {.group_count = 0};
     const struct neph_kernel *kernel;
@@ -302,7 +306,7 @@ enum neph_status neph_rt_device_run(struct neph_rt_device *device, const struct 
                                     struct neph_diag *diag)
 {
     struct neph_rt_submission submission = {.vulkan = device->vulkan};
-    neph_rt_device_show(device);
+    neph_rt_device_upload_view(device);
     const enum neph_status status = neph_rt_device_add(device, pass, &submission, diag);
     return status ? status : neph_rt_submission_wait(&submission, diag);
 }

@@ -20,7 +20,7 @@ struct neph_rt_device {
     struct neph_gpu_view *view; /* owned; may change between passes. In CPU memory: reading mapped
                                    memory of a GPU is slow */
     struct neph_buffer view_buffer; /* owned, like all buffers below */
-    struct neph_turns view_turns;
+    struct neph_buffer_ring view_turns;
     struct neph_buffer noise;
     struct neph_buffer targets[RT_TARGET_COUNT]; /* no memory for targets that are not requested */
     struct neph_buffer nothing; /* one word, bound for targets that a pass does not declare */
@@ -62,10 +62,10 @@ enum neph_status neph_rt_device_download(struct neph_rt_device *device, int targ
                                          struct neph_diag *diag);
 
 /* Swaps the buffers of each target of a pass that is a history in the next frame. */
-void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_pass *pass);
+void neph_rt_device_swap_histories(struct neph_rt_device *device, const struct neph_rt_pass *pass);
 
-/* Copies the view to the device, into memory that no frame in flight reads: neph_turns_take(). */
-void neph_rt_device_show(struct neph_rt_device *device);
+/* Copies the view to the device, into memory that no frame in flight reads: neph_buffer_ring_advance(). */
+void neph_rt_device_upload_view(struct neph_rt_device *device);
 
 /* Binds the view, the noise and the targets that a pass declares, after `first` other buffers and
  * their constants. */
@@ -78,8 +78,9 @@ enum neph_status neph_rt_device_prepare(struct neph_rt_device *device,
                                         const struct neph_rt_pass *pass, struct neph_diag *diag);
 
 /* Starts to compile the kernel of a pass without rays, in parallel with others. */
-enum neph_status neph_rt_device_ask(struct neph_rt_device *device, const struct neph_rt_pass *pass,
-                                    struct neph_diag *diag);
+enum neph_status neph_rt_device_start_kernel(struct neph_rt_device *device,
+                                             const struct neph_rt_pass *pass,
+                                             struct neph_diag *diag);
 
 /* Records a pass without rays into a submission. */
 enum neph_status neph_rt_device_add(struct neph_rt_device *device, const struct neph_rt_pass *pass,

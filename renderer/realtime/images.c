@@ -10,13 +10,13 @@ static size_t rendered_count(const struct neph_rt_device *device)
     return (size_t)device->view->size_px[0] * device->view->size_px[1];
 }
 
-static size_t picture_count(const struct neph_rt_device *device)
+static size_t count_output_pixels(const struct neph_rt_device *device)
 {
     return (size_t)device->view->picture_px[0] * device->view->picture_px[1];
 }
 
 /* Index of the texel of a full-resolution target for a rendered pixel. */
-static size_t texel_of(const struct neph_rt_device *device, int target, size_t pixel)
+static size_t find_rendered_texel(const struct neph_rt_device *device, int target, size_t pixel)
 {
     const struct neph_gpu_view *view = device->view;
     const size_t x = pixel % view->size_px[0] + view->origin_px[0];
@@ -34,18 +34,18 @@ static size_t rendered_pixel(const struct neph_rt_device *device, size_t pixel)
 }
 
 /* Index of the texel of a target for an output pixel. */
-static size_t texel_for(const struct neph_rt_device *device, int target, size_t pixel)
+static size_t find_output_texel(const struct neph_rt_device *device, int target, size_t pixel)
 {
     const struct neph_gpu_view *view = device->view;
-    if (!neph_rt_is_of_picture(target))
-        return texel_of(device, target, rendered_pixel(device, pixel));
+    if (!neph_rt_has_output_size(target))
+        return find_rendered_texel(device, target, rendered_pixel(device, pixel));
     const size_t x = pixel % view->picture_px[0] + view->origin_px[0];
     const size_t y = pixel / view->picture_px[0] + view->origin_px[1];
     return y * view->targets[target].width + x;
 }
 
-enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *const channels[3],
-                              struct neph_diag *diag)
+enum neph_status neph_rt_upload_image(struct neph_rt_device *device, int target,
+                                      float *const channels[3], struct neph_diag *diag)
 {
     const size_t word_count = neph_rt_device_words(device, target);
     if (word_count == 0)
@@ -59,7 +59,8 @@ enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *
         for (int c = 0; c < 3; c++)
             if (channels[c])
                 value[c] = fminf(channels[c][i], NEPH_GPU_FAR_M);
-        neph_rt_store(&device->view->targets[target], words, texel_of(device, target, i), value);
+        neph_rt_store(&device->view->targets[target], words, find_rendered_texel(device, target, i),
+                      value);
     }
     const enum neph_status status = neph_rt_device_upload(device, target, words, diag);
     free(words);
@@ -67,23 +68,25 @@ enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *
 }
 
 /* Outputs of the anti-aliasing are multiplied by the exposure. */
-static float exposure_of(const struct neph_gpu_view *view, int target)
+static float get_exposure(const struct neph_gpu_view *view, int target)
 {
-    return neph_rt_is_of_picture(target) && view->settings[RT_TAA] != 0.0f ? view->exposure : 1.0f;
+    return neph_rt_has_output_size(target) && view->settings[RT_TAA] != 0.0f ? view->exposure
+                                                                             : 1.0f;
 }
 
-enum neph_status neph_rt_bring(struct neph_rt_device *device, int target, float *const channels[4],
-                               struct neph_diag *diag)
+enum neph_status neph_rt_download_image(struct neph_rt_device *device, int target,
+                                        float *const channels[4], struct neph_diag *diag)
 {
-    const float exposure = exposure_of(device->view, target);
+    const float exposure = get_exposure(device->view, target);
     uint32_t *words = malloc(neph_rt_device_words(device, target) * sizeof(*words));
     if (!words)
         return neph_fail_memory(diag);
     const enum neph_status status = neph_rt_device_download(device, target, words, diag);
-    const size_t count = picture_count(device);
+    const size_t count = count_output_pixels(device);
     for (size_t i = 0; i < count && !status; i++) {
         float value[4];
-        neph_rt_load(&device->view->targets[target], words, texel_for(device, target, i), value);
+        neph_rt_load(&device->view->targets[target], words, find_output_texel(device, target, i),
+                     value);
         for (int c = 0; c < 4; c++)
             if (channels[c])
                 channels[c][i] = value[c] / exposure;
@@ -92,8 +95,8 @@ enum neph_status neph_rt_bring(struct neph_rt_device *device, int target, float 
     return status;
 }
 
-enum neph_status neph_rt_spread(const struct neph_rt_device *device, struct neph_image **image,
-                                struct neph_diag *diag)
+enum neph_status neph_rt_resample_image(const struct neph_rt_device *device,
+                                        struct neph_image **image, struct neph_diag *diag)
 {
     const struct neph_image *rendered = *image;
     struct neph_image *made = NULL;
@@ -102,7 +105,7 @@ enum neph_status neph_rt_spread(const struct neph_rt_device *device, struct neph
     for (int c = 0; c < rendered->channel_count && !status; c++) {
         float *samples;
         status = neph_image_add_channel(made, rendered->channels[c].name, &samples, diag);
-        for (size_t i = 0; i < picture_count(device) && !status; i++)
+        for (size_t i = 0; i < count_output_pixels(device) && !status; i++)
             samples[i] = rendered->channels[c].samples[rendered_pixel(device, i)];
     }
     if (status) {
@@ -144,8 +147,8 @@ static enum neph_status check_given(const struct neph_gpu_view *view,
     return NEPH_OK;
 }
 
-enum neph_status neph_rt_give_frame(struct neph_rt_device *device, const struct neph_image *frame,
-                                    uint32_t *given, struct neph_diag *diag)
+enum neph_status neph_rt_upload_frame(struct neph_rt_device *device, const struct neph_image *frame,
+                                      uint32_t *given, struct neph_diag *diag)
 {
     enum neph_status status = check_given(device->view, frame, diag);
     if (status)
@@ -153,11 +156,11 @@ enum neph_status neph_rt_give_frame(struct neph_rt_device *device, const struct 
     float *const depth_m[3] = {neph_image_channel(frame, "Z")};
     float *rgb[3], *const dark[3] = {NULL, NULL, NULL};
     const bool shines = neph_image_rgb(frame, NULL, rgb);
-    status = neph_rt_give(device, RT_DEPTH, depth_m, diag);
+    status = neph_rt_upload_image(device, RT_DEPTH, depth_m, diag);
     if (!status)
-        status = neph_rt_give(device, RT_STEADY_DEPTH, depth_m, diag);
+        status = neph_rt_upload_image(device, RT_STEADY_DEPTH, depth_m, diag);
     if (!status)
-        status = neph_rt_give(device, RT_BEHIND, shines ? rgb : dark, diag);
+        status = neph_rt_upload_image(device, RT_BEHIND, shines ? rgb : dark, diag);
     if (!status)
         *given |= NEPH_RT_BIT(RT_DEPTH) | NEPH_RT_BIT(RT_STEADY_DEPTH) | NEPH_RT_BIT(RT_BEHIND);
     return status;
@@ -200,8 +203,8 @@ static enum neph_status add_layers(struct neph_image *frame, struct layers *laye
     return status;
 }
 
-static enum neph_status bring_layers(struct neph_rt_device *device, int picture,
-                                     const struct layers *layers, struct neph_diag *diag)
+static enum neph_status download_layers(struct neph_rt_device *device, int picture,
+                                        const struct layers *layers, struct neph_diag *diag)
 {
     const struct {
         int target;
@@ -215,15 +218,15 @@ static enum neph_status bring_layers(struct neph_rt_device *device, int picture,
     };
     enum neph_status status = NEPH_OK;
     for (size_t i = 0; i < sizeof(parts) / sizeof(parts[0]) && !status; i++)
-        status = neph_rt_bring(device, parts[i].target, parts[i].channels, diag);
+        status = neph_rt_download_image(device, parts[i].target, parts[i].channels, diag);
     for (int c = 1; c < 3 && !status; c++)
         memcpy(layers->transmittance[c], layers->transmittance[0],
-               picture_count(device) * sizeof(float));
+               count_output_pixels(device) * sizeof(float));
     return status;
 }
 
-enum neph_status neph_rt_bring_frame(struct neph_rt_device *device, int picture,
-                                     struct neph_image **frame, struct neph_diag *diag)
+enum neph_status neph_rt_download_frame(struct neph_rt_device *device, int picture,
+                                        struct neph_image **frame, struct neph_diag *diag)
 {
     struct neph_image *made = NULL;
     struct layers layers;
@@ -232,7 +235,7 @@ enum neph_status neph_rt_bring_frame(struct neph_rt_device *device, int picture,
     if (!status)
         status = add_layers(made, &layers, diag);
     if (!status)
-        status = bring_layers(device, picture, &layers, diag);
+        status = download_layers(device, picture, &layers, diag);
     if (status) {
         neph_image_destroy(made);
         return status;

@@ -23,7 +23,7 @@ static bool is_half(const struct neph_gpu_target *target)
 }
 
 /* D. E. Knuth's multiplicative hash: arbitrary bits, the same in each run. */
-static uint32_t garbage(size_t word)
+static uint32_t hash_word(size_t word)
 {
     return (uint32_t)word * 2654435761u;
 }
@@ -34,14 +34,14 @@ static void put(const struct neph_gpu_target *target, uint32_t *words, size_t el
     const uint32_t own = neph_rt_format_words(target->format);
     float of_channels[4];
     for (uint32_t w = 0; w < own && value == NEPH_INJECTED_GARBAGE; w++)
-        words[element * own + w] = garbage(element * own + w);
+        words[element * own + w] = hash_word(element * own + w);
     for (int c = 0; c < 4; c++)
         of_channels[c] = is_half(target) && value == NEPH_INJECTED_HUGE ? half_max : values[value];
     if (value != NEPH_INJECTED_GARBAGE)
         neph_rt_store(target, words, element, of_channels);
 }
 
-static uint64_t channels_of(const struct neph_gpu_target *target)
+static uint64_t find_channels(const struct neph_gpu_target *target)
 {
     return neph_rt_format_bytes(target->format) / (is_half(target) ? 2 : 4);
 }
@@ -50,9 +50,10 @@ static uint64_t channels_of(const struct neph_gpu_target *target)
 typedef bool choice(const struct neph_rt_device *device, int target, uint32_t x, uint32_t y,
                     const void *context);
 
-static enum neph_status put_where(struct neph_rt_device *device, int target, choice *chooses,
-                                  const void *context, enum neph_injected_value value,
-                                  uint64_t *count, struct neph_diag *diag)
+static enum neph_status fill_texels_where(struct neph_rt_device *device, int target,
+                                          choice *chooses, const void *context,
+                                          enum neph_injected_value value, uint64_t *count,
+                                          struct neph_diag *diag)
 {
     const struct neph_gpu_target *shape = &device->view->targets[target];
     const size_t size = neph_rt_device_words(device, target);
@@ -67,7 +68,7 @@ static enum neph_status put_where(struct neph_rt_device *device, int target, cho
             if (!chooses(device, target, x, y, context))
                 continue;
             put(shape, words, (size_t)y * shape->width + x, value);
-            *count += channels_of(shape);
+            *count += find_channels(shape);
         }
     if (!status)
         status = neph_rt_device_upload(device, target, words, diag);
@@ -78,7 +79,7 @@ static enum neph_status put_where(struct neph_rt_device *device, int target, cho
 /* --- the view and what is around it ----------------------------------------------------------- */
 
 /* x and y are texels of the target. */
-static bool is_of_view(const struct neph_rt_device *device, int target, uint32_t x, uint32_t y)
+static bool is_in_view(const struct neph_rt_device *device, int target, uint32_t x, uint32_t y)
 {
     const struct neph_rt_rectangle own = neph_rt_view_texels(device->view, target);
     return x >= own.left && x < own.left + own.width && y >= own.top && y < own.top + own.height;
@@ -88,22 +89,22 @@ static bool is_inside(const struct neph_rt_device *device, int target, uint32_t 
                       const void *context)
 {
     (void)context;
-    return is_of_view(device, target, x, y);
+    return is_in_view(device, target, x, y);
 }
 
-static bool is_around(const struct neph_rt_device *device, int target, uint32_t x, uint32_t y,
-                      const void *context)
+static bool is_outside_view(const struct neph_rt_device *device, int target, uint32_t x, uint32_t y,
+                            const void *context)
 {
     return !is_inside(device, target, x, y, context);
 }
 
-enum neph_status neph_rt_inject_around(struct neph_rt_device *device,
-                                       enum neph_injected_value value, uint64_t *count,
-                                       struct neph_diag *diag)
+enum neph_status neph_rt_inject_outside_view(struct neph_rt_device *device,
+                                             enum neph_injected_value value, uint64_t *count,
+                                             struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int t = 0; t < RT_TARGET_COUNT && !status; t++)
-        status = put_where(device, t, is_around, NULL, value, count, diag);
+        status = fill_texels_where(device, t, is_outside_view, NULL, value, count, diag);
     return status;
 }
 
@@ -117,12 +118,12 @@ enum neph_status neph_rt_inject_history(struct neph_rt_device *device,
     enum neph_status status = NEPH_OK;
     for (int p = 0; neph_rt_passes[p]; p++) {
         const struct neph_rt_pass *pass = neph_rt_passes[p];
-        if (neph_rt_holds(device->view, pass->condition))
+        if (neph_rt_is_condition_met(device->view, pass->condition))
             before |= neph_rt_targets_before(pass);
     }
     for (int t = 0; t < RT_TARGET_COUNT && !status; t++)
         if (before & NEPH_RT_BIT(t))
-            status = put_where(device, t, is_inside, NULL, value, count, diag);
+            status = fill_texels_where(device, t, is_inside, NULL, value, count, diag);
     return status;
 }
 
@@ -136,7 +137,7 @@ static bool is_chosen_ray(const struct neph_rt_device *device, int target, uint3
     const struct neph_gpu_view *view = device->view;
     const uint64_t all = (uint64_t)view->tile_count[0] * view->tile_count[1];
     const uint64_t count = (uint64_t)rays->count < all ? (uint64_t)rays->count : all;
-    if (!is_of_view(device, target, x, y))
+    if (!is_in_view(device, target, x, y))
         return false;
     const uint64_t own = (uint64_t)(y - view->origin_px[1] / RT_QUARTER) * view->tile_count[0] + x -
                          view->origin_px[0] / RT_QUARTER;
@@ -148,5 +149,5 @@ enum neph_status neph_rt_inject_rays(struct neph_rt_device *device,
                                      const struct neph_injected_rays *rays, uint64_t *count,
                                      struct neph_diag *diag)
 {
-    return put_where(device, RT_RAY, is_chosen_ray, rays, rays->value, count, diag);
+    return fill_texels_where(device, RT_RAY, is_chosen_ray, rays, rays->value, count, diag);
 }

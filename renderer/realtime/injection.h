@@ -21,8 +21,8 @@ enum neph_status neph_rt_inject_rays(struct neph_rt_device *device,
                                      struct neph_diag *diag);
 
 /* Into all texels outside the view. */
-enum neph_status neph_rt_inject_around(struct neph_rt_device *device,
-                                       enum neph_injected_value value, uint64_t *count,
-                                       struct neph_diag *diag);
+enum neph_status neph_rt_inject_outside_view(struct neph_rt_device *device,
+                                             enum neph_injected_value value, uint64_t *count,
+                                             struct neph_diag *diag);
 
 #endif

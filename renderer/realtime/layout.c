@@ -14,7 +14,7 @@ static uint32_t divide_up(int value, int divisor)
     return (uint32_t)((value + divisor - 1) / divisor);
 }
 
-static uint32_t whole(const struct neph_gpu_view *view, int setting)
+static uint32_t read_whole_setting(const struct neph_gpu_view *view, int setting)
 {
     return (uint32_t)view->settings[setting];
 }
@@ -25,15 +25,15 @@ int neph_rt_rendered_px(int picture_px, int percent)
 }
 
 /* Size of the output, or of the view. */
-static const uint32_t *pixels_of(const struct neph_gpu_view *view, int resolution)
+static const uint32_t *get_pixel_size(const struct neph_gpu_view *view, int resolution)
 {
-    return resolution == RT_PICTURE ? view->picture_px : view->size_px;
+    return resolution == RT_OUTPUT ? view->picture_px : view->size_px;
 }
 
 /* Pixels along a side of a texel. */
 static int texel_px(int resolution)
 {
-    return resolution == RT_PICTURE ? 1 : resolution;
+    return resolution == RT_OUTPUT ? 1 : resolution;
 }
 
 static uint32_t froxel_columns(const struct neph_gpu_view *view, int axis)
@@ -42,25 +42,26 @@ static uint32_t froxel_columns(const struct neph_gpu_view *view, int axis)
 }
 
 /* Without froxels a target of one element, which no pass reads. */
-static struct neph_gpu_target froxels_of(const struct neph_gpu_view *view, uint32_t format)
+static struct neph_gpu_target make_froxel_target(const struct neph_gpu_view *view, uint32_t format)
 {
     const bool any = view->settings[RT_FROXEL_VOLUME] != 0.0f;
     return (struct neph_gpu_target){
         .format = format,
         .width = any ? froxel_columns(view, 0) : 1,
-        .height = any ? RT_FROXEL_SECTIONS * froxel_columns(view, 1) * whole(view, RT_FROXEL_SLICES)
+        .height = any ? RT_FROXEL_SECTIONS * froxel_columns(view, 1) *
+                            read_whole_setting(view, RT_FROXEL_SLICES)
                       : 1,
     };
 }
 
-static struct neph_gpu_target shape_of(const struct neph_gpu_view *view, int target,
-                                       const int buffer_px[2])
+static struct neph_gpu_target make_target_shape(const struct neph_gpu_view *view, int target,
+                                                const int buffer_px[2])
 {
     const int resolution = rows[target].resolution;
-    const int percent = resolution == RT_PICTURE ? 100 : (int)view->settings[RT_SCREEN_PERCENT];
+    const int percent = resolution == RT_OUTPUT ? 100 : (int)view->settings[RT_SCREEN_PERCENT];
     const bool is_half = view->settings[RT_TARGET_FORMAT] == RT_FORMAT_HALF;
     if (resolution == RT_FROXEL)
-        return froxels_of(view, (uint32_t)rows[target].float_format);
+        return make_froxel_target(view, (uint32_t)rows[target].float_format);
     return (struct neph_gpu_target){
         .format = (uint32_t)(is_half ? rows[target].half_format : rows[target].float_format),
         .width = divide_up(neph_rt_rendered_px(buffer_px[0], percent), texel_px(resolution)),
@@ -123,7 +124,7 @@ void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *s
         view->tile_count[axis] = divide_up(size_px, RT_QUARTER);
     }
     for (int t = 0; t < RT_TARGET_COUNT; t++)
-        view->targets[t] = shape_of(view, t, buffer_px);
+        view->targets[t] = make_target_shape(view, t, buffer_px);
 }
 
 uint64_t neph_rt_target_bytes(const struct neph_gpu_view *view, int target)
@@ -135,7 +136,7 @@ uint64_t neph_rt_target_bytes(const struct neph_gpu_view *view, int target)
 struct neph_rt_rectangle neph_rt_view_texels(const struct neph_gpu_view *view, int target)
 {
     const struct neph_gpu_target *shape = &view->targets[target];
-    const uint32_t *pixels = pixels_of(view, rows[target].resolution);
+    const uint32_t *pixels = get_pixel_size(view, rows[target].resolution);
     const int side_px = texel_px(rows[target].resolution);
     if (rows[target].resolution == RT_FROXEL)
         return (struct neph_rt_rectangle){0, 0, shape->width, shape->height};
@@ -153,13 +154,13 @@ uint64_t neph_rt_texel_count(const struct neph_gpu_view *view, int resolution)
     if (resolution == RT_FROXEL_COLUMN)
         return columns;
     if (resolution == RT_FROXEL)
-        return columns * whole(view, RT_FROXEL_SLICES);
-    const uint32_t *pixels = pixels_of(view, resolution);
+        return columns * read_whole_setting(view, RT_FROXEL_SLICES);
+    const uint32_t *pixels = get_pixel_size(view, resolution);
     return (uint64_t)divide_up((int)pixels[0], texel_px(resolution)) *
            divide_up((int)pixels[1], texel_px(resolution));
 }
 
-bool neph_rt_is_of_picture(int target)
+bool neph_rt_has_output_size(int target)
 {
-    return rows[target].resolution == RT_PICTURE;
+    return rows[target].resolution == RT_OUTPUT;
 }

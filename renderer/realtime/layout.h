@@ -22,7 +22,7 @@ int neph_rt_rendered_px(int picture_px, int percent);
 int neph_rt_jitter_length(int length, int percent);
 
 /* Whether a target has output resolution (and not rendered resolution). */
-bool neph_rt_is_of_picture(int target);
+bool neph_rt_has_output_size(int target);
 
 /* Bytes of one target as a texture in its format on a GPU. */
 uint64_t neph_rt_target_bytes(const struct neph_gpu_view *view, int target);
@@ -34,7 +34,7 @@ struct neph_rt_rectangle {
 
 struct neph_rt_rectangle neph_rt_view_texels(const struct neph_gpu_view *view, int target);
 
-/* Number of texels of a view at a resolution: RT_PICTURE, RT_FULL, RT_HALF, RT_QUARTER; or of its
+/* Number of texels of a view at a resolution: RT_OUTPUT, RT_FULL, RT_HALF, RT_QUARTER; or of its
  * froxels or froxel columns: RT_FROXEL, RT_FROXEL_COLUMN. */
 uint64_t neph_rt_texel_count(const struct neph_gpu_view *view, int resolution);
 

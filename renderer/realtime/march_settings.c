@@ -11,10 +11,11 @@ static const double light_blur_texels = 1.0;
 
 #include "settings/realtime_march.inc"
 
-bool neph_rt_is_handed_over(const struct neph_scene *scene, const struct neph_settings *settings)
+bool neph_rt_is_fog_split_at_froxels(const struct neph_scene *scene,
+                                     const struct neph_settings *settings)
 {
-    const struct neph_march_fog fog = neph_fog_for_march((int)settings->values[RT_FOG]);
-    const struct neph_rt_settings of_passes = neph_rt_settings_of(settings);
+    const struct neph_march_fog fog = neph_march_fog_choose((int)settings->values[RT_FOG]);
+    const struct neph_rt_settings of_passes = neph_rt_group_settings(settings);
     return fog.is_look && fog.model == NEPH_FOG_UNREAL && of_passes.froxels.is_on &&
            of_passes.shared.split != RT_SPLIT_NONE &&
            scene->fog_look.volumetric_fog_distance_m > 0.0;
@@ -35,6 +36,6 @@ struct neph_march_params neph_rt_march_params(const struct neph_scene *scene,
         .diffusion = {.cycles = DIFFUSION_CYCLES},
     };
     read_march(settings->values, &params);
-    params.fog.is_handed_over = neph_rt_is_handed_over(scene, settings);
+    params.fog.is_handed_over = neph_rt_is_fog_split_at_froxels(scene, settings);
     return params;
 }

@@ -10,7 +10,8 @@
 
 /* Whether froxels carry the fog up to Unreal's view distance of volumetric fog, and the
  * non-physical fog model begins there. */
-bool neph_rt_is_handed_over(const struct neph_scene *scene, const struct neph_settings *settings);
+bool neph_rt_is_fog_split_at_froxels(const struct neph_scene *scene,
+                                     const struct neph_settings *settings);
 
 /* Parameters of the march of `width_px` x `height_px` pixels in this scene. */
 struct neph_march_params neph_rt_march_params(const struct neph_scene *scene,

@@ -34,17 +34,17 @@ static struct neph_gpu_view_camera camera_from(const struct neph_camera *camera,
 }
 
 /* Every `override_rest` cycles of four frames one cycle has no override. */
-static bool is_resting(const struct neph_gpu_view *view, uint32_t number)
+static bool is_override_skipped(const struct neph_gpu_view *view, uint32_t number)
 {
     const uint32_t period = (uint32_t)view->settings[RT_OVERRIDE_REST];
     return period > 0 && number / 4 % period == period - 1;
 }
 
-struct neph_rt_moment neph_rt_moment_of(const struct neph_gpu_view *view,
-                                        const struct neph_scene *scene, int frame, uint32_t number,
-                                        bool moves_rays)
+struct neph_rt_transforms neph_rt_compute_transforms(const struct neph_gpu_view *view,
+                                                     const struct neph_scene *scene, int frame,
+                                                     uint32_t number, bool moves_rays)
 {
-    struct neph_rt_moment now = {
+    struct neph_rt_transforms now = {
         .drift_m = neph_scene_wind_displacement_m(scene, frame),
         .origin_m = neph_injected_origin_at(neph_scene_injections(scene), frame),
         .frame = frame,
@@ -60,19 +60,19 @@ struct neph_rt_moment neph_rt_moment_of(const struct neph_gpu_view *view,
 }
 
 /* The same transforms after the origin of the world has moved. */
-static struct neph_rt_moment in_world_of(const struct neph_rt_moment *before,
-                                         const struct neph_rt_moment *now)
+static struct neph_rt_transforms shift_transforms(const struct neph_rt_transforms *before,
+                                                  const struct neph_rt_transforms *now)
 {
-    const struct neph_vec3 way_m = neph_vec3_sub(now->origin_m, before->origin_m);
-    struct neph_rt_moment moved = *before;
-    moved.camera.position_m = neph_vec3_add(before->camera.position_m, way_m);
+    const struct neph_vec3 shift_m = neph_vec3_sub(now->origin_m, before->origin_m);
+    struct neph_rt_transforms moved = *before;
+    moved.camera.position_m = neph_vec3_add(before->camera.position_m, shift_m);
     moved.origin_m = now->origin_m;
     return moved;
 }
 
 /* The pivot of a mover relative to the camera of this frame. */
-static struct neph_vec3 pivot_from(const struct neph_rt_moment *now,
-                                   const struct neph_rt_moment *then,
+static struct neph_vec3 pivot_from(const struct neph_rt_transforms *now,
+                                   const struct neph_rt_transforms *then,
                                    const struct neph_placing *placing)
 {
     const struct neph_vec3 own_m = neph_vec3_add(placing->pivot_m, placing->move_m);
@@ -82,8 +82,8 @@ static struct neph_vec3 pivot_from(const struct neph_rt_moment *now,
 /* The rotation back is the difference of two angles in double precision: exactly 0 when static. */
 static struct neph_gpu_mover mover_from(const struct neph_scene *scene,
                                         const struct neph_mover *mover,
-                                        const struct neph_rt_moment *now,
-                                        const struct neph_rt_moment *before)
+                                        const struct neph_rt_transforms *now,
+                                        const struct neph_rt_transforms *before)
 {
     const struct neph_placing here = neph_mover_placing(scene, mover, now->frame);
     const struct neph_placing there = neph_mover_placing(scene, mover, before->frame);
@@ -101,14 +101,14 @@ static struct neph_gpu_mover mover_from(const struct neph_scene *scene,
     return made;
 }
 
-void neph_rt_view_set_moment(struct neph_gpu_view *view, const struct neph_scene *scene,
-                             const struct neph_rt_moment *now, const struct neph_rt_moment *before,
-                             uint32_t number)
+void neph_rt_view_set_transforms(struct neph_gpu_view *view, const struct neph_scene *scene,
+                                 const struct neph_rt_transforms *now,
+                                 const struct neph_rt_transforms *before, uint32_t number)
 {
     const bool is_first = !before;
-    struct neph_rt_moment past = is_first ? *now : *before;
+    struct neph_rt_transforms past = is_first ? *now : *before;
     if (view->settings[RT_ORIGIN_SHIFT] != 0.0f)
-        past = in_world_of(&past, now);
+        past = shift_transforms(&past, now);
     before = &past;
     const bool is_cut = !is_first && neph_scene_is_cut(scene, before->frame, now->frame);
     view->now = camera_from(&now->camera, now->camera.position_m, view->picture_px);
@@ -116,7 +116,7 @@ void neph_rt_view_set_moment(struct neph_gpu_view *view, const struct neph_scene
     view->frame = number;
     view->is_cut = is_cut;
     view->has_history = !is_first && !(is_cut && view->settings[RT_CUT_RESET] != 0.0f);
-    view->resting = is_resting(view, number);
+    view->resting = is_override_skipped(view, number);
     memcpy(view->jitter_px, now->jitter_px, sizeof(view->jitter_px));
     memcpy(view->jitter_before_px, before->jitter_px, sizeof(view->jitter_before_px));
     set_vector(view->wind_m, neph_vec3_sub(now->drift_m, before->drift_m));

@@ -14,7 +14,7 @@
 extern const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1];
 
 /* Values of these options, grouped by pass. */
-struct neph_rt_settings neph_rt_settings_of(const struct neph_settings *settings);
+struct neph_rt_settings neph_rt_group_settings(const struct neph_settings *settings);
 
 /* Complete pipelines; presets.c names the source of each. */
 extern const struct neph_preset neph_rt_presets[];

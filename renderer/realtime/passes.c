@@ -44,10 +44,10 @@ static const char *const target_names[RT_TARGET_COUNT] = {
     [RT_KEPT_BEHIND] = "kept radiance behind",
     [RT_CHANGE] = "change",
     [RT_CHANGE_BEHIND] = "change behind",
-    [RT_LOOK_NOW] = "look now",
-    [RT_LOOK_THEN] = "look then",
-    [RT_LOOK_BEHIND_NOW] = "look behind now",
-    [RT_LOOK_BEHIND_THEN] = "look behind then",
+    [RT_SAMPLE_NOW] = "look now",
+    [RT_SAMPLE_THEN] = "look then",
+    [RT_SAMPLE_BEHIND_NOW] = "look behind now",
+    [RT_SAMPLE_BEHIND_THEN] = "look behind then",
     [RT_MOVED] = "moved",
     [RT_FROXELS] = "froxels",
     [RT_TAA_STATE] = "locks",
@@ -67,15 +67,16 @@ int neph_rt_pass_index(const char *name)
     return -1;
 }
 
-bool neph_rt_holds(const struct neph_gpu_view *view, struct neph_rt_condition condition)
+bool neph_rt_is_condition_met(const struct neph_gpu_view *view, struct neph_rt_condition condition)
 {
     return (int)view->settings[condition.setting] == condition.choice;
 }
 
-static bool spares(const struct neph_gpu_view *view, const struct neph_rt_spared *spared)
+static bool is_target_spared(const struct neph_gpu_view *view,
+                             const struct neph_rt_unused_targets *spared)
 {
     for (int i = 0; i < NEPH_RT_UNLESS_MAX; i++)
-        if (neph_rt_holds(view, spared->unless[i]))
+        if (neph_rt_is_condition_met(view, spared->unless[i]))
             return false;
     return true;
 }
@@ -83,17 +84,17 @@ static bool spares(const struct neph_gpu_view *view, const struct neph_rt_spared
 uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
 {
     uint32_t touched = pass->reads | pass->writes;
-    for (int i = 0; i < NEPH_RT_SPARED_MAX && pass->spared[i].targets; i++)
-        if (spares(view, &pass->spared[i]))
+    for (int i = 0; i < NEPH_RT_UNUSED_MAX && pass->spared[i].targets; i++)
+        if (is_target_spared(view, &pass->spared[i]))
             touched &= ~pass->spared[i].targets;
     return touched;
 }
 
-bool neph_rt_is_done_by_other(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
+bool neph_rt_is_pass_skipped(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
 {
     bool is_done = false;
     for (int i = 0; i < NEPH_RT_OTHERS_MAX; i++)
-        is_done |= neph_rt_holds(view, pass->done_by_other[i]);
+        is_done |= neph_rt_is_condition_met(view, pass->done_by_other[i]);
     return is_done;
 }
 
@@ -102,7 +103,7 @@ uint32_t neph_rt_targets_used(const struct neph_gpu_view *view)
     uint32_t used = 0;
     for (int p = 0; neph_rt_passes[p]; p++) {
         const struct neph_rt_pass *pass = neph_rt_passes[p];
-        if (neph_rt_holds(view, pass->condition) && !neph_rt_is_done_by_other(view, pass))
+        if (neph_rt_is_condition_met(view, pass->condition) && !neph_rt_is_pass_skipped(view, pass))
             used |= neph_rt_targets_touched(view, pass);
     }
     return used;
@@ -116,9 +117,9 @@ uint32_t neph_rt_targets_before(const struct neph_rt_pass *pass)
     return before;
 }
 
-static bool takes_turns(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
+static bool has_colour_phases(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
 {
-    return pass->in_colours && neph_rt_holds(view, *pass->in_colours);
+    return pass->in_colours && neph_rt_is_condition_met(view, *pass->in_colours);
 }
 
 static uint64_t quotient_up(uint64_t a, uint64_t b)
@@ -128,17 +129,17 @@ static uint64_t quotient_up(uint64_t a, uint64_t b)
 
 enum { GROUP_THREADS = 64 };
 
-static int resolution_of(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
+static int find_resolution(const struct neph_gpu_view *view, const struct neph_rt_pass *pass)
 {
-    return pass->unread_resolution && neph_rt_is_unread(view) ? pass->unread_resolution
-                                                              : pass->resolution;
+    return pass->unread_resolution && neph_rt_is_output_elided(view) ? pass->unread_resolution
+                                                                     : pass->resolution;
 }
 
 static bool can_run(const struct neph_gpu_view *view, const struct neph_rt_shader *variant)
 {
     bool can = variant->code;
     for (int i = 0; i < NEPH_RT_NEEDS_MAX && variant->needs[i].setting; i++)
-        can &= neph_rt_holds(view, variant->needs[i]);
+        can &= neph_rt_is_condition_met(view, variant->needs[i]);
     return can;
 }
 
@@ -158,8 +159,8 @@ void neph_rt_absorb_passes(struct neph_gpu_view *view, enum neph_rt_device_kind 
             continue;
         const struct neph_rt_condition other = variant->absorbs->done_by_other[0];
         const bool absorbs = has_variants && can_run(view, variant) &&
-                             neph_rt_holds(view, neph_rt_passes[p]->condition) &&
-                             neph_rt_holds(view, variant->absorbs->condition);
+                             neph_rt_is_condition_met(view, neph_rt_passes[p]->condition) &&
+                             neph_rt_is_condition_met(view, variant->absorbs->condition);
         view->settings[other.setting] = absorbs ? (float)other.choice : 0.0f;
     }
 }
@@ -167,18 +168,18 @@ void neph_rt_absorb_passes(struct neph_gpu_view *view, enum neph_rt_device_kind 
 uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
                               const struct neph_rt_shader *shader)
 {
-    const int resolution = resolution_of(view, pass);
+    const int resolution = find_resolution(view, pass);
     const uint64_t column = shader->column ? (uint64_t)shader->column : 1;
     const uint64_t block[2] = {(uint64_t)shader->block[0], (uint64_t)shader->block[1]};
     if (resolution == RT_FROXEL || resolution == RT_FROXEL_COLUMN)
         return neph_rt_texel_count(view, resolution);
-    const bool is_picture = resolution == RT_PICTURE;
+    const bool is_picture = resolution == RT_OUTPUT;
     const uint64_t width = is_picture ? view->picture_px[0]
                                       : quotient_up(view->size_px[0], (uint64_t)resolution);
     const uint64_t height = neph_rt_texel_count(view, resolution) / width;
     if (block[0] > 0)
         return GROUP_THREADS * quotient_up(width, block[0]) * quotient_up(height, block[1]);
-    if (takes_turns(view, pass)) /* a dispatch for each colour */
+    if (has_colour_phases(view, pass)) /* a dispatch for each colour */
         return quotient_up(width, 2) * quotient_up(height, 2);
     if (pass->in_quads)
         return (width / 2 + 1) * (height / 2 + 1);
@@ -188,5 +189,5 @@ uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct nep
 uint32_t neph_rt_colour_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
                               const struct neph_rt_shader *shader)
 {
-    return takes_turns(view, pass) && shader->block[0] == 0 ? 4 : 1;
+    return has_colour_phases(view, pass) && shader->block[0] == 0 ? 4 : 1;
 }

@@ -49,19 +49,20 @@ enum neph_rt_rays {
 enum { NEPH_RT_UNLESS_MAX = 4 };
 
 /* Targets that a pass does not touch unless one condition is true. {0} is always false. */
-struct neph_rt_spared {
+struct neph_rt_unused_targets {
     struct neph_rt_condition unless[NEPH_RT_UNLESS_MAX];
     uint32_t targets;
 };
 
-enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_SPARED_MAX = 6, NEPH_RT_PASSES_MAX = 32 };
+enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_UNUSED_MAX = 6, NEPH_RT_PASSES_MAX = 32 };
 
 #define NEPH_RT_BIT(target) (1u << (target))
 
 /* Targets from which the change around a tile is computed (gradient/change_around.glsl). */
 #define NEPH_RT_CHANGE_READS                                                                       \
-    (NEPH_RT_BIT(RT_LOOK_NOW) | NEPH_RT_BIT(RT_LOOK_THEN) | NEPH_RT_BIT(RT_LOOK_BEHIND_NOW) |      \
-     NEPH_RT_BIT(RT_LOOK_BEHIND_THEN) | NEPH_RT_BIT(RT_CHANGE_BEHIND))
+    (NEPH_RT_BIT(RT_SAMPLE_NOW) | NEPH_RT_BIT(RT_SAMPLE_THEN) |                                    \
+     NEPH_RT_BIT(RT_SAMPLE_BEHIND_NOW) | NEPH_RT_BIT(RT_SAMPLE_BEHIND_THEN) |                      \
+     NEPH_RT_BIT(RT_CHANGE_BEHIND))
 
 struct neph_rt_pass {
     const char *name;             /* "tile index" */
@@ -83,7 +84,8 @@ struct neph_rt_pass {
      * shader has them. Else, or with NULL, one dispatch of independent texels. */
     const struct neph_rt_condition *in_colours;
     uint32_t reads, writes; /* NEPH_RT_BIT() of all targets that its shader can access */
-    struct neph_rt_spared spared[NEPH_RT_SPARED_MAX]; /* exceptions; ends early with no targets */
+    struct neph_rt_unused_targets
+        spared[NEPH_RT_UNUSED_MAX]; /* exceptions; ends early with no targets */
     struct neph_rt_history histories[NEPH_RT_HISTORIES_MAX]; /* ends early with {0, 0} */
     int picture; /* the target whose R G B are the frame after this pass; 0: none */
 };
@@ -119,10 +121,10 @@ int neph_rt_pass_index(const char *name);
 
 const char *neph_rt_target_name(int target);
 
-bool neph_rt_holds(const struct neph_gpu_view *view, struct neph_rt_condition condition);
+bool neph_rt_is_condition_met(const struct neph_gpu_view *view, struct neph_rt_condition condition);
 
 /* Whether a pass is skipped because another pass computes its output or the output is known. */
-bool neph_rt_is_done_by_other(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);
+bool neph_rt_is_pass_skipped(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);
 
 /* The targets that a pass reads or writes with the settings of a view: all that are bound to it. */
 uint32_t neph_rt_targets_touched(const struct neph_gpu_view *view, const struct neph_rt_pass *pass);

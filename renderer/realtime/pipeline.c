@@ -43,17 +43,17 @@ struct neph_realtime {
     struct neph_march_params march; /* at rendered resolution */
     struct neph_march_scene scene;  /* of the split frame */
     struct neph_march *whole;       /* owned; split=none: the march of every pixel, else NULL */
-    struct neph_march_cut cuts[NEPH_RT_PASSES_MAX]; /* splits of passes with rays */
+    struct neph_march_split cuts[NEPH_RT_PASSES_MAX]; /* splits of passes with rays */
     struct neph_buffer states, counters;
     struct neph_rt_device device;
     uint32_t frame_count; /* frames rendered so far */
     bool has_past;
-    struct neph_rt_moment past;
-    struct neph_rt_suns suns;
-    struct neph_rt_stillness stillness;
-    struct neph_rt_kept_scene kept;
+    struct neph_rt_transforms past;
+    struct neph_rt_sun_history suns;
+    struct neph_rt_static_content stillness;
+    struct neph_rt_scene_cache kept;
     bool has_mirrored_past; /* of the mirrored camera (inject.mirror) */
-    struct neph_rt_moment mirrored_past;
+    struct neph_rt_transforms mirrored_past;
     uint64_t injected_values;  /* since the last frame */
     bool has_injected_rays;    /* in the last frame */
     bool has_injected_history; /* in any frame */
@@ -71,7 +71,7 @@ static bool is_upsampled(const struct neph_realtime *realtime)
     return realtime->settings.shared.screen_percent < 100;
 }
 
-static enum neph_rt_device_kind kind_of(const struct neph_vulkan *vulkan)
+static enum neph_rt_device_kind find_device_kind(const struct neph_vulkan *vulkan)
 {
     return vulkan->description.is_cpu ? NEPH_RT_CPU : NEPH_RT_GPU;
 }
@@ -102,13 +102,13 @@ static enum neph_status add_rays(const struct neph_gpu_march_run *run, void *con
     if (status || !work->is_cut)
         return status;
     neph_rt_submission_mark(work->submission, work->gpu_s);
-    return neph_rt_submission_send(work->submission, diag);
+    return neph_rt_submission_submit(work->submission, diag);
 }
 
 /* The largest counts that shaders are compiled for; on a GPU the loop over them is unrolled. */
 enum { GPU_SOLIDS_MAX = 32 };
 
-static uint32_t known_solids(const struct neph_gpu_scene *scene)
+static uint32_t count_known_solids(const struct neph_gpu_scene *scene)
 {
     const uint32_t count = scene->frame->solid_count;
     const uint32_t most = scene->is_on_cpu ? RT_SOLIDS_UNKNOWN - 1 : GPU_SOLIDS_MAX;
@@ -124,23 +124,24 @@ static void set_known_balls(const struct neph_gpu_scene *scene, uint32_t balls[2
 }
 
 /* Froxels have their own copy of the scene: there a fog that is handed over to them is a medium. */
-static bool is_of_froxels(const struct neph_rt_pass *pass)
+static bool is_froxel_pass(const struct neph_rt_pass *pass)
 {
     return pass->resolution == RT_FROXEL;
 }
 
-static const struct neph_gpu_scene *seen_by(const struct neph_realtime *realtime,
-                                            const struct neph_rt_pass *pass)
+static const struct neph_gpu_scene *scene_for_pass(const struct neph_realtime *realtime,
+                                                   const struct neph_rt_pass *pass)
 {
     const struct neph_march_scene *scene = &realtime->scene;
-    return is_of_froxels(pass) ? neph_froxel_scene_of(&scene->froxels, &scene->gpu) : &scene->gpu;
+    return is_froxel_pass(pass) ? neph_froxel_scene_select(&scene->froxels, &scene->gpu)
+                                : &scene->gpu;
 }
 
-static struct neph_march_params march_of(const struct neph_realtime *realtime,
-                                         const struct neph_rt_pass *pass)
+static struct neph_march_params make_march_params(const struct neph_realtime *realtime,
+                                                  const struct neph_rt_pass *pass)
 {
     struct neph_march_params march = realtime->march;
-    if (is_of_froxels(pass) && march.fog.is_handed_over)
+    if (is_froxel_pass(pass) && march.fog.is_handed_over)
         march.fog.is_look = false;
     if (pass->rays != NEPH_RT_RAYS_THROUGH_MEDIA)
         march.steps = 1;
@@ -159,17 +160,17 @@ static enum neph_status bind_ray_pass(struct neph_realtime *realtime,
         .texels_count = {[1] = 1}, /* pairs */
         .push_size_bytes = sizeof(struct neph_gpu_march_run),
     };
-    if (is_of_froxels(pass))
+    if (is_froxel_pass(pass))
         neph_march_scene_bind_froxels(&realtime->scene, dispatch);
     else
         neph_march_scene_bind(&realtime->scene, dispatch);
     dispatch->buffers[NEPH_GPU_SCENE_BUFFERS] = &realtime->states;
     dispatch->buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &realtime->counters;
     neph_rt_device_bind(&realtime->device, pass, NEPH_MARCH_BUFFERS, &params, dispatch);
-    const struct neph_march_params march = march_of(realtime, pass);
-    neph_march_constants(seen_by(realtime, pass), &march, params.constants);
+    const struct neph_march_params march = make_march_params(realtime, pass);
+    neph_march_constants(scene_for_pass(realtime, pass), &march, params.constants);
     params.constants[RT_UNCOUNTED_CONSTANT] = !counts;
-    params.constants[RT_SOLIDS_CONSTANT] = known_solids(&realtime->scene.gpu);
+    params.constants[RT_SOLIDS_CONSTANT] = count_known_solids(&realtime->scene.gpu);
     set_known_balls(&realtime->scene.gpu, &params.constants[RT_BALLS_CONSTANT]);
     return neph_kernel_get(realtime->vulkan, &params, kernel, diag);
 }
@@ -179,16 +180,16 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
                                      struct neph_rt_submission *submission, double *gpu_s,
                                      struct neph_diag *diag)
 {
-    const struct neph_march_cut *cut = &realtime->cuts[neph_rt_pass_index(pass->name)];
+    const struct neph_march_split *cut = &realtime->cuts[neph_rt_pass_index(pass->name)];
     struct ray_pass work = {
         .pass = pass,
         .submission = submission,
-        .is_cut = !neph_march_cut_is_whole(cut),
+        .is_cut = !neph_march_split_is_whole(cut),
         .gpu_s = gpu_s,
     };
     const enum neph_status status = bind_ray_pass(realtime, pass, counts, &work.dispatch,
                                                   &work.kernel, diag);
-    return status ? status : neph_march_cut_run(cut, add_rays, &work, diag);
+    return status ? status : neph_march_split_run(cut, add_rays, &work, diag);
 }
 
 /* --- making -------------------------------------------------------------------------------- */
@@ -210,18 +211,18 @@ static void set_size(struct neph_realtime *realtime, int width_px, int height_px
 static enum neph_status create_rays(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_gpu_view *view, struct neph_diag *diag)
 {
-    const enum neph_rt_device_kind kind = kind_of(realtime->vulkan);
+    const enum neph_rt_device_kind kind = find_device_kind(realtime->vulkan);
     uint64_t most_rays = 1;
     enum neph_status status = NEPH_OK;
     for (int i = 0; neph_rt_passes[i] && !status; i++) {
         const struct neph_rt_pass *pass = neph_rt_passes[i];
-        const struct neph_march_params march = march_of(realtime, pass);
-        if (!pass->rays || !neph_rt_holds(view, pass->condition))
+        const struct neph_march_params march = make_march_params(realtime, pass);
+        if (!pass->rays || !neph_rt_is_condition_met(view, pass->condition))
             continue;
         const struct neph_rt_shader *shader = neph_rt_shader_for(view, pass, kind);
-        status = neph_march_cut_make(realtime->vulkan, scene, seen_by(realtime, pass), &march,
-                                     neph_rt_thread_count(view, pass, shader), &realtime->cuts[i],
-                                     diag);
+        status = neph_march_split_make(realtime->vulkan, scene, scene_for_pass(realtime, pass),
+                                       &march, neph_rt_thread_count(view, pass, shader),
+                                       &realtime->cuts[i], diag);
         if (pass->rays == NEPH_RT_RAYS_THROUGH_MEDIA && realtime->cuts[i].rays_max > most_rays)
             most_rays = realtime->cuts[i].rays_max;
     }
@@ -244,9 +245,10 @@ static bool follows_solids(const struct neph_realtime *realtime, const struct ne
 }
 
 /* The pass that composes the volume with the background. */
-static int composition_of(const struct neph_realtime *realtime, const struct neph_gpu_view *view)
+static int find_composition_pass(const struct neph_realtime *realtime,
+                                 const struct neph_gpu_view *view)
 {
-    const struct neph_rt_tuning *tuning = neph_rt_tuning_of(kind_of(realtime->vulkan));
+    const struct neph_rt_tuning *tuning = neph_rt_get_tuning(find_device_kind(realtime->vulkan));
     const bool has_froxels = view->settings[RT_FROXEL_VOLUME] != 0.0f;
     const bool has_plain_taa = has_taa(realtime) && view->settings[RT_TAA] == (float)RT_TAA_ON;
     if (tuning->composition == RT_COMPOSITION_TAA)
@@ -263,12 +265,12 @@ static void set_hand_over(const struct neph_realtime *realtime, const struct nep
 }
 
 /* Settings that the pipeline selects by scene and device. */
-static void choose(const struct neph_realtime *realtime, const struct neph_scene *scene,
-                   struct neph_gpu_view *view)
+static void choose_settings(const struct neph_realtime *realtime, const struct neph_scene *scene,
+                            struct neph_gpu_view *view)
 {
     view->settings[RT_SOLID_MOTION] = follows_solids(realtime, scene);
-    view->settings[RT_COMPOSITION] = (float)composition_of(realtime, view);
-    neph_rt_absorb_passes(view, kind_of(realtime->vulkan), true);
+    view->settings[RT_COMPOSITION] = (float)find_composition_pass(realtime, view);
+    neph_rt_absorb_passes(view, find_device_kind(realtime->vulkan), true);
 }
 
 /* Compiles all kernels in advance on devices where this is fast. */
@@ -276,12 +278,12 @@ static enum neph_status prepare_passes(struct neph_realtime *realtime, struct ne
 {
     const struct neph_gpu_view *view = realtime->device.view;
     enum neph_status status = NEPH_OK;
-    if (!neph_rt_tuning_of(realtime->device.kind)->prepares_kernels)
+    if (!neph_rt_get_tuning(realtime->device.kind)->prepares_kernels)
         return NEPH_OK;
     for (int p = 0; neph_rt_passes[p] && !status; p++) {
         const struct neph_rt_pass *pass = neph_rt_passes[p];
-        if (!pass->rays && neph_rt_holds(view, pass->condition) &&
-            !neph_rt_is_done_by_other(view, pass))
+        if (!pass->rays && neph_rt_is_condition_met(view, pass->condition) &&
+            !neph_rt_is_pass_skipped(view, pass))
             status = neph_rt_device_prepare(&realtime->device, pass, diag);
     }
     return status;
@@ -316,7 +318,7 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
                               around->top_px + size_px[1] + around->bottom_px};
     neph_rt_view_init(&view, &realtime->values, size_px, origin_px, buffer_px);
     view.seed = realtime->seed;
-    choose(realtime, scene, &view);
+    choose_settings(realtime, scene, &view);
     set_hand_over(realtime, scene, &view);
     if (scene->light_count == 0)
         view.settings[RT_LAMP_PEAKS] = 0.0f;
@@ -329,8 +331,8 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
     if (!status)
         status = prepare_passes(realtime, diag);
     if (!status && (buffer_px[0] > size_px[0] || buffer_px[1] > size_px[1]))
-        status = neph_rt_inject_around(&realtime->device, around->value, &realtime->injected_values,
-                                       diag);
+        status = neph_rt_inject_outside_view(&realtime->device, around->value,
+                                             &realtime->injected_values, diag);
     if (!status && realtime->settings.shared.split == RT_SPLIT_NONE)
         status = neph_march_create(realtime->vulkan, scene, &realtime->march, &realtime->whole,
                                    diag);
@@ -341,7 +343,7 @@ static void destroy_sized(struct neph_realtime *realtime)
 {
     neph_march_destroy(realtime->whole);
     realtime->whole = NULL;
-    neph_rt_kept_scene_destroy(realtime->vulkan, &realtime->kept);
+    neph_rt_scene_cache_destroy(realtime->vulkan, &realtime->kept);
     neph_rt_device_destroy(&realtime->device);
     neph_buffer_destroy(realtime->vulkan, &realtime->states);
 }
@@ -398,7 +400,7 @@ enum neph_status neph_realtime_create(struct neph_vulkan *vulkan, const struct n
         return neph_fail_memory(diag);
     made->vulkan = vulkan;
     made->values = *params->settings;
-    made->settings = neph_rt_settings_of(params->settings);
+    made->settings = neph_rt_group_settings(params->settings);
     made->seed = params->seed;
     made->march = march;
     set_size(made, params->width_px, params->height_px);
@@ -417,7 +419,7 @@ void neph_realtime_destroy(struct neph_realtime *realtime)
     if (!realtime)
         return;
     destroy_sized(realtime);
-    neph_rt_stillness_destroy(&realtime->stillness);
+    neph_rt_static_content_destroy(&realtime->stillness);
     neph_buffer_destroy(realtime->vulkan, &realtime->counters);
     neph_march_scene_destroy(realtime->vulkan, &realtime->scene);
     free(realtime->noise_ranks);
@@ -447,7 +449,7 @@ void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observe
     realtime->observer_context = context;
 }
 
-void neph_realtime_leave_variants(struct neph_realtime *realtime, bool leaves)
+void neph_realtime_use_readable_shaders(struct neph_realtime *realtime, bool leaves)
 {
     realtime->device.has_no_variants = leaves;
     neph_rt_absorb_passes(realtime->device.view, realtime->device.kind, !leaves);
@@ -470,7 +472,7 @@ struct progress {
     bool counts;                           /* whether passes with rays count their work */
     const struct neph_injected_rays *rays; /* to inject, or NULL */
     struct neph_sun_fill_cost *fill;       /* borrowed, like stats: the split frame's sun tables */
-    struct neph_march_moment moment;
+    struct neph_march_frame_state moment;
     struct neph_realtime_stats *stats; /* borrowed; one of neph_realtime.flights */
 };
 
@@ -490,7 +492,7 @@ static enum neph_status observe(struct neph_realtime *realtime, const struct nep
     const enum neph_status status = neph_rt_submission_wait(submission, diag);
     if (!status)
         realtime->observer(&realtime->device, pass, realtime->observer_context);
-    neph_rt_device_show(&realtime->device);
+    neph_rt_device_upload_view(&realtime->device);
     return status;
 }
 
@@ -534,7 +536,8 @@ static enum neph_status add_pass(struct neph_realtime *realtime, const struct ne
 static bool is_wanted(const struct neph_realtime *realtime, const struct neph_rt_pass *pass,
                       const struct progress *made)
 {
-    return neph_rt_holds(realtime->device.view, pass->condition) && (pass->writes & ~made->given);
+    return neph_rt_is_condition_met(realtime->device.view, pass->condition) &&
+           (pass->writes & ~made->given);
 }
 
 /* Starts to compile all kernels of the first frame in parallel. */
@@ -547,10 +550,10 @@ static enum neph_status begin_passes(struct neph_realtime *realtime, const struc
         struct neph_dispatch dispatch = {.group_count = 0};
         const struct neph_kernel *kernel;
         if (!is_wanted(realtime, pass, made) ||
-            neph_rt_is_done_by_other(realtime->device.view, pass))
+            neph_rt_is_pass_skipped(realtime->device.view, pass))
             continue;
         status = pass->rays ? bind_ray_pass(realtime, pass, made->counts, &dispatch, &kernel, diag)
-                            : neph_rt_device_ask(&realtime->device, pass, diag);
+                            : neph_rt_device_start_kernel(&realtime->device, pass, diag);
     }
     return status;
 }
@@ -566,20 +569,20 @@ static enum neph_status run_passes(struct neph_realtime *realtime, struct progre
     enum neph_status status = NEPH_OK;
     for (int p = 0; neph_rt_passes[p] && !status; p++) {
         const struct neph_rt_pass *pass = neph_rt_passes[p];
-        if (neph_rt_is_done_by_other(realtime->device.view, pass))
+        if (neph_rt_is_pass_skipped(realtime->device.view, pass))
             made->past |= neph_rt_targets_before(pass);
         else if (is_wanted(realtime, pass, made))
             status = add_pass(realtime, pass, &submission, made, diag);
     }
-    return status ? status : neph_rt_submission_send(&submission, diag);
+    return status ? status : neph_rt_submission_submit(&submission, diag);
 }
 
-static void hand_on(struct neph_realtime *realtime)
+static void swap_histories(struct neph_realtime *realtime)
 {
     for (int p = 0; neph_rt_passes[p]; p++) {
         const struct neph_rt_pass *pass = neph_rt_passes[p];
-        if (neph_rt_holds(realtime->device.view, pass->condition))
-            neph_rt_device_hand_on(&realtime->device, pass);
+        if (neph_rt_is_condition_met(realtime->device.view, pass->condition))
+            neph_rt_device_swap_histories(&realtime->device, pass);
     }
 }
 
@@ -588,7 +591,7 @@ static uint64_t whole_number(const uint32_t halves[2])
     return halves[0] | (uint64_t)halves[1] << 32;
 }
 
-static void take_counters(const struct neph_realtime *realtime, struct neph_realtime_stats *stats)
+static void read_counters(const struct neph_realtime *realtime, struct neph_realtime_stats *stats)
 {
     const struct neph_gpu_counters *counters = realtime->counters.mapped;
     stats->rays = counters->rays;
@@ -607,20 +610,20 @@ static enum neph_status render_split(struct neph_realtime *realtime,
     made->counts = image;
     if (made->counts)
         memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
-    enum neph_status status = neph_march_scene_show(still, &realtime->march, frame->frame,
-                                                    &made->moment, &realtime->scene, &cost, diag);
+    enum neph_status status = neph_march_scene_update(still, &realtime->march, frame->frame,
+                                                      &made->moment, &realtime->scene, &cost, diag);
     realtime->device.is_dark = is_dark(realtime);
     if (!status && frame->given && is_upsampled(realtime))
         status = neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                            "a given depth has output resolution: set screen_percent=100");
     if (!status && frame->given)
-        status = neph_rt_give_frame(&realtime->device, frame->given, &made->given, diag);
+        status = neph_rt_upload_frame(&realtime->device, frame->given, &made->given, diag);
     if (!status)
         status = run_passes(realtime, made, diag);
     if (status || !image)
         return status;
-    status = neph_rt_bring_frame(&realtime->device, made->picture, image, diag);
-    take_counters(realtime, made->stats);
+    status = neph_rt_download_frame(&realtime->device, made->picture, image, diag);
+    read_counters(realtime, made->stats);
     return status;
 }
 
@@ -633,30 +636,31 @@ static enum neph_status finish(struct neph_realtime *realtime, struct neph_image
     neph_image_rgb(*image, NULL, rgb);
     float *const depth_m[3] = {neph_image_channel(*image, "Z")};
     made->given = NEPH_RT_BIT(RT_COLOR) | NEPH_RT_BIT(RT_DEPTH);
-    enum neph_status status = neph_rt_give(&realtime->device, RT_COLOR, rgb, diag);
+    enum neph_status status = neph_rt_upload_image(&realtime->device, RT_COLOR, rgb, diag);
     if (!status)
-        status = neph_rt_give(&realtime->device, RT_DEPTH, depth_m, diag);
+        status = neph_rt_upload_image(&realtime->device, RT_DEPTH, depth_m, diag);
     if (!status)
         status = run_passes(realtime, made, diag);
     if (!status && is_upsampled(realtime))
-        status = neph_rt_spread(&realtime->device, image, diag);
+        status = neph_rt_resample_image(&realtime->device, image, diag);
     neph_image_rgb(*image, NULL, rgb);
     if (!status && made->picture)
-        status = neph_rt_bring(&realtime->device, made->picture,
-                               (float *[4]){rgb[0], rgb[1], rgb[2]}, diag);
+        status = neph_rt_download_image(&realtime->device, made->picture,
+                                        (float *[4]){rgb[0], rgb[1], rgb[2]}, diag);
     return status;
 }
 
 /* The passes after the march read an image on the CPU, which a frame in flight lacks. */
-static enum neph_status send_whole(struct neph_realtime *realtime,
-                                   const struct neph_realtime_frame *frame,
-                                   const struct neph_scene *still,
-                                   const struct neph_march_moment *moment, struct neph_diag *diag)
+static enum neph_status submit_frame(struct neph_realtime *realtime,
+                                     const struct neph_realtime_frame *frame,
+                                     const struct neph_scene *still,
+                                     const struct neph_march_frame_state *moment,
+                                     struct neph_diag *diag)
 {
     const struct neph_gpu_view *view = realtime->device.view;
     for (int p = 0; neph_rt_passes[p]; p++) {
         const struct neph_rt_pass *pass = neph_rt_passes[p];
-        if (neph_rt_holds(view, pass->condition))
+        if (neph_rt_is_condition_met(view, pass->condition))
             return neph_fail(
                 diag, NEPH_ERR_UNSUPPORTED,
                 "split=none copies its frame to the CPU and back for the pass '%s', so its frames "
@@ -676,7 +680,7 @@ static enum neph_status render_whole(struct neph_realtime *realtime,
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "a given depth needs the split frame: set split=four");
     if (!image)
-        return send_whole(realtime, frame, still, &made->moment, diag);
+        return submit_frame(realtime, frame, still, &made->moment, diag);
     struct neph_image *marched = NULL;
     struct neph_march_stats march;
     enum neph_status status = neph_march_frame(realtime->whole, still, frame->frame, &made->moment,
@@ -698,11 +702,11 @@ static enum neph_status render_whole(struct neph_realtime *realtime,
 }
 
 /* Makes a finished frame the past of the next one. */
-static void finish_frame(struct neph_realtime *realtime, const struct neph_rt_moment *now,
+static void finish_frame(struct neph_realtime *realtime, const struct neph_rt_transforms *now,
                          struct progress *made)
 {
     const struct neph_gpu_view *view = realtime->device.view;
-    hand_on(realtime);
+    swap_histories(realtime);
     realtime->past = *now;
     realtime->has_past = true;
     realtime->frame_count++;
@@ -712,13 +716,13 @@ static void finish_frame(struct neph_realtime *realtime, const struct neph_rt_mo
 }
 
 /* Adds up the device times of a finished frame, and adapts the splits of the next frame to them. */
-static void take_times(struct neph_realtime *realtime, struct neph_realtime_stats *stats)
+static void add_device_times(struct neph_realtime *realtime, struct neph_realtime_stats *stats)
 {
     stats->gpu_s = stats->light_gpu_s + neph_sky_gpu_s(&stats->sky);
     for (int i = 0; neph_rt_passes[i]; i++) {
         stats->gpu_s += stats->pass_gpu_s[i];
         if (realtime->cuts[i].ray_count > 0)
-            neph_march_cut_learn(&realtime->cuts[i], stats->pass_gpu_s[i]);
+            neph_march_split_adapt(&realtime->cuts[i], stats->pass_gpu_s[i]);
     }
 }
 
@@ -735,10 +739,10 @@ static void add_fill(struct neph_realtime_stats *stats, const struct neph_sun_fi
 }
 
 /* The transforms of a frame in the form that the marcher needs. */
-static struct neph_march_moment march_moment(const struct neph_gpu_view *view,
-                                             const struct neph_rt_moment *now)
+static struct neph_march_frame_state make_march_transforms(const struct neph_gpu_view *view,
+                                                           const struct neph_rt_transforms *now)
 {
-    return (struct neph_march_moment){
+    return (struct neph_march_frame_state){
         .jitter_px = {view->jitter_px[0], view->jitter_px[1]},
         .continues = view->has_history,
         .drift_m = now->drift_m,
@@ -747,8 +751,8 @@ static struct neph_march_moment march_moment(const struct neph_gpu_view *view,
 
 /* The static scene of a frame at the world's present origin, with its own or the mirrored
  * camera. */
-static enum neph_status stand_still(const struct neph_realtime_frame *frame, bool is_mirrored,
-                                    struct neph_scene **still, struct neph_diag *diag)
+static enum neph_status make_static_scene(const struct neph_realtime_frame *frame, bool is_mirrored,
+                                          struct neph_scene **still, struct neph_diag *diag)
 {
     const struct neph_injections *injections = neph_scene_injections(frame->scene);
     const enum neph_status status = neph_scene_at(frame->scene, frame->frame, still, diag);
@@ -768,7 +772,8 @@ static enum neph_status stand_still(const struct neph_realtime_frame *frame, boo
  * past. */
 static enum neph_status inject_history(struct neph_realtime *realtime,
                                        const struct neph_realtime_frame *frame,
-                                       const struct neph_rt_moment **past, struct neph_diag *diag)
+                                       const struct neph_rt_transforms **past,
+                                       struct neph_diag *diag)
 {
     const struct neph_injected_history *history = neph_injected_history_at(
         neph_scene_injections(frame->scene), frame->frame);
@@ -778,18 +783,18 @@ static enum neph_status inject_history(struct neph_realtime *realtime,
     if (history->first)
         *past = NULL;
     const enum neph_status status = neph_batches_wait(
-        realtime->vulkan, neph_batches_sent(realtime->vulkan), "frames in flight", diag);
+        realtime->vulkan, neph_batches_submitted(realtime->vulkan), "frames in flight", diag);
     return status ? status
                   : neph_rt_inject_history(&realtime->device, history->value,
                                            &realtime->injected_values, diag);
 }
 
-static struct neph_rt_moment moment_of(const struct neph_realtime *realtime,
-                                       const struct neph_realtime_frame *frame,
-                                       const struct neph_scene *still)
+static struct neph_rt_transforms compute_transforms(const struct neph_realtime *realtime,
+                                                    const struct neph_realtime_frame *frame,
+                                                    const struct neph_scene *still)
 {
-    struct neph_rt_moment now = neph_rt_moment_of(realtime->device.view, frame->scene, frame->frame,
-                                                  realtime->frame_count, !frame->given);
+    struct neph_rt_transforms now = neph_rt_compute_transforms(
+        realtime->device.view, frame->scene, frame->frame, realtime->frame_count, !frame->given);
     now.camera = neph_scene_camera(still, frame->frame);
     return now;
 }
@@ -798,31 +803,32 @@ static struct neph_rt_moment moment_of(const struct neph_realtime *realtime,
 static void set_solid_motion(struct neph_realtime *realtime, const struct neph_scene *scene)
 {
     struct neph_gpu_view *view = realtime->device.view;
-    view->settings[RT_SOLID_MOTION] = !neph_rt_movers_rest(view) && follows_solids(realtime, scene);
+    view->settings[RT_SOLID_MOTION] = !neph_rt_are_movers_static(view) &&
+                                      follows_solids(realtime, scene);
 }
 
 /* Flags from the sun history that rays cannot find: whether the two samples of a gradient see the
  * same phase of a flashing sun (samples of the medium are 4 frames apart, samples behind it as many
  * as the jitter has places), and whether texels that the override leaves out have old light. */
-static void set_suns(struct neph_realtime *realtime, const struct neph_realtime_frame *frame)
+static void set_sun_flags(struct neph_realtime *realtime, const struct neph_realtime_frame *frame)
 {
     struct neph_gpu_view *view = realtime->device.view;
     const uint32_t number = realtime->frame_count;
     const struct neph_sun sun = neph_scene_sun(frame->scene, frame->frame);
-    const bool asks = view->settings[RT_CHANGE_STROBE] != 0.0f;
+    const bool is_tested = view->settings[RT_CHANGE_STROBE] != 0.0f;
     const uint32_t places = (uint32_t)view->settings[RT_TAA_JITTER_LENGTH];
     const uint32_t awake = (uint32_t)view->settings[RT_OVERRIDE_WAKE];
-    neph_rt_suns_keep(&realtime->suns, number, &sun);
-    view->strobes_medium = asks && neph_rt_suns_flash(&realtime->suns, 4);
-    view->strobes_behind = asks && neph_rt_suns_flash(&realtime->suns, places);
-    view->resting |= number / 4 % 2 == 1 && neph_rt_suns_jumped(&realtime->suns, awake);
+    neph_rt_sun_history_add(&realtime->suns, number, &sun);
+    view->strobes_medium = is_tested && neph_rt_sun_history_is_periodic(&realtime->suns, 4);
+    view->strobes_behind = is_tested && neph_rt_sun_history_is_periodic(&realtime->suns, places);
+    view->resting |= number / 4 % 2 == 1 && neph_rt_sun_history_has_jump(&realtime->suns, awake);
 }
 
-/* Whether rays see only the content that neph_rt_stillness_keep() compares: no light that is
+/* Whether rays see only the content that neph_rt_static_content_update() compares: no light that is
  * accumulated over frames, no table that is filled over several frames, no injection, no given
  * frame and no observer. */
-static bool sees_scene_alone(const struct neph_realtime *realtime,
-                             const struct neph_realtime_frame *frame)
+static bool has_only_scene_content(const struct neph_realtime *realtime,
+                                   const struct neph_realtime_frame *frame)
 {
     const struct neph_injections *in = neph_scene_injections(frame->scene);
     const enum neph_march_lighting lighting = realtime->march.lighting;
@@ -836,41 +842,45 @@ static bool sees_scene_alone(const struct neph_realtime *realtime,
 
 /* Decides whether the gradient is known to be 0 (RT_STEADY), and which targets the cache
  * provides. */
-static enum neph_status set_steady(struct neph_realtime *realtime,
-                                   const struct neph_realtime_frame *frame, bool is_mirrored,
-                                   bool is_read, const struct neph_scene *still, uint32_t *given,
-                                   struct neph_diag *diag)
+static enum neph_status update_static_state(struct neph_realtime *realtime,
+                                            const struct neph_realtime_frame *frame,
+                                            bool is_mirrored, bool is_read,
+                                            const struct neph_scene *still, uint32_t *given,
+                                            struct neph_diag *diag)
 {
-    const bool elides = neph_rt_tuning_of(realtime->device.kind)->elides_outputs;
+    const bool elides = neph_rt_get_tuning(realtime->device.kind)->elides_outputs;
     struct neph_gpu_view *view = realtime->device.view;
-    const bool is_alone = !is_mirrored && sees_scene_alone(realtime, frame);
-    const bool rests = view->has_history && !view->is_cut && neph_rt_view_rests(view) && is_alone;
+    const bool has_only_scene = !is_mirrored && has_only_scene_content(realtime, frame);
+    const bool rests = view->has_history && !view->is_cut && neph_rt_is_view_static(view) &&
+                       has_only_scene;
     view->settings[RT_STEADY] = RT_STEADY_ASKED;
     if (view->settings[RT_GRADIENT] == 0.0f || realtime->hooks.always_asks_gradient)
         return NEPH_OK;
-    enum neph_status status = neph_rt_stillness_keep(&realtime->stillness, still, rests, diag);
+    enum neph_status status = neph_rt_static_content_update(&realtime->stillness, still, rests,
+                                                            diag);
     if (!status)
-        status = neph_rt_kept_scene_take(&realtime->kept, &realtime->device, realtime->frame_count,
-                                         realtime->stillness.pictures, is_alone, given, diag);
-    if (!status && neph_rt_stillness_is_known(&realtime->stillness, view))
-        view->settings[RT_STEADY] = !is_read && elides && neph_rt_may_be_unread(view)
+        status = neph_rt_scene_cache_bind(&realtime->kept, &realtime->device, realtime->frame_count,
+                                          realtime->stillness.pictures, has_only_scene, given,
+                                          diag);
+    if (!status && neph_rt_is_gradient_known_zero(&realtime->stillness, view))
+        view->settings[RT_STEADY] = !is_read && elides && neph_rt_can_elide_output(view)
                                         ? RT_STEADY_UNREAD
                                         : RT_STEADY_KNOWN;
     if (!status)
-        status = neph_rt_kept_scene_take_picture(&realtime->kept, &realtime->device,
-                                                 realtime->frame_count,
-                                                 realtime->stillness.pictures, given, diag);
+        status = neph_rt_scene_cache_bind_composed(&realtime->kept, &realtime->device,
+                                                   realtime->frame_count,
+                                                   realtime->stillness.pictures, given, diag);
     return status;
 }
 
-static enum neph_status render_picture(struct neph_realtime *realtime,
-                                       const struct neph_realtime_frame *frame, bool is_mirrored,
-                                       struct neph_image **image, struct neph_realtime_stats *stats,
-                                       struct neph_diag *diag)
+static enum neph_status render_size(struct neph_realtime *realtime,
+                                    const struct neph_realtime_frame *frame, bool is_mirrored,
+                                    struct neph_image **image, struct neph_realtime_stats *stats,
+                                    struct neph_diag *diag)
 {
     const double start_s = neph_wall_s();
     struct neph_gpu_view *view = realtime->device.view;
-    const struct neph_rt_moment *past = realtime->has_past ? &realtime->past : NULL;
+    const struct neph_rt_transforms *past = realtime->has_past ? &realtime->past : NULL;
     struct progress made = {.given = 0};
     struct neph_scene *still = NULL;
     int slot;
@@ -879,22 +889,22 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
     if (!status)
         status = inject_history(realtime, frame, &past, diag);
     if (!status)
-        status = stand_still(frame, is_mirrored, &still, diag);
+        status = make_static_scene(frame, is_mirrored, &still, diag);
     if (status)
         return status;
-    const struct neph_rt_moment now = moment_of(realtime, frame, still);
+    const struct neph_rt_transforms now = compute_transforms(realtime, frame, still);
     made.stats = &realtime->flights[slot];
     made.rays = neph_injected_rays_at(neph_scene_injections(frame->scene), frame->frame);
     *made.stats = (struct neph_realtime_stats){.gpu_s = 0.0};
     made.fill = &realtime->fills[slot];
     *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
-    neph_rt_view_set_moment(view, frame->scene, &now, past, realtime->frame_count);
+    neph_rt_view_set_transforms(view, frame->scene, &now, past, realtime->frame_count);
     set_solid_motion(realtime, frame->scene);
-    set_suns(realtime, frame);
-    status = set_steady(realtime, frame, is_mirrored, image, still, &made.given, diag);
-    made.moment = march_moment(view, &now);
-    neph_turns_take(&realtime->device.view_turns, &realtime->device.view_buffer);
-    neph_rt_device_show(&realtime->device);
+    set_sun_flags(realtime, frame);
+    status = update_static_state(realtime, frame, is_mirrored, image, still, &made.given, diag);
+    made.moment = make_march_transforms(view, &now);
+    neph_buffer_ring_advance(&realtime->device.view_turns, &realtime->device.view_buffer);
+    neph_rt_device_upload_view(&realtime->device);
     if (!status)
         status = (realtime->whole ? render_whole : render_split)(realtime, frame, still, image,
                                                                  &made, diag);
@@ -910,8 +920,8 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
     realtime->has_injected_rays = made.rays;
     if (!image)
         return NEPH_OK;
-    status = neph_in_flight_land(realtime->vulkan, &realtime->flight, diag);
-    take_times(realtime, made.stats);
+    status = neph_in_flight_drain(realtime->vulkan, &realtime->flight, diag);
+    add_device_times(realtime, made.stats);
     add_fill(made.stats, made.fill);
     if (stats)
         *stats = *made.stats;
@@ -920,7 +930,7 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
 
 static void change_view(struct neph_realtime *realtime)
 {
-    const struct neph_rt_moment past = realtime->past;
+    const struct neph_rt_transforms past = realtime->past;
     const bool has_past = realtime->has_past;
     realtime->past = realtime->mirrored_past;
     realtime->has_past = realtime->has_mirrored_past;
@@ -939,7 +949,7 @@ static enum neph_status render_mirrored(struct neph_realtime *realtime,
     struct neph_realtime_stats stats = {.injected_values = 0};
     struct neph_image *image = NULL;
     change_view(realtime);
-    const enum neph_status status = render_picture(realtime, &own, true, &image, &stats, diag);
+    const enum neph_status status = render_size(realtime, &own, true, &image, &stats, diag);
     change_view(realtime);
     realtime->frame_count = frame_count;
     realtime->injected_values += stats.injected_values;
@@ -963,7 +973,7 @@ static enum neph_status render_resized(struct neph_realtime *realtime,
     enum neph_status status = neph_realtime_resize(
         realtime, frame->scene, scaled_px(width_px, scale), scaled_px(height_px, scale), diag);
     if (!status)
-        status = render_picture(realtime, &own, false, &image, NULL, diag);
+        status = render_size(realtime, &own, false, &image, NULL, diag);
     if (!status)
         status = neph_realtime_resize(realtime, frame->scene, width_px, height_px, diag);
     neph_image_destroy(image);
@@ -988,21 +998,22 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
         status = render_resized(realtime, frame, size->scale, diag);
     if (!status && is_mirrored)
         status = render_mirrored(realtime, frame, diag);
-    return status ? status : render_picture(realtime, frame, false, image, stats, diag);
+    return status ? status : render_size(realtime, frame, false, image, stats, diag);
 }
 
-enum neph_status neph_realtime_home(struct neph_realtime *realtime,
-                                    struct neph_realtime_stats *stats, struct neph_diag *diag)
+enum neph_status neph_realtime_collect(struct neph_realtime *realtime,
+                                       struct neph_realtime_stats *stats, struct neph_diag *diag)
 {
     int slot;
-    enum neph_status status = neph_in_flight_home(realtime->vulkan, &realtime->flight, &slot, diag);
+    enum neph_status status = neph_in_flight_collect(realtime->vulkan, &realtime->flight, &slot,
+                                                     diag);
     if (status)
         return status;
     struct neph_realtime_stats *home = &realtime->flights[slot];
     if (realtime->whole)
-        status = neph_march_home(realtime->whole, &home->pass_gpu_s[neph_rt_pass_index("march")],
-                                 diag);
-    take_times(realtime, home);
+        status = neph_march_collect(realtime->whole, &home->pass_gpu_s[neph_rt_pass_index("march")],
+                                    diag);
+    add_device_times(realtime, home);
     add_fill(home, &realtime->fills[slot]);
     if (!status)
         *stats = *home;
@@ -1012,7 +1023,7 @@ enum neph_status neph_realtime_home(struct neph_realtime *realtime,
 enum neph_status neph_realtime_watch(struct neph_realtime *realtime, uint64_t *bad,
                                      struct neph_diag *diag)
 {
-    uint32_t targets = neph_rt_watched(realtime->device.view);
+    uint32_t targets = neph_rt_find_watched_targets(realtime->device.view);
     if (targets == 0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "split=none has no intermediate images: count bad values in its frames");

@@ -87,8 +87,8 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
 /* Waits for the oldest frame in flight and returns its cost: device times, bytes and, as `wall_s`,
  * the CPU time; no counts. A frame in flight is dropped from the list when its place is reused or
  * when a later frame was rendered with an image. NEPH_ERR_USAGE: no frame is in flight. */
-enum neph_status neph_realtime_home(struct neph_realtime *realtime,
-                                    struct neph_realtime_stats *stats, struct neph_diag *diag);
+enum neph_status neph_realtime_collect(struct neph_realtime *realtime,
+                                       struct neph_realtime_stats *stats, struct neph_diag *diag);
 
 /* Counts the values of the last frame, in all images that its passes wrote, that are not finite or
  * are negative. Waits for the frame and counts on the device. Injected rays are left out, and so
@@ -110,7 +110,7 @@ void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observe
 
 /* Runs the readable shader of each pass in place of its variant from the next frame on, to compare
  * their times; false: the variants again. */
-void neph_realtime_leave_variants(struct neph_realtime *realtime, bool leaves);
+void neph_realtime_use_readable_shaders(struct neph_realtime *realtime, bool leaves);
 
 /* For tests: disable optimisations that do not change bits. */
 struct neph_realtime_test_hooks {

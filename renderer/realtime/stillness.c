@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void take_content(const struct neph_scene *still, struct neph_rt_content *content)
+static void copy_content(const struct neph_scene *still, struct neph_rt_content *content)
 {
     memset(content, 0, sizeof(*content)); /* with the padding, for memcmp */
     content->sun.present = still->sun.present;
@@ -15,10 +15,10 @@ static void take_content(const struct neph_scene *still, struct neph_rt_content 
     content->sun.irradiance_w_per_m2 = still->sun.irradiance_w_per_m2;
     content->background_w_per_m2_sr = still->background_w_per_m2_sr;
     memcpy(content->lights, still->lights, (size_t)still->light_count * sizeof(still->lights[0]));
-    neph_gpu_scene_media(still, content->media);
+    neph_gpu_scene_pack_media(still, content->media);
 }
 
-static bool has_same_solids(const struct neph_rt_stillness *stillness,
+static bool has_same_solids(const struct neph_rt_static_content *stillness,
                             const struct neph_scene *still)
 {
     return stillness->solid_count == still->solid_count &&
@@ -27,8 +27,8 @@ static bool has_same_solids(const struct neph_rt_stillness *stillness,
                    (size_t)still->solid_count * sizeof(*still->solids)) == 0);
 }
 
-static enum neph_status keep_solids(struct neph_rt_stillness *stillness,
-                                    const struct neph_scene *still, struct neph_diag *diag)
+static enum neph_status store_solids(struct neph_rt_static_content *stillness,
+                                     const struct neph_scene *still, struct neph_diag *diag)
 {
     const size_t bytes = (size_t)still->solid_count * sizeof(*still->solids);
     struct neph_solid *solids = bytes > 0 ? malloc(bytes) : NULL;
@@ -42,52 +42,52 @@ static enum neph_status keep_solids(struct neph_rt_stillness *stillness,
     return NEPH_OK;
 }
 
-enum neph_status neph_rt_stillness_keep(struct neph_rt_stillness *stillness,
-                                        const struct neph_scene *still, bool rests,
-                                        struct neph_diag *diag)
+enum neph_status neph_rt_static_content_update(struct neph_rt_static_content *stillness,
+                                               const struct neph_scene *still, bool rests,
+                                               struct neph_diag *diag)
 {
     struct neph_rt_content content;
-    take_content(still, &content);
+    copy_content(still, &content);
     const bool has_same = memcmp(&content, &stillness->content, sizeof(content)) == 0 &&
                           has_same_solids(stillness, still);
     stillness->pictures = rests && has_same ? stillness->pictures + 1 : 0;
     stillness->content = content;
-    return has_same ? NEPH_OK : keep_solids(stillness, still, diag);
+    return has_same ? NEPH_OK : store_solids(stillness, still, diag);
 }
 
-void neph_rt_stillness_destroy(struct neph_rt_stillness *stillness)
+void neph_rt_static_content_destroy(struct neph_rt_static_content *stillness)
 {
     free(stillness->solids);
-    *stillness = (struct neph_rt_stillness){.pictures = 0};
+    *stillness = (struct neph_rt_static_content){.pictures = 0};
 }
 
 /* Frames until a change of 1 has decayed to 0 (CHANGE_LEAST of
  * realtime/gradient/change_around.glsl). */
-static double forgetting_pictures(double hold)
+static double count_decay_frames(double hold)
 {
     return hold > 0.0 ? ceil(log(0x1p-14) / log(hold)) + 1.0 : 0.0;
 }
 
 /* Frames until both samples of every gradient show the present content, through the same texels. */
-static double looking_pictures(const struct neph_gpu_view *view)
+static double count_sample_frames(const struct neph_gpu_view *view)
 {
     return fmax(fmax(4.0, (double)view->settings[RT_TAA_JITTER_LENGTH]),
                 (double)view->settings[RT_OVERRIDE_WAKE] + 8.0);
 }
 
 /* A partial tile lacks texels for some of its rays and uses the samples of a neighbouring tile. */
-static bool have_looks(const struct neph_gpu_view *view)
+static bool have_samples(const struct neph_gpu_view *view)
 {
     const bool is_cut_twice = 2 * view->tile_count[0] > view->half_size_px[0] &&
                               2 * view->tile_count[1] > view->half_size_px[1];
     return !is_cut_twice && view->tile_count[0] > 1 && view->tile_count[1] > 1;
 }
 
-bool neph_rt_stillness_is_known(const struct neph_rt_stillness *stillness,
-                                const struct neph_gpu_view *view)
+bool neph_rt_is_gradient_known_zero(const struct neph_rt_static_content *stillness,
+                                    const struct neph_gpu_view *view)
 {
-    const double needed = looking_pictures(view) +
-                          forgetting_pictures((double)view->settings[RT_CHANGE_HOLD]);
-    return view->settings[RT_OVERRIDE_REST] == 0.0f && have_looks(view) &&
+    const double needed = count_sample_frames(view) +
+                          count_decay_frames((double)view->settings[RT_CHANGE_HOLD]);
+    return view->settings[RT_OVERRIDE_REST] == 0.0f && have_samples(view) &&
            (double)stillness->pictures >= needed;
 }

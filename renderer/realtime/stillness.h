@@ -17,7 +17,7 @@ struct neph_rt_content {
     struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX];
 };
 
-struct neph_rt_stillness {
+struct neph_rt_static_content {
     struct neph_rt_content content; /* of the latest frame */
     struct neph_solid *solids;      /* owned; of the latest frame */
     int solid_count;
@@ -26,18 +26,18 @@ struct neph_rt_stillness {
 
 /* Compares the content of a frame with the latest one and stores it. `rests`: the frame directly
  * follows the latest one, with the same camera. */
-enum neph_status neph_rt_stillness_keep(struct neph_rt_stillness *stillness,
-                                        const struct neph_scene *still, bool rests,
-                                        struct neph_diag *diag);
+enum neph_status neph_rt_static_content_update(struct neph_rt_static_content *stillness,
+                                               const struct neph_scene *still, bool rests,
+                                               struct neph_diag *diag);
 
 /* A zero one is fine. */
-void neph_rt_stillness_destroy(struct neph_rt_stillness *stillness);
+void neph_rt_static_content_destroy(struct neph_rt_static_content *stillness);
 
 /* Whether the gradient of a view is known to be 0, provided that rays see nothing beyond the stored
  * content. False with override_rest, because the two samples of a gradient then come from two
  * texels; false where tiles lack a second sample: fewer than 2x2 tiles, or partial tiles on both
  * sides. */
-bool neph_rt_stillness_is_known(const struct neph_rt_stillness *stillness,
-                                const struct neph_gpu_view *view);
+bool neph_rt_is_gradient_known_zero(const struct neph_rt_static_content *stillness,
+                                    const struct neph_gpu_view *view);
 
 #endif

@@ -7,7 +7,7 @@
 #define RAY_BUFFERS NEPH_RT_BIT(31)
 _Static_assert(RT_TARGET_COUNT <= 31, "a bit for each target");
 
-static void order(struct neph_rt_submission *submission, uint32_t reads, uint32_t writes)
+static void add_barrier(struct neph_rt_submission *submission, uint32_t reads, uint32_t writes)
 {
     if ((reads & submission->writes) || (writes & (submission->reads | submission->writes))) {
         neph_batch_barrier(&submission->batch);
@@ -31,7 +31,7 @@ enum neph_status neph_rt_submission_add(struct neph_rt_submission *submission,
         submission->is_open = true;
         submission->reads = submission->writes = 0;
     }
-    order(submission, pass->reads | RAY_BUFFERS, pass->writes | RAY_BUFFERS);
+    add_barrier(submission, pass->reads | RAY_BUFFERS, pass->writes | RAY_BUFFERS);
     return neph_batch_dispatch(&submission->batch, kernel, dispatch, diag);
 }
 
@@ -43,20 +43,20 @@ void neph_rt_submission_mark(struct neph_rt_submission *submission, double *gpu_
 
 static const char what[] = "real-time passes";
 
-enum neph_status neph_rt_submission_send(struct neph_rt_submission *submission,
-                                         struct neph_diag *diag)
+enum neph_status neph_rt_submission_submit(struct neph_rt_submission *submission,
+                                           struct neph_diag *diag)
 {
     if (!submission->is_open)
         return NEPH_OK;
     submission->is_open = false;
-    return neph_batch_send(&submission->batch, what, diag);
+    return neph_batch_submit(&submission->batch, what, diag);
 }
 
 enum neph_status neph_rt_submission_wait(struct neph_rt_submission *submission,
                                          struct neph_diag *diag)
 {
-    const enum neph_status status = neph_rt_submission_send(submission, diag);
+    const enum neph_status status = neph_rt_submission_submit(submission, diag);
     return status ? status
-                  : neph_batches_wait(submission->vulkan, neph_batches_sent(submission->vulkan),
-                                      what, diag);
+                  : neph_batches_wait(submission->vulkan,
+                                      neph_batches_submitted(submission->vulkan), what, diag);
 }

@@ -28,8 +28,8 @@ enum neph_status neph_rt_submission_add(struct neph_rt_submission *submission,
 void neph_rt_submission_mark(struct neph_rt_submission *submission, double *gpu_s);
 
 /* Submits all recorded dispatches to the device. */
-enum neph_status neph_rt_submission_send(struct neph_rt_submission *submission,
-                                         struct neph_diag *diag);
+enum neph_status neph_rt_submission_submit(struct neph_rt_submission *submission,
+                                           struct neph_diag *diag);
 
 /* Submits them and waits for every submission so far. */
 enum neph_status neph_rt_submission_wait(struct neph_rt_submission *submission,

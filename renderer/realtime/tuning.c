@@ -15,7 +15,7 @@ static const struct neph_rt_tuning tunings[NEPH_RT_DEVICE_KINDS] = {
                      .prepares_kernels = true},
 };
 
-const struct neph_rt_tuning *neph_rt_tuning_of(enum neph_rt_device_kind kind)
+const struct neph_rt_tuning *neph_rt_get_tuning(enum neph_rt_device_kind kind)
 {
     return &tunings[kind];
 }

@@ -20,6 +20,6 @@ struct neph_rt_tuning {
                                scenes (kept_scene.h) */
 };
 
-const struct neph_rt_tuning *neph_rt_tuning_of(enum neph_rt_device_kind kind);
+const struct neph_rt_tuning *neph_rt_get_tuning(enum neph_rt_device_kind kind);
 
 #endif

@@ -18,7 +18,7 @@ static bool is_whole(const struct neph_gpu_view *view, int axis)
     return 2 * view->tile_count[axis] == view->half_size_px[axis];
 }
 
-bool neph_rt_may_be_unread(const struct neph_gpu_view *view)
+bool neph_rt_can_elide_output(const struct neph_gpu_view *view)
 {
     const bool needs_no_box = view->settings[RT_BOX_MOTION_PX] != 0.0f &&
                               view->settings[RT_BOX_CHANGE] != 0.0f;
@@ -28,17 +28,17 @@ bool neph_rt_may_be_unread(const struct neph_gpu_view *view)
     return may_be;
 }
 
-bool neph_rt_is_unread(const struct neph_gpu_view *view)
+bool neph_rt_is_output_elided(const struct neph_gpu_view *view)
 {
     return view->settings[RT_STEADY] == (float)RT_STEADY_UNREAD;
 }
 
-int neph_rt_buffer_of(const struct neph_gpu_view *view, int target)
+int neph_rt_find_buffer(const struct neph_gpu_view *view, int target)
 {
     int buffer = target;
-    if (neph_rt_is_unread(view) && target == RT_HISTORY)
+    if (neph_rt_is_output_elided(view) && target == RT_HISTORY)
         buffer = RT_HISTORY_BEFORE;
-    if (neph_rt_is_unread(view) && target == RT_HISTORY_STATE)
+    if (neph_rt_is_output_elided(view) && target == RT_HISTORY_STATE)
         buffer = RT_HISTORY_STATE_BEFORE;
     return buffer;
 }

@@ -15,12 +15,12 @@
 
 /* Whether a static view may become RT_STEADY_UNREAD when its frame is not read back: no partial
  * tiles, no setting that changes texels without a ray, no other pass that reads the volume. */
-bool neph_rt_may_be_unread(const struct neph_gpu_view *view);
+bool neph_rt_can_elide_output(const struct neph_gpu_view *view);
 
-bool neph_rt_is_unread(const struct neph_gpu_view *view);
+bool neph_rt_is_output_elided(const struct neph_gpu_view *view);
 
 /* The target whose buffer is bound for `target`: with output elision the history is updated in
  * place. */
-int neph_rt_buffer_of(const struct neph_gpu_view *view, int target);
+int neph_rt_find_buffer(const struct neph_gpu_view *view, int target);
 
 #endif

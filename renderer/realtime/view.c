@@ -21,14 +21,14 @@ uint32_t neph_rt_format_bytes(uint32_t format)
     return formats[format].bytes;
 }
 
-static uint32_t bits_of(float value)
+static uint32_t float_to_bits(float value)
 {
     uint32_t bits;
     memcpy(&bits, &value, sizeof(bits));
     return bits;
 }
 
-static float float_of(uint32_t bits)
+static float bits_to_float(uint32_t bits)
 {
     float value;
     memcpy(&value, &bits, sizeof(value));
@@ -44,7 +44,7 @@ static uint32_t round_shift(uint32_t bits, uint32_t shift)
 
 uint16_t neph_rt_to_half(float value)
 {
-    const uint32_t bits = bits_of(value);
+    const uint32_t bits = float_to_bits(value);
     const uint32_t sign = bits >> 16 & 0x8000u, magnitude = bits & 0x7fffffffu;
     uint32_t half;
     if (magnitude > 0x7f800000u)
@@ -69,8 +69,8 @@ float neph_rt_from_half(uint16_t half)
         return sign ? -value : value;
     }
     if (exponent == 31)
-        return float_of(sign | 0x7f800000u | fraction << 13);
-    return float_of(sign | (exponent + 112u) << 23 | fraction << 13);
+        return bits_to_float(sign | 0x7f800000u | fraction << 13);
+    return bits_to_float(sign | (exponent + 112u) << 23 | fraction << 13);
 }
 
 void neph_rt_load(const struct neph_gpu_target *target, const uint32_t *words, size_t index,
@@ -84,7 +84,7 @@ void neph_rt_load(const struct neph_gpu_target *target, const uint32_t *words, s
         else if (formats[target->format].is_half)
             value[c] = neph_rt_from_half((uint16_t)(words[c / 2] >> (c % 2 * 16)));
         else
-            value[c] = float_of(words[c]);
+            value[c] = bits_to_float(words[c]);
     }
 }
 
@@ -95,7 +95,7 @@ void neph_rt_store(const struct neph_gpu_target *target, uint32_t *words, size_t
     words += index * formats[target->format].words;
     for (uint32_t c = 0; c < channels; c++) {
         if (!formats[target->format].is_half)
-            words[c] = bits_of(value[c]);
+            words[c] = float_to_bits(value[c]);
         else if (c % 2 == 0)
             words[c / 2] = neph_rt_to_half(value[c]);
         else
@@ -108,13 +108,13 @@ static bool is_same(const float a[3], const float b[3])
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-bool neph_rt_air_rests(const struct neph_gpu_view *view)
+bool neph_rt_is_medium_static(const struct neph_gpu_view *view)
 {
     static const float nothing[3] = {0.0f, 0.0f, 0.0f};
     return view->settings[RT_WIND] == 0.0f || is_same(view->wind_m, nothing);
 }
 
-bool neph_rt_movers_rest(const struct neph_gpu_view *view)
+bool neph_rt_are_movers_static(const struct neph_gpu_view *view)
 {
     bool rest = true;
     for (uint32_t m = 0; m < view->mover_count; m++) {
@@ -125,14 +125,15 @@ bool neph_rt_movers_rest(const struct neph_gpu_view *view)
     return rest;
 }
 
-bool neph_rt_view_rests(const struct neph_gpu_view *view)
+bool neph_rt_is_view_static(const struct neph_gpu_view *view)
 {
     static const float nothing[3] = {0.0f, 0.0f, 0.0f};
     const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
-    const bool camera_rests = is_same(before->position_m, nothing) &&
-                              is_same(now->forward, before->forward) &&
-                              is_same(now->right, before->right) &&
-                              now->half_width == before->half_width &&
-                              now->half_height == before->half_height;
-    return camera_rests && neph_rt_air_rests(view) && view->settings[RT_SOLID_MOTION] == 0.0f;
+    const bool is_camera_static = is_same(before->position_m, nothing) &&
+                                  is_same(now->forward, before->forward) &&
+                                  is_same(now->right, before->right) &&
+                                  now->half_width == before->half_width &&
+                                  now->half_height == before->half_height;
+    return is_camera_static && neph_rt_is_medium_static(view) &&
+           view->settings[RT_SOLID_MOTION] == 0.0f;
 }

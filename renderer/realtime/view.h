@@ -34,10 +34,10 @@ void neph_rt_store(const struct neph_gpu_target *target, uint32_t *words, size_t
 
 /* Whether the medium (as far as settings follow it), or all solids that may move, have not moved
  * since the frame before. */
-bool neph_rt_air_rests(const struct neph_gpu_view *view);
-bool neph_rt_movers_rest(const struct neph_gpu_view *view);
+bool neph_rt_is_medium_static(const struct neph_gpu_view *view);
+bool neph_rt_are_movers_static(const struct neph_gpu_view *view);
 
 /* Whether camera and air are static and solids need no motion vectors. */
-bool neph_rt_view_rests(const struct neph_gpu_view *view);
+bool neph_rt_is_view_static(const struct neph_gpu_view *view);
 
 #endif

@@ -14,7 +14,7 @@ static const uint32_t code[] = {
 
 enum { local_size = 64 }; /* of watch.comp */
 
-uint32_t neph_rt_watched(const struct neph_gpu_view *view)
+uint32_t neph_rt_find_watched_targets(const struct neph_gpu_view *view)
 {
     uint32_t found = 0;
     for (int p = 0; neph_rt_passes[p]; p++) {
@@ -25,16 +25,16 @@ uint32_t neph_rt_watched(const struct neph_gpu_view *view)
     return neph_rt_targets_used(view) & ~found;
 }
 
-static struct neph_gpu_watch_run run_of(const struct neph_gpu_view *view, int target)
+static struct neph_gpu_watch_run make_watch_run(const struct neph_gpu_view *view, int target)
 {
-    const struct neph_rt_rectangle own = neph_rt_view_texels(view, target);
+    const struct neph_rt_rectangle view_texels = neph_rt_view_texels(view, target);
     return (struct neph_gpu_watch_run){
         .format = view->targets[target].format,
         .row = view->targets[target].width,
-        .left = own.left,
-        .top = own.top,
-        .width = own.width,
-        .height = own.height,
+        .left = view_texels.left,
+        .top = view_texels.top,
+        .width = view_texels.width,
+        .height = view_texels.height,
         .is_signed = (SIGNED_TARGETS & NEPH_RT_BIT(target)) != 0,
     };
 }
@@ -43,7 +43,7 @@ static enum neph_status watch_target(struct neph_rt_device *device,
                                      const struct neph_kernel *kernel, int target,
                                      struct neph_buffer *counter, struct neph_diag *diag)
 {
-    struct neph_gpu_watch_run run = run_of(device->view, target);
+    struct neph_gpu_watch_run run = make_watch_run(device->view, target);
     const uint32_t groups_max = device->vulkan->limits.maxComputeWorkGroupCount[0];
     const uint32_t texels = run.width * run.height;
     enum neph_status status = NEPH_OK;
@@ -82,8 +82,8 @@ enum neph_status neph_rt_watch(struct neph_rt_device *device, uint32_t targets, 
                                struct neph_diag *diag)
 {
     struct neph_buffer counter = {0};
-    enum neph_status status = neph_batches_wait(device->vulkan, neph_batches_sent(device->vulkan),
-                                                "frames in flight", diag);
+    enum neph_status status = neph_batches_wait(
+        device->vulkan, neph_batches_submitted(device->vulkan), "frames in flight", diag);
     if (!status)
         status = neph_buffer_create(device->vulkan, NEPH_BUFFER_UPLOAD, sizeof(uint32_t),
                                     "bad values", &counter, diag);

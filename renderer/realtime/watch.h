@@ -14,6 +14,6 @@ enum neph_status neph_rt_watch(struct neph_rt_device *device, uint32_t targets, 
 
 /* The targets that a frame has written, after the swap of the histories. The targets under their
  * names of the current frame are left out: the next frame overwrites them. */
-uint32_t neph_rt_watched(const struct neph_gpu_view *view);
+uint32_t neph_rt_find_watched_targets(const struct neph_gpu_view *view);
 
 #endif

@@ -46,7 +46,8 @@ int reference_cell_px(const struct reference *ref, int resolution)
 
 /* The order of the pixels of a cell: the first in frame 0, then its diagonal neighbour, then the
  * others. */
-struct reference_pixel reference_pixel_in(const struct reference *ref, int resolution, int x, int y)
+struct reference_pixel reference_sampled_pixel(const struct reference *ref, int resolution, int x,
+                                               int y)
 {
     const int side = reference_cell_px(ref, resolution);
     const int history = resolution == SCREEN_GI_RESOLUTION ? SCREEN_GI_HISTORY : SCREEN_SSR_HISTORY;
@@ -166,7 +167,7 @@ bool reference_plane_at(const struct reference *ref, struct vec2 place_px, int x
     return facing > 1e-4 && along > -0.5 * own_m.z && along < 10.0 * own_m.z;
 }
 
-struct vec2 reference_pixel_of(const struct reference *ref, struct neph_vec3 point_m)
+struct vec2 reference_project(const struct reference *ref, struct neph_vec3 point_m)
 {
     const double scale = is_orthographic(ref) ? 1.0 : point_m.z;
     return (struct vec2){

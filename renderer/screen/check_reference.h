@@ -45,7 +45,7 @@ struct neph_vec3 reference_place_m(const struct reference *ref, struct vec2 plac
 struct neph_vec3 reference_surface_m(const struct reference *ref, int x, int y);
 bool reference_plane_at(const struct reference *ref, struct vec2 place_px, int x, int y,
                         struct neph_vec3 *point_m);
-struct vec2 reference_pixel_of(const struct reference *ref, struct neph_vec3 point_m);
+struct vec2 reference_project(const struct reference *ref, struct neph_vec3 point_m);
 struct neph_vec3 reference_to_camera(const struct reference *ref, struct neph_vec3 point_m);
 struct vec2 reference_tiled_noise(const struct reference *ref, int x, int y);
 struct vec2 reference_ray_noise(int x, int y, uint32_t salt, uint32_t index);
@@ -55,8 +55,8 @@ struct reference_pixel {
     int x, y;
 };
 int reference_cell_px(const struct reference *ref, int resolution);
-struct reference_pixel reference_pixel_in(const struct reference *ref, int resolution, int x,
-                                          int y);
+struct reference_pixel reference_sampled_pixel(const struct reference *ref, int resolution, int x,
+                                               int y);
 /* The target with the light of a resolution after a number of smoothing passes (0: the mean), and
  * the target with the final cells. */
 int reference_turned_at(int resolution, int turns);

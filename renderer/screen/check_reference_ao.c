@@ -23,7 +23,7 @@ static double setting(const struct site *site, int index)
     return site->ref->values[index];
 }
 
-static bool seen_at(const struct site *site, struct vec2 place_px, struct neph_vec3 *point_m)
+static bool load_point(const struct site *site, struct vec2 place_px, struct neph_vec3 *point_m)
 {
     const int x = (int)floor(place_px.x), y = (int)floor(place_px.y);
     if (!reference_is_inside(site->ref, x, y) || reference_is_sky(site->ref, x, y))
@@ -57,7 +57,7 @@ static double to_edge_px(const struct site *site, struct vec2 way)
 
 static double apart_px(const struct site *site, struct neph_vec3 point_m)
 {
-    const struct vec2 seen = reference_pixel_of(site->ref, point_m);
+    const struct vec2 seen = reference_project(site->ref, point_m);
     return hypot(seen.x - site->centre_px.x, seen.y - site->centre_px.y);
 }
 
@@ -86,7 +86,7 @@ static struct vec2 screen_way(const struct site *site, struct neph_vec3 move)
     return (struct vec2){way.x / hypot(way.x, way.y), way.y / hypot(way.x, way.y)};
 }
 
-static struct slice slice_of(const struct site *site, double turn)
+static struct slice make_slice(const struct site *site, double turn)
 {
     struct slice slice;
     if (setting(site, SCREEN_AO_SLICES) == SCREEN_SLICES_AXIS) {
@@ -126,7 +126,7 @@ static double horizon_cosine(const struct site *site, struct vec2 way, double re
     for (int s = 0; s < steps && reach > 1.0; s++) {
         const double share = pow((s + site->noise.y) / steps, setting(site, SCREEN_AO_STEP_POWER));
         struct neph_vec3 seen_m;
-        if (!seen_at(site, step(site->centre_px, way, mix(1.0, reach, share)), &seen_m))
+        if (!load_point(site, step(site->centre_px, way, mix(1.0, reach, share)), &seen_m))
             continue;
         const struct neph_vec3 offset_m = neph_vec3_sub(seen_m, site->point_m);
         const double distance_m = neph_vec3_length(offset_m);
@@ -169,7 +169,7 @@ static double gtao(const struct site *site)
     const int slices = (int)setting(site, SCREEN_AO_DIRECTIONS);
     double sums[2] = {0.0, 0.0};
     for (int i = 0; i < slices; i++) {
-        const struct slice slice = slice_of(site, (i + site->noise.x) / slices);
+        const struct slice slice = make_slice(site, (i + site->noise.x) / slices);
         add_slice(site, &slice, sums);
     }
     return setting(site, SCREEN_AO_SUM) == SCREEN_SUM_RATIO ? sums[0] / fmax(sums[1], 1e-6)
@@ -178,11 +178,12 @@ static double gtao(const struct site *site)
 
 /* ---- unreal ---------------------------------------------------------------------------------- */
 
-static bool beside(const struct site *site, struct vec2 place_px, double *cosine, double *weight)
+static bool find_pair_sample(const struct site *site, struct vec2 place_px, double *cosine,
+                             double *weight)
 {
     struct neph_vec3 seen_m;
     *cosine = *weight = 0.0;
-    if (!seen_at(site, place_px, &seen_m))
+    if (!load_point(site, place_px, &seen_m))
         return false;
     const struct neph_vec3 offset_m = neph_vec3_sub(seen_m, site->point_m);
     const double distance_m = neph_vec3_length(offset_m);
@@ -200,10 +201,10 @@ static void add_pair(const struct site *site, struct vec2 offset_px, double sums
     for (int s = 1; s <= steps; s++) {
         const double share = (double)s / steps;
         double cosine[2], weight[2];
-        const bool ahead = beside(site, step(site->centre_px, offset_px, share), &cosine[0],
-                                  &weight[0]);
-        const bool behind = beside(site, step(site->centre_px, offset_px, -share), &cosine[1],
-                                   &weight[1]);
+        const bool ahead = find_pair_sample(site, step(site->centre_px, offset_px, share),
+                                            &cosine[0], &weight[0]);
+        const bool behind = find_pair_sample(site, step(site->centre_px, offset_px, -share),
+                                             &cosine[1], &weight[1]);
         const double both = ahead && behind ? weight[0] * weight[1] : 0.0;
         for (int side = 0; side < 2; side++)
             most[side] = mix(most[side], fmax(most[side], cosine[side]), both);
@@ -252,7 +253,7 @@ static double ssao(const struct site *site)
         point_m = neph_vec3_along(point_m, first, far * side * cos(angle));
         point_m = neph_vec3_along(point_m, second, far * side * sin(angle));
         struct neph_vec3 seen_m;
-        if (!(point_m.z > 0.0) || !seen_at(site, reference_pixel_of(site->ref, point_m), &seen_m))
+        if (!(point_m.z > 0.0) || !load_point(site, reference_project(site->ref, point_m), &seen_m))
             continue;
         hidden += seen_m.z < point_m.z * (1.0 - setting(site, SCREEN_AO_BIAS)) &&
                   site->point_m.z - seen_m.z < site->radius_m;
@@ -277,7 +278,7 @@ static double open_share(const struct site *site)
 struct texel reference_ao(const struct reference *ref, int x, int y)
 {
     double open = 1.0;
-    const struct reference_pixel at = reference_pixel_in(ref, SCREEN_AO_RESOLUTION, x, y);
+    const struct reference_pixel at = reference_sampled_pixel(ref, SCREEN_AO_RESOLUTION, x, y);
     if (!reference_is_sky(ref, at.x, at.y)) {
         const struct neph_vec3 point_m = reference_surface_m(ref, at.x, at.y);
         const struct site site = {

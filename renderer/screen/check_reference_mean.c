@@ -11,7 +11,7 @@ struct mean {
     int raw, before, count_before, history;
 };
 
-static struct mean mean_of(int resolution)
+static struct mean get_mean_targets(int resolution)
 {
     return resolution == SCREEN_GI_RESOLUTION
                ? (struct mean){SCREEN_GI_RAW, SCREEN_GI_BEFORE, SCREEN_GI_COUNT_BEFORE,
@@ -21,8 +21,8 @@ static struct mean mean_of(int resolution)
 }
 
 /* Whether a pixel was on the plane of another pixel in the previous frame. */
-static bool had_plane(const struct reference *ref, struct reference_pixel at,
-                      struct reference_pixel then)
+static bool was_on_plane(const struct reference *ref, struct reference_pixel at,
+                         struct reference_pixel then)
 {
     const double depth_m = reference_load(ref, SCREEN_DEPTH_BEFORE, then.x, then.y).v[0];
     const struct texel was = reference_load(ref, SCREEN_NORMAL_BEFORE, then.x, then.y);
@@ -42,17 +42,17 @@ static bool had_plane(const struct reference *ref, struct reference_pixel at,
 static double history(const struct reference *ref, int resolution, struct reference_pixel at,
                       struct texel *sum)
 {
-    const struct mean mean = mean_of(resolution);
+    const struct mean mean = get_mean_targets(resolution);
     const int side = reference_cell_px(ref, resolution);
     struct reference then = *ref;
     then.frame = ref->frame - 1;
-    const struct reference_pixel first = reference_pixel_in(&then, resolution, 0, 0);
+    const struct reference_pixel first = reference_sampled_pixel(&then, resolution, 0, 0);
     const double across = (double)(at.x - first.x) / side, down = (double)(at.y - first.y) / side;
     double weights = 0.0, count = 0.0;
     for (int i = 0; i < 4; i++) {
         const int x = (int)floor(across) + i % 2, y = (int)floor(down) + i / 2;
         if (x < 0 || y < 0 || side * x >= ref->width_px || side * y >= ref->height_px ||
-            !had_plane(ref, at, reference_pixel_in(&then, resolution, x, y)))
+            !was_on_plane(ref, at, reference_sampled_pixel(&then, resolution, x, y)))
             continue;
         const double share = (1.0 - fabs(across - x)) * (1.0 - fabs(down - y));
         const struct texel texel = reference_load(ref, mean.before, x, y);
@@ -68,8 +68,8 @@ static double history(const struct reference *ref, int resolution, struct refere
 
 struct texel reference_mean(const struct reference *ref, int resolution, int x, int y)
 {
-    const struct mean mean = mean_of(resolution);
-    const struct reference_pixel at = reference_pixel_in(ref, resolution, x, y);
+    const struct mean mean = get_mean_targets(resolution);
+    const struct reference_pixel at = reference_sampled_pixel(ref, resolution, x, y);
     struct texel sum = {{0.0}};
     const bool is_half = reference_cell_px(ref, resolution) > 1;
     if (reference_is_sky(ref, at.x, at.y) ||

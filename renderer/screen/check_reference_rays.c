@@ -35,16 +35,17 @@ static double edge_share(double from, double to, double size)
     return fabs(way) < 1e-6 ? 1.0 : ((way > 0.0 ? size : 0.0) - from) / way;
 }
 
-static struct ray ray_of(const struct reference *ref, int x, int y, struct neph_vec3 from_m,
-                         struct neph_vec3 direction, double most_m)
+static struct ray make_screen_ray(const struct reference *ref, int x, int y,
+                                  struct neph_vec3 from_m, struct neph_vec3 direction,
+                                  double most_m)
 {
     const bool is_flat = ref->camera.orthographic_height_m > 0.0;
     struct ray ray = {ref, x, y, from_m, direction, .length_m = most_m};
     if (direction.z < 0.0)
         ray.length_m = fmin(most_m, 0.99 * from_m.z / -direction.z);
     const struct neph_vec3 to_m = neph_vec3_along(from_m, direction, ray.length_m);
-    ray.from_px = reference_pixel_of(ref, from_m);
-    ray.to_px = reference_pixel_of(ref, to_m);
+    ray.from_px = reference_project(ref, from_m);
+    ray.to_px = reference_project(ref, to_m);
     ray.per_from = is_flat ? 1.0 : 1.0 / from_m.z;
     ray.per_to = is_flat ? 1.0 : 1.0 / to_m.z;
     ray.share = fmax(0.0, fmin(1.0, fmin(edge_share(ray.from_px.x, ray.to_px.x, ref->width_px),
@@ -96,7 +97,7 @@ static double refine(const struct ray *ray, double before, struct meeting *met, 
     return gap_m;
 }
 
-static struct neph_vec3 meeting_m(const struct ray *ray, int x, int y, double share)
+static struct neph_vec3 compute_hit_m(const struct ray *ray, int x, int y, double share)
 {
     const struct neph_vec3 normal = reference_normal(ray->ref, x, y);
     const double falling = neph_vec3_dot(normal, ray->direction), at_m = along_m(ray, share);
@@ -124,7 +125,7 @@ static struct meeting march(const struct ray *ray, int steps, double offset)
         if (gap_m > 1e-4 * depth_m && !is_hidden) {
             gap_m = refine(ray, before, &met, &share, gap_m);
             if (thickness_m == 0.0 || gap_m < thickness_m) {
-                met.point_m = meeting_m(ray, met.x, met.y, share);
+                met.point_m = compute_hit_m(ray, met.x, met.y, share);
                 return met;
             }
         }
@@ -134,14 +135,15 @@ static struct meeting march(const struct ray *ray, int steps, double offset)
     return (struct meeting){.is_found = false};
 }
 
-static double offset_of(const struct reference *ref, int x, int y, uint32_t salt, uint32_t index)
+static double choose_offset(const struct reference *ref, int x, int y, uint32_t salt,
+                            uint32_t index)
 {
     return ref->values[SCREEN_RAY_NOISE] != 0.0 ? reference_ray_noise(x, y, salt, index).x : 0.0;
 }
 
 /* ---- light at the hit point ------------------------------------------------------------------ */
 
-static struct neph_vec3 rgb_of(struct texel texel)
+static struct neph_vec3 get_texel_rgb(struct texel texel)
 {
     return (struct neph_vec3){texel.v[0], texel.v[1], texel.v[2]};
 }
@@ -164,8 +166,8 @@ static double masking(double alpha, double cosine)
 }
 
 /* Light number `light` at a point in world space. */
-static struct neph_lit lit_by(const struct neph_scene *scene, unsigned light,
-                              struct neph_vec3 point_m)
+static struct neph_lit get_light_at(const struct neph_scene *scene, unsigned light,
+                                    struct neph_vec3 point_m)
 {
     if (light > 0)
         return neph_light_at(&scene->lights[light - 1], point_m);
@@ -175,7 +177,7 @@ static struct neph_lit lit_by(const struct neph_scene *scene, unsigned light,
                                                         : (struct neph_rgb){0.0, 0.0, 0.0}};
 }
 
-static uint32_t lights_of(const struct reference *ref, int x, int y)
+static uint32_t count_lights(const struct reference *ref, int x, int y)
 {
     union {
         float number;
@@ -191,21 +193,21 @@ static struct neph_vec3 direct_into(const struct reference *ref, struct neph_vec
     const double roughness = reference_load(ref, SCREEN_NORMAL, x, y).v[3];
     struct neph_vec3 sum = {0.0, 0.0, 0.0};
     if (!(base.v[3] > 0.0) || ref->values[SCREEN_RAY_METAL] == SCREEN_METAL_CAMERA)
-        return rgb_of(reference_load(ref, SCREEN_DIRECT, x, y));
+        return get_texel_rgb(reference_load(ref, SCREEN_DIRECT, x, y));
     const struct neph_vec3 normal = in_world(ref, reference_normal(ref, x, y));
     const struct neph_vec3 point_m = neph_vec3_add(ref->camera.position_m,
                                                    in_world(ref, reference_surface_m(ref, x, y)));
     const struct neph_vec3 out = neph_vec3_scale(in_world(ref, direction), -1.0);
     for (unsigned i = 0; i <= (unsigned)ref->scene->light_count; i++) {
-        const struct neph_lit lit = lit_by(ref->scene, i, point_m);
+        const struct neph_lit lit = get_light_at(ref->scene, i, point_m);
         const struct neph_rgb light = lit.irradiance_w_per_m2;
         const double cosine = fmax(0.0, neph_vec3_dot(normal, lit.direction));
         const double metal_per_sr = roughness > 0.0
                                         ? neph_metal_per_sr(roughness, normal, out, lit.direction)
                                         : 0.0;
-        if (lights_of(ref, x, y) >> i & 1u)
+        if (count_lights(ref, x, y) >> i & 1u)
             sum = neph_vec3_along(
-                sum, times(rgb_of(base), (struct neph_vec3){light.r, light.g, light.b}),
+                sum, times(get_texel_rgb(base), (struct neph_vec3){light.r, light.g, light.b}),
                 (1.0 - base.v[3]) / M_PI * cosine + base.v[3] * metal_per_sr);
     }
     return sum;
@@ -214,16 +216,17 @@ static struct neph_vec3 direct_into(const struct reference *ref, struct neph_vec
 static struct neph_vec3 sky_reflected(const struct reference *ref, int x, int y)
 {
     return neph_vec3_scale(
-        times(rgb_of(reference_load(ref, SCREEN_BASE, x, y)), reference_sky_light(ref)),
+        times(get_texel_rgb(reference_load(ref, SCREEN_BASE, x, y)), reference_sky_light(ref)),
         reference_open(ref, x, y));
 }
 
 /* The point in the previous frame; the scene is static. */
-static bool seen_before(const struct reference *ref, const struct meeting *met, int *x, int *y)
+static bool find_previous_pixel(const struct reference *ref, const struct meeting *met, int *x,
+                                int *y)
 {
     if (ref->frame == 0)
         return false;
-    const struct vec2 place = reference_pixel_of(ref, met->point_m);
+    const struct vec2 place = reference_project(ref, met->point_m);
     *x = (int)floor(place.x);
     *y = (int)floor(place.y);
     if (!reference_is_inside(ref, *x, *y))
@@ -242,7 +245,7 @@ static struct neph_vec3 with_sky(const struct reference *ref, int target, int re
 {
     const int side = reference_cell_px(ref, resolution);
     const struct texel texel = reference_load(ref, target, x / side, y / side);
-    return neph_vec3_along(rgb_of(texel), reference_sky_light(ref), texel.v[3]);
+    return neph_vec3_along(get_texel_rgb(texel), reference_sky_light(ref), texel.v[3]);
 }
 
 static struct neph_vec3 indirect_before(const struct reference *ref, const struct meeting *met,
@@ -251,7 +254,7 @@ static struct neph_vec3 indirect_before(const struct reference *ref, const struc
     const struct texel base = reference_load(ref, SCREEN_BASE, met->x, met->y);
     struct neph_vec3 light = {0.0, 0.0, 0.0};
     int x, y;
-    if (!seen_before(ref, met, &x, &y))
+    if (!find_previous_pixel(ref, met, &x, &y))
         return neph_vec3_scale(sky_reflected(ref, met->x, met->y), with_diffuse ? 1.0 : base.v[3]);
     if (with_diffuse && reference_gi_at(ref) >= 0)
         light = neph_vec3_along(light, with_sky(ref, SCREEN_GI_BEFORE, SCREEN_GI_RESOLUTION, x, y),
@@ -259,10 +262,10 @@ static struct neph_vec3 indirect_before(const struct reference *ref, const struc
     if (base.v[3] > 0.0 && reference_ssr_at(ref) >= 0)
         light = neph_vec3_along(
             light, with_sky(ref, SCREEN_SSR_BEFORE, SCREEN_SSR_RESOLUTION, x, y), base.v[3]);
-    return times(rgb_of(base), light);
+    return times(get_texel_rgb(base), light);
 }
 
-static bool is_met_from_behind(const struct ray *ray, const struct meeting *met)
+static bool is_hit_from_behind(const struct ray *ray, const struct meeting *met)
 {
     return neph_vec3_dot(reference_normal(ray->ref, met->x, met->y), ray->direction) >= 0.0;
 }
@@ -284,7 +287,7 @@ static void add(struct texel *sum, struct neph_vec3 light, double open, double w
 static struct neph_vec3 diffuse_light(const struct ray *ray, const struct meeting *met)
 {
     const struct reference *ref = ray->ref;
-    if (is_met_from_behind(ray, met) || !has_bounces(ref))
+    if (is_hit_from_behind(ray, met) || !has_bounces(ref))
         return (struct neph_vec3){0.0, 0.0, 0.0};
     return neph_vec3_add(direct_into(ref, ray->direction, met->x, met->y),
                          ref->values[SCREEN_GI_BOUNCES] == SCREEN_BOUNCES_ALL
@@ -306,7 +309,7 @@ struct texel reference_gi(const struct reference *ref, int x, int y)
     struct texel sum = {{0.0}};
     const int rays = reference_choice(ref, SCREEN_GI_RAYS);
     const double reach_m = ref->values[SCREEN_GI_REACH_M];
-    const struct reference_pixel at = reference_pixel_in(ref, SCREEN_GI_RESOLUTION, x, y);
+    const struct reference_pixel at = reference_sampled_pixel(ref, SCREEN_GI_RESOLUTION, x, y);
     if (reference_is_sky(ref, at.x, at.y) ||
         reference_load(ref, SCREEN_BASE, at.x, at.y).v[3] >= 1.0)
         return sum;
@@ -314,10 +317,11 @@ struct texel reference_gi(const struct reference *ref, int x, int y)
         const uint32_t index = ref->frame * (uint32_t)rays + (uint32_t)i;
         const struct neph_vec3 direction = by_cosine(reference_normal(ref, at.x, at.y),
                                                      reference_ray_noise(x, y, 1, index));
-        const struct ray ray = ray_of(ref, at.x, at.y, reference_surface_m(ref, at.x, at.y),
-                                      direction, reach_m > 0.0 ? reach_m : NEPH_GPU_FAR_M);
+        const struct ray ray = make_screen_ray(ref, at.x, at.y,
+                                               reference_surface_m(ref, at.x, at.y), direction,
+                                               reach_m > 0.0 ? reach_m : NEPH_GPU_FAR_M);
         const struct meeting met = march(&ray, reference_choice(ref, SCREEN_GI_STEPS),
-                                         offset_of(ref, x, y, 2, ref->frame + (uint32_t)i));
+                                         choose_offset(ref, x, y, 2, ref->frame + (uint32_t)i));
         if (met.is_found)
             add(&sum, diffuse_light(&ray, &met), 0.0, 1.0 / rays);
         else
@@ -347,9 +351,9 @@ static struct neph_vec3 visible_facet(double alpha, struct neph_vec3 eye, struct
 }
 
 /* SCREEN_LIT, interpolated between pixels of similar depth. */
-static struct neph_vec3 lit_at(const struct reference *ref, const struct meeting *met)
+static struct neph_vec3 load_lit(const struct reference *ref, const struct meeting *met)
 {
-    const struct vec2 place = reference_pixel_of(ref, met->point_m);
+    const struct vec2 place = reference_project(ref, met->point_m);
     const int left = (int)floor(place.x - 0.5), top = (int)floor(place.y - 0.5);
     const double depth_m = reference_depth_m(ref, met->x, met->y);
     struct neph_vec3 sum = {0.0, 0.0, 0.0};
@@ -360,11 +364,11 @@ static struct neph_vec3 lit_at(const struct reference *ref, const struct meeting
         if (!reference_is_inside(ref, x, y) ||
             !(fabs(reference_depth_m(ref, x, y) - depth_m) < 0.05 * depth_m))
             continue;
-        sum = neph_vec3_along(sum, rgb_of(reference_load(ref, SCREEN_LIT, x, y)), weight);
+        sum = neph_vec3_along(sum, get_texel_rgb(reference_load(ref, SCREEN_LIT, x, y)), weight);
         weights += weight;
     }
     return weights > 0.01 ? neph_vec3_scale(sum, 1.0 / weights)
-                          : rgb_of(reference_load(ref, SCREEN_LIT, met->x, met->y));
+                          : get_texel_rgb(reference_load(ref, SCREEN_LIT, met->x, met->y));
 }
 
 static struct neph_vec3 glossy_light(const struct ray *ray, const struct meeting *met)
@@ -373,10 +377,10 @@ static struct neph_vec3 glossy_light(const struct ray *ray, const struct meeting
     if (!has_bounces(ref))
         return (struct neph_vec3){0.0, 0.0, 0.0};
     if (!(reference_load(ref, SCREEN_BASE, met->x, met->y).v[3] > 0.0))
-        return lit_at(ref, met);
+        return load_lit(ref, met);
     const struct neph_vec3 diffuse = neph_vec3_sub(
-        rgb_of(reference_load(ref, SCREEN_LIT, met->x, met->y)),
-        rgb_of(reference_load(ref, SCREEN_DIRECT, met->x, met->y)));
+        get_texel_rgb(reference_load(ref, SCREEN_LIT, met->x, met->y)),
+        get_texel_rgb(reference_load(ref, SCREEN_DIRECT, met->x, met->y)));
     const struct neph_vec3 held = {fmax(0.0, diffuse.x), fmax(0.0, diffuse.y),
                                    fmax(0.0, diffuse.z)};
     return neph_vec3_add(neph_vec3_add(held, direct_into(ref, ray->direction, met->x, met->y)),
@@ -387,10 +391,10 @@ static void add_reflection(const struct reference *ref, struct reference_pixel a
                            struct neph_vec3 direction, double offset, double weight,
                            struct texel *sum)
 {
-    const struct ray ray = ray_of(ref, at.x, at.y, reference_surface_m(ref, at.x, at.y), direction,
-                                  NEPH_GPU_FAR_M);
+    const struct ray ray = make_screen_ray(ref, at.x, at.y, reference_surface_m(ref, at.x, at.y),
+                                           direction, NEPH_GPU_FAR_M);
     const struct meeting met = march(&ray, reference_choice(ref, SCREEN_SSR_STEPS), offset);
-    if (!met.is_found || is_met_from_behind(&ray, &met))
+    if (!met.is_found || is_hit_from_behind(&ray, &met))
         add(sum, (struct neph_vec3){0.0, 0.0, 0.0}, 1.0, weight);
     else
         add(sum, glossy_light(&ray, &met), 0.0, weight);
@@ -403,17 +407,17 @@ bool reference_mirror(const struct reference *ref, int x, int y, struct neph_vec
     const struct neph_vec3 eye = reference_to_camera(ref, from_m);
     const struct neph_vec3 direction = neph_vec3_along(neph_vec3_scale(eye, -1.0), normal,
                                                        2.0 * neph_vec3_dot(normal, eye));
-    const struct ray ray = ray_of(ref, x, y, from_m, direction, NEPH_GPU_FAR_M);
+    const struct ray ray = make_screen_ray(ref, x, y, from_m, direction, NEPH_GPU_FAR_M);
     const struct meeting met = march(&ray, reference_choice(ref, SCREEN_SSR_STEPS),
-                                     offset_of(ref, x, y, 4, ref->frame));
+                                     choose_offset(ref, x, y, 4, ref->frame));
     *point_m = met.point_m;
-    return met.is_found && !is_met_from_behind(&ray, &met);
+    return met.is_found && !is_hit_from_behind(&ray, &met);
 }
 
 struct texel reference_ssr(const struct reference *ref, int x, int y)
 {
     struct texel sum = {{0.0}};
-    const struct reference_pixel at = reference_pixel_in(ref, SCREEN_SSR_RESOLUTION, x, y);
+    const struct reference_pixel at = reference_sampled_pixel(ref, SCREEN_SSR_RESOLUTION, x, y);
     if (reference_is_sky(ref, at.x, at.y) ||
         !(reference_load(ref, SCREEN_BASE, at.x, at.y).v[3] > 0.0))
         return sum;
@@ -442,7 +446,7 @@ struct texel reference_ssr(const struct reference *ref, int x, int y)
         struct neph_vec3 direction = neph_vec3_scale(normal, own.z);
         direction = neph_vec3_along(neph_vec3_along(direction, first, own.x), second, own.y);
         add_reflection(ref, at, neph_vec3_normalize(direction),
-                       offset_of(ref, x, y, 4, ref->frame + (uint32_t)i),
+                       choose_offset(ref, x, y, 4, ref->frame + (uint32_t)i),
                        (alpha > 0.0 ? masking(alpha, own.z) : 1.0) / rays, &sum);
     }
     return sum;

@@ -16,9 +16,9 @@ struct site {
     struct neph_vec3 point_m, normal;
 };
 
-static struct site site_of(const struct reference *ref, int resolution, int x, int y)
+static struct site make_site(const struct reference *ref, int resolution, int x, int y)
 {
-    const struct reference_pixel pixel = reference_pixel_in(ref, resolution, x, y);
+    const struct reference_pixel pixel = reference_sampled_pixel(ref, resolution, x, y);
     return (struct site){.ref = ref,
                          .resolution = resolution,
                          .cell = {x, y},
@@ -28,14 +28,14 @@ static struct site site_of(const struct reference *ref, int resolution, int x, i
 }
 
 /* The cell at an offset; false outside the frame and for the sky. */
-static bool beside(const struct site *site, int across, int down, struct site *other)
+static bool find_neighbour(const struct site *site, int across, int down, struct site *other)
 {
     const struct reference *ref = site->ref;
     const int x = site->cell.x + across, y = site->cell.y + down;
     const int cell_px = reference_cell_px(ref, site->resolution);
     if (!reference_is_inside(ref, cell_px * x, cell_px * y))
         return false;
-    *other = site_of(ref, site->resolution, x, y);
+    *other = make_site(ref, site->resolution, x, y);
     return !reference_is_sky(ref, other->pixel.x, other->pixel.y);
 }
 
@@ -52,7 +52,7 @@ static double in_plane(const struct site *site, const struct site *other)
 
 struct texel reference_blur(const struct reference *ref, int x, int y)
 {
-    const struct site site = site_of(ref, SCREEN_AO_RESOLUTION, x, y);
+    const struct site site = make_site(ref, SCREEN_AO_RESOLUTION, x, y);
     const int radius = (int)ref->values[SCREEN_AO_BLUR_PX], side = 2 * radius + 1;
     double sum = 0.0, weights = 0.0;
     if (reference_is_sky(ref, site.pixel.x, site.pixel.y))
@@ -60,7 +60,7 @@ struct texel reference_blur(const struct reference *ref, int x, int y)
     for (int i = 0; i < side * side; i++) {
         const int across = i % side - radius, down = i / side - radius;
         struct site other;
-        if (!beside(&site, across, down, &other))
+        if (!find_neighbour(&site, across, down, &other))
             continue;
         const double rim = (abs(across) == radius ? 0.5 : 1.0) * (abs(down) == radius ? 0.5 : 1.0);
         const double weight = rim * in_plane(&site, &other);
@@ -94,14 +94,14 @@ static double likeness(const struct site *site, const struct site *other)
 }
 
 /* Reflections use only neighbours of metal; indirect light also metal, whose value is 0. */
-static bool is_of_kind(const struct site *site)
+static bool has_smoothed_light(const struct site *site)
 {
     return site->resolution == SCREEN_GI_RESOLUTION ||
            reference_has_light(site->ref, site->resolution, site->pixel.x, site->pixel.y);
 }
 
 /* At half resolution cells without the light are unchanged. */
-static bool is_left(const struct site *site)
+static bool is_unchanged_cell(const struct site *site)
 {
     const struct reference *ref = site->ref;
     const struct reference_pixel at = site->pixel;
@@ -114,13 +114,14 @@ struct texel reference_smooth(const struct reference *ref, int resolution, int t
 {
     static const double b3[3] = {0.375, 0.25, 0.0625};
     const int from = reference_turned_at(resolution, turn);
-    const struct site site = site_of(ref, resolution, x, y);
+    const struct site site = make_site(ref, resolution, x, y);
     struct texel sum = {{0.0}};
     double weights = 0.0;
-    for (int i = 0; i < 25 && !is_left(&site); i++) {
+    for (int i = 0; i < 25 && !is_unchanged_cell(&site); i++) {
         const int across = i % 5 - 2, down = i / 5 - 2;
         struct site other;
-        if (!beside(&site, across * (1 << turn), down * (1 << turn), &other) || !is_of_kind(&other))
+        if (!find_neighbour(&site, across * (1 << turn), down * (1 << turn), &other) ||
+            !has_smoothed_light(&other))
             continue;
         const double weight = b3[abs(across)] * b3[abs(down)] * likeness(&site, &other);
         const struct texel texel = reference_load(ref, from, other.cell.x, other.cell.y);

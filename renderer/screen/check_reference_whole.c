@@ -29,7 +29,7 @@ static struct texel between_cells(const struct reference *ref, int resolution, i
 {
     const int from = reference_cells_at(ref, resolution);
     const int side = reference_cell_px(ref, resolution);
-    const struct reference_pixel first = reference_pixel_in(ref, resolution, 0, 0);
+    const struct reference_pixel first = reference_sampled_pixel(ref, resolution, 0, 0);
     const double across = (double)(x - first.x) / side, down = (double)(y - first.y) / side;
     struct texel sum = {{0.0}};
     double weights = 0.0;
@@ -37,7 +37,7 @@ static struct texel between_cells(const struct reference *ref, int resolution, i
         const int column = (int)floor(across) + i % 2, row = (int)floor(down) + i / 2;
         if (column < 0 || row < 0 || side * column >= ref->width_px || side * row >= ref->height_px)
             continue;
-        const struct reference_pixel at = reference_pixel_in(ref, resolution, column, row);
+        const struct reference_pixel at = reference_sampled_pixel(ref, resolution, column, row);
         const double share = (1.0 - fabs(across - column)) * (1.0 - fabs(down - row));
         if (!reference_has_light(ref, resolution, at.x, at.y))
             continue;

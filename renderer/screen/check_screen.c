@@ -34,7 +34,7 @@ static void set_things(struct test_scene *test)
 struct both {
     struct test_scene test;
     struct neph_settings settings;
-    struct neph_screening *screen;
+    struct neph_screen_renderer *screen;
     struct reference ref;
     float *texels[SCREEN_TARGET_COUNT]; /* owned */
 };
@@ -63,10 +63,11 @@ static void render(struct neph_vulkan *vulkan, const char *settings, enum kind k
         both->test.scene.vertical_fov_rad = 0.0;
         both->test.scene.orthographic_height_m = 2.6;
     }
-    both->screen = screen_of(vulkan, &both->test, WIDTH, HEIGHT, settings);
+    both->screen = create_screen(vulkan, &both->test, WIDTH, HEIGHT, settings);
     for (int i = 0; i < frames; i++)
         neph_assert_ok(
-            neph_screening_frame(both->screen, &both->test.scene, 0.0, NULL, NULL, &diag), &diag);
+            neph_screen_renderer_frame(both->screen, &both->test.scene, 0.0, NULL, NULL, &diag),
+            &diag);
     const struct neph_camera camera = neph_scene_camera(&both->test.scene, 0.0);
     const double half = neph_camera_half_height(&camera);
     both->ref = (struct reference){.scene = &both->test.scene,
@@ -89,12 +90,12 @@ static void drop(struct both *both)
 {
     for (int t = 0; t < SCREEN_TARGET_COUNT; t++)
         free(both->texels[t]);
-    neph_screening_destroy(both->screen);
+    neph_screen_renderer_destroy(both->screen);
 }
 
 /* ---- comparison ------------------------------------------------------------------------------ */
 
-typedef struct texel reference_of(const struct reference *ref, int x, int y);
+typedef struct texel reference_function(const struct reference *ref, int x, int y);
 
 /* Whether a cell of this size is in the frame. */
 static bool is_cell(int x, int y, int cell_px)
@@ -105,7 +106,7 @@ static bool is_cell(int x, int y, int cell_px)
 /* Count the pixels or cells that differ by more than the rounding of float32 (or half). Where a
  * step falls onto a depth edge or between two pixels, its last digit decides which surface is
  * sampled. */
-static int count_off(const struct both *both, int target, int cell_px, reference_of *ref,
+static int count_off(const struct both *both, int target, int cell_px, reference_function *ref,
                      int channels, double *largest)
 {
     const bool half = both->settings.values[SCREEN_TARGETS] == SCREEN_FLOAT16;
@@ -129,8 +130,8 @@ static int count_off(const struct both *both, int target, int cell_px, reference
 }
 
 /* Check the cells of passes with a resolution setting; 0: all pixels. */
-static void check_cells(const struct both *both, int target, int resolution, reference_of *ref,
-                        int channels, int most, const char *what)
+static void check_cells(const struct both *both, int target, int resolution,
+                        reference_function *ref, int channels, int most, const char *what)
 {
     double largest;
     const int cell_px = resolution ? reference_cell_px(&both->ref, resolution) : 1;
@@ -140,8 +141,8 @@ static void check_cells(const struct both *both, int target, int resolution, ref
     assert_true(off <= most);
 }
 
-static void check(const struct both *both, int target, reference_of *ref, int channels, int most,
-                  const char *what)
+static void check(const struct both *both, int target, reference_function *ref, int channels,
+                  int most, const char *what)
 {
     check_cells(both, target, 0, ref, channels, most, what);
 }
@@ -309,7 +310,7 @@ static struct texel ssr_turn_1(const struct reference *ref, int x, int y)
 }
 
 /* Replace a target that a later pass has overwritten by the reference's own values. */
-static void put(struct both *both, int target, int resolution, reference_of *ref)
+static void put(struct both *both, int target, int resolution, reference_function *ref)
 {
     const int cell_px = reference_cell_px(&both->ref, resolution);
     for (int p = 0; p < WIDTH * HEIGHT; p++) {
@@ -322,8 +323,8 @@ static void put(struct both *both, int target, int resolution, reference_of *ref
 }
 
 /* Check all smoothing passes of a light; with upsampling only the last is still on the device. */
-static void check_turns(struct both *both, int resolution, int turns, reference_of *const *refs,
-                        const char *what)
+static void check_turns(struct both *both, int resolution, int turns,
+                        reference_function *const *refs, const char *what)
 {
     for (int turn = 0; turn < turns; turn++) {
         const int to = reference_turned_at(resolution, turn + 1);
@@ -337,8 +338,8 @@ static void check_turns(struct both *both, int resolution, int turns, reference_
 /* Up to two smoothing passes. */
 static void check_smoothing(struct neph_vulkan *vulkan, const char *settings, enum kind kind)
 {
-    static reference_of *const gi[] = {gi_turn_0, gi_turn_1}, *const ssr[] = {ssr_turn_0,
-                                                                              ssr_turn_1};
+    static reference_function *const gi[] = {gi_turn_0, gi_turn_1}, *const ssr[] = {ssr_turn_0,
+                                                                                    ssr_turn_1};
     struct both both;
     render(vulkan, settings, kind, 2, &both);
     printf("%s\n", settings);
@@ -389,7 +390,7 @@ static bool is_shown(const struct both *both, struct neph_vec3 point_m, struct v
     const struct neph_vec3 own_m = {neph_vec3_dot(way_m, camera->right),
                                     neph_vec3_dot(way_m, camera->up),
                                     neph_vec3_dot(way_m, camera->forward)};
-    *place_px = reference_pixel_of(&both->ref, own_m);
+    *place_px = reference_project(&both->ref, own_m);
     const double distance_m = neph_vec3_length(way_m);
     const struct neph_hit hit = neph_scene_hit(&both->test.scene, camera->position_m,
                                                neph_vec3_scale(way_m, 1.0 / distance_m));
@@ -417,7 +418,7 @@ static void look_into_mirror(const struct both *both, int p, struct found *found
     found->wrong += is_met && !is_known;
     if (!is_known || !is_met)
         return;
-    met_px = reference_pixel_of(&both->ref, met_m);
+    met_px = reference_project(&both->ref, met_m);
     found->found++;
     found->off_px += hypot(met_px.x - place_px.x, met_px.y - place_px.y);
 }
@@ -447,12 +448,13 @@ static void test_the_mean_over_frames(void **state)
     double mean[WIDTH * HEIGHT] = {0.0};
     set_things(&test);
     OWNED(screening)
-    struct neph_screening *screen = screen_of(*state, &test, WIDTH, HEIGHT,
-                                              "ao=off ssr=off gi_smooth=0 gi_rays=1 gi_history=3");
+    struct neph_screen_renderer *screen = create_screen(
+        *state, &test, WIDTH, HEIGHT, "ao=off ssr=off gi_smooth=0 gi_rays=1 gi_history=3");
     for (int frame = 1; frame <= 6; frame++) {
         static const int targets[] = {SCREEN_DEPTH, SCREEN_GI_RAW, SCREEN_GI_MEAN, SCREEN_GI_COUNT};
         float *texels[4];
-        neph_assert_ok(neph_screening_frame(screen, &test.scene, 0.0, NULL, NULL, &diag), &diag);
+        neph_assert_ok(neph_screen_renderer_frame(screen, &test.scene, 0.0, NULL, NULL, &diag),
+                       &diag);
         for (int t = 0; t < 4; t++)
             texels[t] = screen_read(screen, WIDTH, HEIGHT, targets[t]);
         const int count = frame < 4 ? frame : 4;

@@ -23,25 +23,28 @@ static inline struct neph_settings screen_settings(const char *assignments)
     return settings;
 }
 
-static inline struct neph_screening *screen_of(struct neph_vulkan *vulkan,
-                                               const struct test_scene *test, int width_px,
-                                               int height_px, const char *assignments)
+static inline struct neph_screen_renderer *create_screen(struct neph_vulkan *vulkan,
+                                                         const struct test_scene *test,
+                                                         int width_px, int height_px,
+                                                         const char *assignments)
 {
     struct neph_diag diag = {0};
-    struct neph_screening *screen = NULL;
+    struct neph_screen_renderer *screen = NULL;
     const struct neph_screen_params params = {
         .settings = screen_settings(assignments), .width_px = width_px, .height_px = height_px};
-    neph_assert_ok(neph_screening_create(vulkan, &test->scene, &params, &screen, &diag), &diag);
+    neph_assert_ok(neph_screen_renderer_create(vulkan, &test->scene, &params, &screen, &diag),
+                   &diag);
     return screen;
 }
 
 /* The caller frees it with neph_image_destroy(). */
-static inline struct neph_image *screen_next(struct neph_screening *screen,
+static inline struct neph_image *screen_next(struct neph_screen_renderer *screen,
                                              const struct test_scene *test)
 {
     struct neph_diag diag = {0};
     struct neph_image *image = NULL;
-    neph_assert_ok(neph_screening_frame(screen, &test->scene, 0.0, &image, NULL, &diag), &diag);
+    neph_assert_ok(neph_screen_renderer_frame(screen, &test->scene, 0.0, &image, NULL, &diag),
+                   &diag);
     return image;
 }
 
@@ -49,9 +52,10 @@ static inline struct neph_image *screen_picture(struct neph_vulkan *vulkan,
                                                 const struct test_scene *test, int width_px,
                                                 int height_px, const char *assignments)
 {
-    struct neph_screening *screen = screen_of(vulkan, test, width_px, height_px, assignments);
+    struct neph_screen_renderer *screen = create_screen(vulkan, test, width_px, height_px,
+                                                        assignments);
     struct neph_image *image = screen_next(screen, test);
-    neph_screening_destroy(screen);
+    neph_screen_renderer_destroy(screen);
     return image;
 }
 
@@ -77,12 +81,12 @@ static inline double standing_rectangle(double distance_m, double width_m, doubl
 }
 
 /* Four values a pixel, to be freed by the caller. */
-static inline float *screen_read(struct neph_screening *screen, int width_px, int height_px,
+static inline float *screen_read(struct neph_screen_renderer *screen, int width_px, int height_px,
                                  int target)
 {
     struct neph_diag diag = {0};
     float *texels = malloc(4 * (size_t)width_px * (size_t)height_px * sizeof(*texels));
-    neph_assert_ok(neph_screening_read(screen, target, texels, &diag), &diag);
+    neph_assert_ok(neph_screen_renderer_read(screen, target, texels, &diag), &diag);
     return texels;
 }
 

@@ -58,8 +58,9 @@ struct gap {
 };
 
 /* Over pixels of the ground near x = 0 and in front of the plane z = 0. */
-static struct gap gap_to(double (*open)(struct neph_vec3 point_m), void (*set)(struct test_scene *),
-                         struct neph_vulkan *vulkan, const char *settings)
+static struct gap measure_gap(double (*open)(struct neph_vec3 point_m),
+                              void (*set)(struct test_scene *), struct neph_vulkan *vulkan,
+                              const char *settings)
 {
     struct test_scene test;
     set(&test);
@@ -120,11 +121,11 @@ static void test_a_plane_is_open(void **state)
  * angles between slices. The box is only a dozen pixels high, so half a pixel matters beside it. */
 static void test_many_slices_are_the_integral(void **state)
 {
-    struct gap gap = gap_to(open_by_wall, set_wall, *state, MANY "ao=gtao");
+    struct gap gap = measure_gap(open_by_wall, set_wall, *state, MANY "ao=gtao");
     assert_true(gap.mean < 0.005 && gap.worst < 0.01);
-    gap = gap_to(open_by_wall, set_wall, *state, MANY "ao=gtao ao_slices=axis ao_sum=mean");
+    gap = measure_gap(open_by_wall, set_wall, *state, MANY "ao=gtao ao_slices=axis ao_sum=mean");
     assert_true(gap.mean < 0.005 && gap.worst < 0.01);
-    gap = gap_to(open_by_block, set_block, *state, MANY "ao=gtao ao_radius_m=3");
+    gap = measure_gap(open_by_block, set_block, *state, MANY "ao=gtao ao_radius_m=3");
     assert_true(gap.mean < 0.01 && gap.worst < 0.04);
 }
 

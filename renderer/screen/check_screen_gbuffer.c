@@ -88,7 +88,8 @@ static void test_the_g_buffer_is_what_rays_find(void **state)
 {
     struct test_scene test;
     set_room(&test);
-    OWNED(screening) struct neph_screening *screen = screen_of(*state, &test, WIDTH, HEIGHT, "");
+    OWNED(screening)
+    struct neph_screen_renderer *screen = create_screen(*state, &test, WIDTH, HEIGHT, "");
     neph_image_destroy(screen_next(screen, &test));
     const struct buffers got = {screen_read(screen, WIDTH, HEIGHT, SCREEN_DEPTH),
                                 screen_read(screen, WIDTH, HEIGHT, SCREEN_NORMAL),
@@ -137,8 +138,8 @@ static void test_no_bad_values(void **state)
         test.scene.vertical_fov_rad = i % 2 ? 0.0 : 0.9;
         test.scene.orthographic_height_m = i % 2 ? 4.0 : 0.0;
         OWNED(screening)
-        struct neph_screening *screen = screen_of(*state, &test, cases[i / 2].width_px,
-                                                  cases[i / 2].height_px, cases[i / 2].settings);
+        struct neph_screen_renderer *screen = create_screen(
+            *state, &test, cases[i / 2].width_px, cases[i / 2].height_px, cases[i / 2].settings);
         for (int frame = 0; frame < 3; frame++) {
             OWNED(image) struct neph_image *image = screen_next(screen, &test);
             check_image(image);

@@ -135,7 +135,7 @@ static struct floor_gap lit_floor_gap(struct neph_vulkan *vulkan, const char *se
     struct test_scene test;
     set_lit_wall(&test);
     OWNED(screening)
-    struct neph_screening *screen = screen_of(vulkan, &test, WIDTH, HEIGHT, settings);
+    struct neph_screen_renderer *screen = create_screen(vulkan, &test, WIDTH, HEIGHT, settings);
     struct neph_image *image = NULL;
     for (int i = 0; i < frames; i++) {
         neph_image_destroy(image);
@@ -229,7 +229,7 @@ static bool was_at(const struct neph_scene *scene, const struct neph_scene *now,
     *point_m = neph_vec3_along(ray.origin_m, ray.direction, hit.t_m);
     *is_mover = hit.solid == &now->solids[1];
     if (*is_mover)
-        *point_m = neph_placed_before_m(&here, &there, *point_m);
+        *point_m = neph_find_earlier_place_m(&here, &there, *point_m);
     return true;
 }
 
@@ -242,10 +242,10 @@ static void test_history_goes_with_the_surface(void **state)
     set_moving(&moving);
     const struct neph_scene *scene = &moving.test.scene;
     OWNED(screening)
-    struct neph_screening *screen = screen_of(*state, &moving.test, WIDTH, HEIGHT,
-                                              "gi_rays=1 gi_smooth=0 gi_history=3 ssr=off");
+    struct neph_screen_renderer *screen = create_screen(
+        *state, &moving.test, WIDTH, HEIGHT, "gi_rays=1 gi_smooth=0 gi_history=3 ssr=off");
     for (int i = -5; i <= 1; i++)
-        neph_assert_ok(neph_screening_frame(screen, scene, i, NULL, NULL, &diag), &diag);
+        neph_assert_ok(neph_screen_renderer_frame(screen, scene, i, NULL, NULL, &diag), &diag);
     OWNED(memory) float *counts = screen_read(screen, WIDTH, HEIGHT, SCREEN_GI_COUNT);
     OWNED(scene) struct neph_scene *now = still_at(scene, 1.0), *before = still_at(scene, 0.0);
     int kept[2] = {0}, forgotten[2] = {0}, fresh = 0, strange = 0;

@@ -24,12 +24,12 @@ struct moment {
 };
 
 /* Targets that become the previous frame's. */
-static const int handed_on[][2] = {
+static const int history_targets[][2] = {
     {SCREEN_DEPTH, SCREEN_DEPTH_BEFORE},       {SCREEN_NORMAL, SCREEN_NORMAL_BEFORE},
     {SCREEN_GI_MEAN, SCREEN_GI_BEFORE},        {SCREEN_SSR_MEAN, SCREEN_SSR_BEFORE},
     {SCREEN_GI_COUNT, SCREEN_GI_COUNT_BEFORE}, {SCREEN_SSR_COUNT, SCREEN_SSR_COUNT_BEFORE}};
 
-struct neph_screening {
+struct neph_screen_renderer {
     struct neph_vulkan *vulkan; /* borrowed */
     struct neph_screen_params params;
     struct neph_gpu_scene gpu;
@@ -42,7 +42,7 @@ struct neph_screening {
 
 /* --- supported scenes ------------------------------------------------------------------------- */
 
-bool neph_screen_can(const struct neph_scene *scene, char *reason, size_t reason_size)
+bool neph_screen_can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
     const bool is_clear = scene->medium_count == 0;
     if (!is_clear)
@@ -52,17 +52,17 @@ bool neph_screen_can(const struct neph_scene *scene, char *reason, size_t reason
 
 /* --- sizes ------------------------------------------------------------------------------------ */
 
-static size_t pixel_count(const struct neph_screening *screen)
+static size_t pixel_count(const struct neph_screen_renderer *screen)
 {
     return (size_t)screen->params.width_px * (size_t)screen->params.height_px;
 }
 
-static bool is_half(const struct neph_screening *screen)
+static bool is_half(const struct neph_screen_renderer *screen)
 {
     return screen->params.settings.values[SCREEN_TARGETS] == SCREEN_FLOAT16;
 }
 
-static size_t target_bytes(const struct neph_screening *screen, int target)
+static size_t target_bytes(const struct neph_screen_renderer *screen, int target)
 {
     const size_t words = target < SCREEN_FIRST_OF_FOUR ? 1
                          : is_half(screen)             ? SCREEN_WORDS_16
@@ -82,7 +82,7 @@ unsigned neph_screen_targets_used(const struct neph_settings *settings)
     return used;
 }
 
-static enum neph_status create_buffers(struct neph_screening *screen, struct neph_diag *diag)
+static enum neph_status create_buffers(struct neph_screen_renderer *screen, struct neph_diag *diag)
 {
     screen->used = neph_screen_targets_used(&screen->params.settings);
     const struct neph_buffer_row rows[] = {
@@ -102,7 +102,7 @@ static enum neph_status create_buffers(struct neph_screening *screen, struct nep
     return status;
 }
 
-static enum neph_status get_kernels(struct neph_screening *screen, struct neph_diag *diag)
+static enum neph_status get_kernels(struct neph_screen_renderer *screen, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; neph_screen_passes[i].name && !status; i++) {
@@ -124,11 +124,13 @@ static enum neph_status get_kernels(struct neph_screening *screen, struct neph_d
     return status;
 }
 
-enum neph_status neph_screening_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                       const struct neph_screen_params *params,
-                                       struct neph_screening **screen, struct neph_diag *diag)
+enum neph_status neph_screen_renderer_create(struct neph_vulkan *vulkan,
+                                             const struct neph_scene *scene,
+                                             const struct neph_screen_params *params,
+                                             struct neph_screen_renderer **screen,
+                                             struct neph_diag *diag)
 {
-    struct neph_screening *made = calloc(1, sizeof(*made));
+    struct neph_screen_renderer *made = calloc(1, sizeof(*made));
     if (!made)
         return neph_fail_memory(diag);
     made->vulkan = vulkan;
@@ -142,13 +144,13 @@ enum neph_status neph_screening_create(struct neph_vulkan *vulkan, const struct 
     if (!status)
         status = get_kernels(made, diag);
     if (status)
-        neph_screening_destroy(made);
+        neph_screen_renderer_destroy(made);
     else
         *screen = made;
     return status;
 }
 
-void neph_screening_destroy(struct neph_screening *screen)
+void neph_screen_renderer_destroy(struct neph_screen_renderer *screen)
 {
     if (!screen)
         return;
@@ -227,7 +229,7 @@ static void fill_sky(const struct neph_scene *scene, float sky[3])
     sky[2] = scene->environment_light ? (float)light.b : 0.0f;
 }
 
-static void fill_view(struct neph_screening *screen, const struct neph_scene *scene,
+static void fill_view(struct neph_screen_renderer *screen, const struct neph_scene *scene,
                       const struct moment *moment)
 {
     const struct neph_camera camera = moment->now;
@@ -255,15 +257,17 @@ static void fill_view(struct neph_screening *screen, const struct neph_scene *sc
 
 /* The previous position, in axes of the previous camera, of a point in axes of the current camera,
  * on a solid that has moved between two placements. */
-static struct neph_vec3 place_before_m(const struct moment *moment, const struct neph_placing *now,
-                                       const struct neph_placing *before, struct neph_vec3 own_m)
+static struct neph_vec3 reproject_position_m(const struct moment *moment,
+                                             const struct neph_placing *now,
+                                             const struct neph_placing *before,
+                                             struct neph_vec3 own_m)
 {
     const struct neph_camera *here = &moment->now, *there = &moment->before;
     struct neph_vec3 point_m = neph_vec3_along(here->position_m, here->right, own_m.x);
     point_m = neph_vec3_along(point_m, here->up, own_m.y);
     point_m = neph_vec3_along(point_m, here->forward, own_m.z);
     if (now)
-        point_m = neph_placed_before_m(now, before, point_m);
+        point_m = neph_find_earlier_place_m(now, before, point_m);
     const struct neph_vec3 way_m = neph_vec3_sub(point_m, there->position_m);
     return (struct neph_vec3){neph_vec3_dot(way_m, there->right), neph_vec3_dot(way_m, there->up),
                               neph_vec3_dot(way_m, there->forward)};
@@ -273,10 +277,11 @@ static void fill_to_before(const struct moment *moment, const struct neph_placin
                            const struct neph_placing *before, float rows[12])
 {
     const struct neph_vec3 units[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    const struct neph_vec3 origin = place_before_m(moment, now, before, (struct neph_vec3){0});
+    const struct neph_vec3 origin = reproject_position_m(moment, now, before,
+                                                         (struct neph_vec3){0});
     for (int c = 0; c < 3; c++) {
-        const struct neph_vec3 column = neph_vec3_sub(place_before_m(moment, now, before, units[c]),
-                                                      origin);
+        const struct neph_vec3 column = neph_vec3_sub(
+            reproject_position_m(moment, now, before, units[c]), origin);
         rows[c] = (float)column.x;
         rows[4 + c] = (float)column.y;
         rows[8 + c] = (float)column.z;
@@ -300,7 +305,7 @@ static void fill_surface(const struct neph_surface *from, struct neph_gpu_screen
 }
 
 /* `scene` is the animated scene, with the motion of its solids. */
-static void fill_surfaces(struct neph_screening *screen, const struct neph_scene *scene,
+static void fill_surfaces(struct neph_screen_renderer *screen, const struct neph_scene *scene,
                           const struct moment *moment)
 {
     struct neph_gpu_screen_surface *surfaces = screen->surfaces.mapped;
@@ -320,7 +325,7 @@ static void fill_surfaces(struct neph_screening *screen, const struct neph_scene
 /* --- passes ----------------------------------------------------------------------------------- */
 
 /* Whether each frame samples another pixel of each cell. */
-static bool takes_turns(const double *values, int resolution)
+static bool is_pixel_turning(const double *values, int resolution)
 {
     const int history = resolution == SCREEN_GI_RESOLUTION ? SCREEN_GI_HISTORY : SCREEN_SSR_HISTORY;
     return resolution && resolution != SCREEN_AO_RESOLUTION && values[resolution] == SCREEN_HALF &&
@@ -331,13 +336,13 @@ static bool takes_turns(const double *values, int resolution)
 static void find_pixel(const double *values, int resolution, uint32_t frame, uint32_t pixel[2])
 {
     static const uint32_t order[4][2] = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
-    const uint32_t *at = order[takes_turns(values, resolution) ? frame % 4 : 0];
+    const uint32_t *at = order[is_pixel_turning(values, resolution) ? frame % 4 : 0];
     pixel[0] = at[0];
     pixel[1] = at[1];
 }
 
-static struct neph_gpu_screen_run run_of(const struct neph_screening *screen, int index,
-                                         unsigned turn)
+static struct neph_gpu_screen_run make_pass_run(const struct neph_screen_renderer *screen,
+                                                int index, unsigned turn)
 {
     const struct neph_screen_pass *pass = &neph_screen_passes[index];
     const double *values = screen->params.settings.values;
@@ -369,11 +374,11 @@ static uint32_t tile_count(int size_px, const struct neph_gpu_screen_run *run, b
     return (cells + (makes_whole ? run->own_px[axis] : 0) + TILE_PX - 1) / TILE_PX;
 }
 
-static void add_turn(struct neph_screening *screen, int pass, unsigned turn,
+static void add_turn(struct neph_screen_renderer *screen, int pass, unsigned turn,
                      struct neph_batch *batch, struct neph_diag *diag)
 {
     const uint32_t groups_max = screen->vulkan->limits.maxComputeWorkGroupCount[0];
-    struct neph_gpu_screen_run run = run_of(screen, pass, turn);
+    struct neph_gpu_screen_run run = make_pass_run(screen, pass, turn);
     const bool makes_whole = neph_screen_passes[pass].makes_whole;
     const uint32_t groups = tile_count(screen->params.width_px, &run, makes_whole, 0) *
                             tile_count(screen->params.height_px, &run, makes_whole, 1);
@@ -391,44 +396,44 @@ static void add_turn(struct neph_screening *screen, int pass, unsigned turn,
     neph_batch_barrier(batch);
 }
 
-static unsigned turns_of(const struct neph_screening *screen, int pass)
+static unsigned get_turn_count(const struct neph_screen_renderer *screen, int pass)
 {
     const int setting = neph_screen_passes[pass].turns_setting;
     return setting ? (unsigned)screen->params.settings.values[setting] : 1;
 }
 
-static enum neph_status run_passes(struct neph_screening *screen, struct neph_screen_stats *stats,
-                                   struct neph_diag *diag)
+static enum neph_status run_passes(struct neph_screen_renderer *screen,
+                                   struct neph_screen_stats *stats, struct neph_diag *diag)
 {
     struct neph_batch batch;
     neph_batch_begin(screen->vulkan, &batch, diag);
     for (int i = 0; neph_screen_passes[i].name; i++) {
         if (!screen->kernels[i])
             continue;
-        for (unsigned turn = 0; turn < turns_of(screen, i); turn++)
+        for (unsigned turn = 0; turn < get_turn_count(screen, i); turn++)
             add_turn(screen, i, turn, &batch, diag);
         neph_batch_stamp(&batch, &stats->gpu_s[i]);
     }
-    const enum neph_status status = neph_batch_send(&batch, "screen", diag);
+    const enum neph_status status = neph_batch_submit(&batch, "screen", diag);
     return status ? status
-                  : neph_batches_wait(screen->vulkan, neph_batches_sent(screen->vulkan), "screen",
-                                      diag);
+                  : neph_batches_wait(screen->vulkan, neph_batches_submitted(screen->vulkan),
+                                      "screen", diag);
 }
 
-static void hand_on(struct neph_screening *screen)
+static void swap_history_targets(struct neph_screen_renderer *screen)
 {
-    for (size_t i = 0; i < sizeof(handed_on) / sizeof(handed_on[0]); i++) {
-        if (!(screen->used >> handed_on[i][1] & 1u))
+    for (size_t i = 0; i < sizeof(history_targets) / sizeof(history_targets[0]); i++) {
+        if (!(screen->used >> history_targets[i][1] & 1u))
             continue;
-        const struct neph_buffer now = screen->targets[handed_on[i][0]];
-        screen->targets[handed_on[i][0]] = screen->targets[handed_on[i][1]];
-        screen->targets[handed_on[i][1]] = now;
+        const struct neph_buffer now = screen->targets[history_targets[i][0]];
+        screen->targets[history_targets[i][0]] = screen->targets[history_targets[i][1]];
+        screen->targets[history_targets[i][1]] = now;
     }
 }
 
 /* --- read-back -------------------------------------------------------------------------------- */
 
-static float float_of_half(uint16_t half)
+static float convert_half_to_float(uint16_t half)
 {
     const int exponent = half >> 10 & 31, mantissa = half & 1023;
     const float magnitude = exponent ? ldexpf((float)(mantissa | 1024), exponent - 25)
@@ -436,7 +441,7 @@ static float float_of_half(uint16_t half)
     return half >> 15 ? -magnitude : magnitude;
 }
 
-static void unpack(const struct neph_screening *screen, int target, const uint32_t *words,
+static void unpack(const struct neph_screen_renderer *screen, int target, const uint32_t *words,
                    float *texels)
 {
     const size_t count = pixel_count(screen) * CHANNELS;
@@ -444,13 +449,13 @@ static void unpack(const struct neph_screening *screen, int target, const uint32
         if (target < SCREEN_FIRST_OF_FOUR)
             memcpy(&texels[i], &words[i / CHANNELS], sizeof(float));
         else if (is_half(screen))
-            texels[i] = float_of_half((uint16_t)(words[i / 2] >> 16 * (i % 2)));
+            texels[i] = convert_half_to_float((uint16_t)(words[i / 2] >> 16 * (i % 2)));
         else
             memcpy(&texels[i], &words[i], sizeof(float));
 }
 
-enum neph_status neph_screening_read(struct neph_screening *screen, int target, float *texels,
-                                     struct neph_diag *diag)
+enum neph_status neph_screen_renderer_read(struct neph_screen_renderer *screen, int target,
+                                           float *texels, struct neph_diag *diag)
 {
     const enum neph_status status = neph_buffer_download(screen->vulkan, &screen->targets[target],
                                                          &screen->readback,
@@ -462,13 +467,14 @@ enum neph_status neph_screening_read(struct neph_screening *screen, int target, 
 
 /* --- the image -------------------------------------------------------------------------------- */
 
-static enum neph_status take_rgb(struct neph_screening *screen, int target, const char *layer,
-                                 float *texels, struct neph_image *image, struct neph_diag *diag)
+static enum neph_status read_rgb_layer(struct neph_screen_renderer *screen, int target,
+                                       const char *layer, float *texels, struct neph_image *image,
+                                       struct neph_diag *diag)
 {
     float *rgb[3];
     enum neph_status status = neph_image_add_rgb(image, layer, rgb, diag);
     if (!status)
-        status = neph_screening_read(screen, target, texels, diag);
+        status = neph_screen_renderer_read(screen, target, texels, diag);
     for (size_t i = 0; i < pixel_count(screen) && !status; i++)
         for (int c = 0; c < 3; c++)
             rgb[c][i] = texels[CHANNELS * i + (size_t)c];
@@ -476,14 +482,14 @@ static enum neph_status take_rgb(struct neph_screening *screen, int target, cons
 }
 
 /* Copy one channel of a target to the image. */
-static enum neph_status take_one(struct neph_screening *screen, int target, int channel,
-                                 const char *name, float *texels, struct neph_image *image,
-                                 struct neph_diag *diag)
+static enum neph_status read_one_channel(struct neph_screen_renderer *screen, int target,
+                                         int channel, const char *name, float *texels,
+                                         struct neph_image *image, struct neph_diag *diag)
 {
     float *samples;
     enum neph_status status = neph_image_add_channel(image, name, &samples, diag);
     if (!status)
-        status = neph_screening_read(screen, target, texels, diag);
+        status = neph_screen_renderer_read(screen, target, texels, diag);
     for (size_t i = 0; i < pixel_count(screen) && !status; i++) {
         const float value = texels[CHANNELS * i + (size_t)channel];
         samples[i] = value < NEPH_GPU_FAR_M ? value : INFINITY;
@@ -492,14 +498,14 @@ static enum neph_status take_one(struct neph_screening *screen, int target, int 
 }
 
 /* Indirect light of other surfaces, and the response to a sky of radiance 1. */
-static enum neph_status take_rays(struct neph_screening *screen, uint32_t target, const char *layer,
-                                  const char *open, float *texels, struct neph_image *image,
-                                  struct neph_diag *diag)
+static enum neph_status read_ray_layers(struct neph_screen_renderer *screen, uint32_t target,
+                                        const char *layer, const char *open, float *texels,
+                                        struct neph_image *image, struct neph_diag *diag)
 {
     if (target == SCREEN_NONE)
         return NEPH_OK;
-    const enum neph_status status = take_rgb(screen, (int)target, layer, texels, image, diag);
-    return status ? status : take_one(screen, (int)target, 3, open, texels, image, diag);
+    const enum neph_status status = read_rgb_layer(screen, (int)target, layer, texels, image, diag);
+    return status ? status : read_one_channel(screen, (int)target, 3, open, texels, image, diag);
 }
 
 static enum neph_status add_transmittance(struct neph_image *image, struct neph_diag *diag)
@@ -511,37 +517,37 @@ static enum neph_status add_transmittance(struct neph_image *image, struct neph_
     return status;
 }
 
-static enum neph_status take_image(struct neph_screening *screen, struct neph_image *image,
-                                   struct neph_diag *diag)
+static enum neph_status read_image_layers(struct neph_screen_renderer *screen,
+                                          struct neph_image *image, struct neph_diag *diag)
 {
     const double *values = screen->params.settings.values;
     const uint32_t open = open_target(values);
     float *texels = malloc(pixel_count(screen) * CHANNELS * sizeof(*texels));
     if (!texels)
         return neph_fail_memory(diag);
-    enum neph_status status = take_rgb(screen, SCREEN_PICTURE, NULL, texels, image, diag);
+    enum neph_status status = read_rgb_layer(screen, SCREEN_PICTURE, NULL, texels, image, diag);
     if (!status)
         status = add_transmittance(image, diag);
     if (!status)
-        status = take_one(screen, SCREEN_DEPTH, 0, "Z", texels, image, diag);
+        status = read_one_channel(screen, SCREEN_DEPTH, 0, "Z", texels, image, diag);
     if (!status)
-        status = take_rgb(screen, SCREEN_DIRECT, "direct", texels, image, diag);
+        status = read_rgb_layer(screen, SCREEN_DIRECT, "direct", texels, image, diag);
     if (!status && open != SCREEN_NONE)
-        status = take_rgb(screen, (int)open, "ao", texels, image, diag);
+        status = read_rgb_layer(screen, (int)open, "ao", texels, image, diag);
     if (!status)
-        status = take_rays(screen, gi_target(values), "diffuse_indirect", "diffuse_open", texels,
-                           image, diag);
+        status = read_ray_layers(screen, gi_target(values), "diffuse_indirect", "diffuse_open",
+                                 texels, image, diag);
     if (!status)
-        status = take_rays(screen, ssr_target(values), "glossy_indirect", "glossy_open", texels,
-                           image, diag);
+        status = read_ray_layers(screen, ssr_target(values), "glossy_indirect", "glossy_open",
+                                 texels, image, diag);
     free(texels);
     return status;
 }
 
 /* --- a frame ---------------------------------------------------------------------------------- */
 
-static struct moment moment_of(const struct neph_screening *screen, const struct neph_scene *scene,
-                               double frame)
+static struct moment make_moment(const struct neph_screen_renderer *screen,
+                                 const struct neph_scene *scene, double frame)
 {
     const double before = screen->frame > 0 ? screen->frame_before : frame;
     return (struct moment){
@@ -554,18 +560,19 @@ static struct moment moment_of(const struct neph_screening *screen, const struct
 }
 
 /* Upload the scene at a frame. */
-static enum neph_status show(struct neph_screening *screen, const struct neph_scene *scene,
-                             double frame, struct neph_diag *diag)
+static enum neph_status upload_scene(struct neph_screen_renderer *screen,
+                                     const struct neph_scene *scene, double frame,
+                                     struct neph_diag *diag)
 {
-    const struct moment moment = moment_of(screen, scene, frame);
+    const struct moment moment = make_moment(screen, scene, frame);
     struct neph_scene *still = NULL;
     const enum neph_status status = neph_scene_at(scene, frame, &still, diag);
     if (status)
         return status;
     if (screen->frame > 0)
-        hand_on(screen);
-    neph_gpu_scene_move(&screen->gpu, still, frame, screen->params.width_px,
-                        screen->params.height_px);
+        swap_history_targets(screen);
+    neph_gpu_scene_update(&screen->gpu, still, frame, screen->params.width_px,
+                          screen->params.height_px);
     fill_view(screen, still, &moment);
     fill_surfaces(screen, scene, &moment);
     screen->frame++;
@@ -574,19 +581,20 @@ static enum neph_status show(struct neph_screening *screen, const struct neph_sc
     return NEPH_OK;
 }
 
-enum neph_status neph_screening_frame(struct neph_screening *screen, const struct neph_scene *scene,
-                                      double frame, struct neph_image **image,
-                                      struct neph_screen_stats *stats, struct neph_diag *diag)
+enum neph_status neph_screen_renderer_frame(struct neph_screen_renderer *screen,
+                                            const struct neph_scene *scene, double frame,
+                                            struct neph_image **image,
+                                            struct neph_screen_stats *stats, struct neph_diag *diag)
 {
     struct neph_screen_stats own_stats = {{0}};
     struct neph_image *made = NULL;
-    enum neph_status status = show(screen, scene, frame, diag);
+    enum neph_status status = upload_scene(screen, scene, frame, diag);
     if (!status)
         status = run_passes(screen, &own_stats, diag);
     if (!status && image)
         status = neph_image_create(screen->params.width_px, screen->params.height_px, &made, diag);
     if (!status && image)
-        status = take_image(screen, made, diag);
+        status = read_image_layers(screen, made, diag);
     if (!status)
         status = neph_vulkan_check(screen->vulkan, diag);
     if (status) {

@@ -44,7 +44,7 @@ bool neph_screen_is_on(const struct neph_screen_pass *pass, const struct neph_se
 unsigned neph_screen_targets_used(const struct neph_settings *settings);
 
 /* False, with the reason as text: scenes with media, which the passes do not support. */
-bool neph_screen_can(const struct neph_scene *scene, char *reason, size_t reason_size);
+bool neph_screen_can_render(const struct neph_scene *scene, char *reason, size_t reason_size);
 
 struct neph_screen_params {
     struct neph_settings settings; /* of neph_screen_options */
@@ -57,11 +57,13 @@ struct neph_screen_stats {
 
 /* Consecutive frames of one scene. Free with _destroy; NULL is fine there. Errors as of
  * neph_gpu_scene_create(). */
-struct neph_screening;
-enum neph_status neph_screening_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                       const struct neph_screen_params *params,
-                                       struct neph_screening **screen, struct neph_diag *diag);
-void neph_screening_destroy(struct neph_screening *screen);
+struct neph_screen_renderer;
+enum neph_status neph_screen_renderer_create(struct neph_vulkan *vulkan,
+                                             const struct neph_scene *scene,
+                                             const struct neph_screen_params *params,
+                                             struct neph_screen_renderer **screen,
+                                             struct neph_diag *diag);
+void neph_screen_renderer_destroy(struct neph_screen_renderer *screen);
 
 /* Render a frame of the animated scene for which the passes were created, or of its state at any
  * frame. Channels, if their pass is on:
@@ -77,13 +79,15 @@ void neph_screening_destroy(struct neph_screening *screen);
  *                   the same for a sky of radiance 1
  *
  * `image`, `stats`: NULL is fine. NEPH_ERR_ENGINE: the device was lost. */
-enum neph_status neph_screening_frame(struct neph_screening *screen, const struct neph_scene *scene,
-                                      double frame, struct neph_image **image,
-                                      struct neph_screen_stats *stats, struct neph_diag *diag);
+enum neph_status neph_screen_renderer_frame(struct neph_screen_renderer *screen,
+                                            const struct neph_scene *scene, double frame,
+                                            struct neph_image **image,
+                                            struct neph_screen_stats *stats,
+                                            struct neph_diag *diag);
 
 /* Read a target of the last frame for CPU references: four values a pixel, row by row (targets with
  * one value repeat it four times). Results of passes at half resolution are in the upper left. */
-enum neph_status neph_screening_read(struct neph_screening *screen, int target, float *texels,
-                                     struct neph_diag *diag);
+enum neph_status neph_screen_renderer_read(struct neph_screen_renderer *screen, int target,
+                                           float *texels, struct neph_diag *diag);
 
 #endif

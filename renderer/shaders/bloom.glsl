@@ -36,17 +36,17 @@ int index_in(uint level, ivec2 texel)
 }
 
 // The texel of this thread in level run.level; false when the thread has no texel.
-bool own_texel(out ivec2 texel)
+bool get_thread_texel(out ivec2 texel)
 {
     ivec2 size = level_size(run.level);
-    int thread = int(own_thread());
+    int thread = int(get_thread_index());
     texel = ivec2(thread % size.x, thread / size.x);
     return texel.y < size.y;
 }
 
 // The two coarse texels along an axis that a fine texel is interpolated from: the near one with
 // weight 3/4, the far one with 1/4. At the border both are the same texel.
-int near_of(int fine) { return fine / 2; }
-int far_of(int fine, int size) { return clamp(fine / 2 + 2 * (fine & 1) - 1, 0, size - 1); }
+int near_coarse_texel(int fine) { return fine / 2; }
+int far_coarse_texel(int fine, int size) { return clamp(fine / 2 + 2 * (fine & 1) - 1, 0, size - 1); }
 
 #endif

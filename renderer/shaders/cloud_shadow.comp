@@ -75,10 +75,10 @@ void main()
     uint at = shadow_texel(level, texel);
     shadow_numbers[at] = frame.shadow.start_m + shapes.t0_m;
     shadow_numbers[at + 1u] = frame.shadow.start_m + shapes.t1_m;
-    uint layers = own(frame.shadow.layers);
+    uint layers = make_nonuniform(frame.shadow.layers);
     for (uint layer = 0; layer < layers; layer++) {
         float t_m = layer > 0u ? mix(shapes.t0_m, shapes.t1_m, float(layer) / float(layers)) : 0.0;
-        vec3 depth = sun_optical_depth_of(SHAPE_KINDS, origin_m + t_m * to_sun());
+        vec3 depth = sun_optical_depth_by_kind(SHAPE_KINDS, origin_m + t_m * to_sun());
         for (uint c = 0; c < SUN_CHANNELS; c++)
             shadow_numbers[at + SHADOW_ENDS + SUN_CHANNELS * layer + c] = depth[c];
     }

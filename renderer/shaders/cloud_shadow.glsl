@@ -40,7 +40,7 @@ uint shadow_texel(uint level, uvec2 texel)
 // two layers around it are interpolated linearly. The depth beyond the last layer is 0.
 vec3 texel_through(uint at, float along_m)
 {
-    uint layers = own(frame.shadow.layers);
+    uint layers = make_nonuniform(frame.shadow.layers);
     float end_m = sun_depths[at], begin_m = sun_depths[at + 1u];
     float place = clamp((along_m - end_m) / max(begin_m - end_m, 1e-6), 0.0, 1.0) * float(layers);
     uint layer = min(uint(place), layers - 1u);
@@ -73,7 +73,7 @@ bool find_mapped_sun_depth(vec3 point_m, out vec3 depth)
     vec2 place_m = vec2(dot(point_m, frame.shadow.across_u) + frame.shadow.across_u_m,
                         dot(point_m, frame.shadow.across_v) + frame.shadow.across_v_m);
     float along_m = dot(point_m, frame.shadow.along) + frame.shadow.along_m;
-    for (uint level = 0; level < own(frame.shadow.level_count); level++) {
+    for (uint level = 0; level < make_nonuniform(frame.shadow.level_count); level++) {
         vec2 place = (place_m - frame.shadow.levels[level].low_m) *
                      frame.shadow.levels[level].per_m;
         if (any(lessThan(place, vec2(0.0))) ||

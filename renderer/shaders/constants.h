@@ -17,7 +17,7 @@
 // Binding of sampled images: an array with one element per medium.
 #define NEPH_GPU_IMAGES_BINDING 31
 // Bindings of texel buffers for kernels on a CPU device, with texels of one, two and four words
-// (neph_buffer_see_texels()). Each binding is an array with one element per buffer.
+// (neph_buffer_create_texel_views()). Each binding is an array with one element per buffer.
 #define NEPH_GPU_TEXELS_BINDING 28
 #define NEPH_GPU_TEXEL_PAIRS_BINDING 29
 #define NEPH_GPU_TEXEL_FOURS_BINDING 30
@@ -25,14 +25,14 @@
 
 // Bits of specialization constant 1: properties of a scene, beside its kinds of media, for which
 // kernels are specialized.
-#define NEPH_GPU_COLOURED 1u // the extinction of a medium depends on the channel
+#define NEPH_GPU_COLOURED 1u     // the extinction of a medium depends on the channel
 #define NEPH_GPU_ORTHOGRAPHIC 2u // the camera is orthographic
-#define NEPH_GPU_ON_CPU 4u // the device is a CPU
-#define NEPH_GPU_TURNED 8u // a box is rotated
-#define NEPH_GPU_LAMPS 16u // the scene has point or spot lights
-#define NEPH_GPU_SHADED 32u // a solid may shadow a medium
-#define NEPH_GPU_ENDLESS 64u // a voxel grid repeats without end along an axis
-#define NEPH_GPU_PAIRS 128u // grid values are stored in pairs, too
+#define NEPH_GPU_ON_CPU 4u       // the device is a CPU
+#define NEPH_GPU_TURNED 8u       // a box is rotated
+#define NEPH_GPU_LAMPS 16u       // the scene has point or spot lights
+#define NEPH_GPU_SHADED 32u      // a solid may shadow a medium
+#define NEPH_GPU_ENDLESS 64u     // a voxel grid repeats without end along an axis
+#define NEPH_GPU_PAIRS 128u      // grid values are stored in pairs, too
 // The upper bits of the same constant describe the media, when there are at most KNOWN_MEDIA_MAX:
 // their number from bit MEDIA_SHIFT on, and from bit KINDS_SHIFT on four bits per medium, which are
 // its kind and, in the highest bit, whether the fog has two layers. With more media these bits are
@@ -85,9 +85,9 @@
 // degree.
 #define NEPH_GPU_SKY_DEGREE_MAX 8
 #define NEPH_GPU_SKY_MOMENTS_MAX 45
-#define NEPH_GPU_SKY_PLACES 2 // positions that have a table of views
-#define NEPH_GPU_SKY_SUN_SAMPLES 4 // samples of the sunlight in a froxel of air
-#define NEPH_GPU_SKY_WALKERS 8 // threads that share a ray of a table of views
+#define NEPH_GPU_SKY_PLACES 2          // positions that have a table of views
+#define NEPH_GPU_SKY_SUN_SAMPLES 4     // samples of the sunlight in a froxel of air
+#define NEPH_GPU_SKY_WALKERS 8         // threads that share a ray of a table of views
 #define NEPH_GPU_SKY_SLICES_AT_ONCE 32 // slices of a column of air in parallel, one per thread
 
 // Nested levels of the shadow map of clouds (cloud_shadow.glsl).

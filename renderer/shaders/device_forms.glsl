@@ -14,17 +14,17 @@ const bool ON_CPU = (TRAITS & NEPH_GPU_ON_CPU) != 0u;
 // Makes a value of the frame formally thread-dependent: the OR with an impossible bit of the local
 // index changes nothing. lavapipe otherwise specializes the kernel for a uniform value that decides
 // a branch or ends a loop, and recompiles it whenever another buffer is bound.
-uint own(uint number)
+uint make_nonuniform(uint number)
 {
     return ON_CPU ? number | gl_LocalInvocationIndex & 0x80000000u : number;
 }
 
-bool own(bool answer) { return own(uint(answer)) != 0u; }
+bool make_nonuniform(bool answer) { return make_nonuniform(uint(answer)) != 0u; }
 
-vec3 own(vec3 v)
+vec3 make_nonuniform(vec3 v)
 {
     uvec3 bits = floatBitsToUint(v);
-    return uintBitsToFloat(uvec3(own(bits.x), own(bits.y), own(bits.z)));
+    return uintBitsToFloat(uvec3(make_nonuniform(bits.x), make_nonuniform(bits.y), make_nonuniform(bits.z)));
 }
 
 // A uniform read costs lavapipe some 24 instructions, because it gathers the value per lane. Values

@@ -39,12 +39,12 @@ Around around(DiffusionLevel level, uvec3 at, DiffusionCell cell)
     Around sum = Around(0.0, cell.drain);
     for (int axis = 0; axis < 3; axis++) {
         if (at[axis] > 0u) {
-            DiffusionCell low = cells[index_of(level, at - axis_of(axis))];
+            DiffusionCell low = cells[cell_index(level, at - select_axis(axis))];
             sum.inflow += low.link[axis] * (low.fluence - cell.fluence);
             sum.conductance += low.link[axis];
         }
         if (at[axis] + 1u < level.size[axis]) {
-            DiffusionCell high = cells[index_of(level, at + axis_of(axis))];
+            DiffusionCell high = cells[cell_index(level, at + select_axis(axis))];
             sum.inflow += cell.link[axis] * (high.fluence - cell.fluence);
             sum.conductance += cell.link[axis];
         }
@@ -53,7 +53,7 @@ Around around(DiffusionLevel level, uvec3 at, DiffusionCell cell)
 }
 
 // The residual of a cell's balance, per 1 W/m^2 of sun [m^2].
-float left_in(DiffusionCell cell, Around sum)
+float cell_residual(DiffusionCell cell, Around sum)
 {
     return cell.supply + sum.inflow - cell.drain * cell.fluence;
 }
@@ -66,25 +66,25 @@ void relax(uint index, uvec3 at)
     DiffusionCell cell = cells[index];
     Around sum = around(run.level, at, cell);
     cells[index].fluence = sum.conductance > 0.0
-                               ? cell.fluence + left_in(cell, sum) / sum.conductance
+                               ? cell.fluence + cell_residual(cell, sum) / sum.conductance
                                : 0.0;
 }
 
-float left_in(uvec3 at)
+float cell_residual(uvec3 at)
 {
-    DiffusionCell cell = cells[index_of(run.other, at)];
-    return left_in(cell, around(run.other, at, cell));
+    DiffusionCell cell = cells[cell_index(run.other, at)];
+    return cell_residual(cell, around(run.other, at, cell));
 }
 
 // The fine cells that a cell of this level covers, from `from` up to but without `to`.
 void fine_cells(uvec3 at, out uvec3 from, out uvec3 to)
 {
-    uvec3 parts = joined(run.other);
+    uvec3 parts = coarsening(run.other);
     from = parts * at;
     to = min(from + parts, run.other.size);
 }
 
-void leave(uint index, uvec3 at)
+void restrict_residual(uint index, uvec3 at)
 {
     uvec3 from, to;
     float sum = 0.0;
@@ -92,7 +92,7 @@ void leave(uint index, uvec3 at)
     for (uint z = from.z; z < to.z; z++)
         for (uint y = from.y; y < to.y; y++)
             for (uint x = from.x; x < to.x; x++)
-                sum += left_in(uvec3(x, y, z));
+                sum += cell_residual(uvec3(x, y, z));
     cells[index].supply = sum;
     cells[index].fluence = 0.0;
 }
@@ -105,7 +105,7 @@ void coarsen(uint index, uvec3 at)
     for (uint z = from.z; z < to.z; z++)
         for (uint y = from.y; y < to.y; y++)
             for (uint x = from.x; x < to.x; x++) {
-                DiffusionCell fine = cells[index_of(run.other, uvec3(x, y, z))];
+                DiffusionCell fine = cells[cell_index(run.other, uvec3(x, y, z))];
                 sum.drain += fine.drain;
                 sum.link += mix(vec3(0.0), 0.5 * fine.link,
                                 equal(uvec3(x, y, z) + 1u, to));
@@ -115,7 +115,7 @@ void coarsen(uint index, uvec3 at)
 
 void correct(uint index, uvec3 at)
 {
-    cells[index].fluence += cells[index_of(run.other, at / joined(run.level))].fluence;
+    cells[index].fluence += cells[cell_index(run.other, at / coarsening(run.level))].fluence;
 }
 
 void limit(uint index, uvec3 at)
@@ -124,7 +124,7 @@ void limit(uint index, uvec3 at)
     for (int axis = 0; axis < 3; axis++) {
         if (!has_faces(axis) || at[axis] + 1u >= run.level.size[axis])
             continue;
-        DiffusionCell high = cells[index_of(run.level, at + axis_of(axis))];
+        DiffusionCell high = cells[cell_index(run.level, at + select_axis(axis))];
         if (is_solid(cell) || is_solid(high))
             continue;
         cells[index].link[axis] =
@@ -144,7 +144,7 @@ void main()
     else if (run.job == COARSEN)
         coarsen(index, at);
     else if (run.job == LEAVE)
-        leave(index, at);
+        restrict_residual(index, at);
     else if (run.job == LIMIT)
         limit(index, at);
     else if (run.job == CORRECT)

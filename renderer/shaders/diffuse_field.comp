@@ -22,7 +22,7 @@ float flux_through(int axis, bool is_high)
     bool is_last = is_high ? at[axis] + 1u >= run.level.size[axis] : at[axis] == 0u;
     if (!is_last) {
         DiffusionCell other =
-            cells[index_of(run.level, is_high ? at + axis_of(axis) : at - axis_of(axis))];
+            cells[cell_index(run.level, is_high ? at + select_axis(axis) : at - select_axis(axis))];
         if (!is_solid(other)) {
             Face face = is_high ? face_between(cell, other, axis)
                                 : face_between(other, cell, axis);

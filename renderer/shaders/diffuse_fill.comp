@@ -27,7 +27,7 @@ struct Contents {
 Contents contents_at(vec3 point_m)
 {
     Contents all = Contents(0.0, 0.0, 0.0, 0.0);
-    Similar similar = similar_of(mixture_at(point_m));
+    Similar similar = make_similar_medium(mixture_at(point_m));
     all.absorption_per_m = similar.extinction_per_m - similar.scattering_per_m;
     all.transport_per_m = similar.extinction_per_m - similar.onward_per_m;
     if (similar.scattering_per_m <= 0.0 || !sees_sun(point_m, NO_SOLID))
@@ -40,7 +40,7 @@ Contents contents_at(vec3 point_m)
 
 bool is_in_solid(vec3 point_m)
 {
-    for (uint s = 0; s < own(frame.solid_count); s++) {
+    for (uint s = 0; s < make_nonuniform(frame.solid_count); s++) {
         float t0_m, t1_m;
         if (solid_interval(solids[s], point_m, vec3(0.0, 1.0, 0.0), t0_m, t1_m) && t0_m <= 0.0 &&
             t1_m > 0.0)

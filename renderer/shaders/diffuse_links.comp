@@ -23,12 +23,12 @@ void link_to(int axis, float outward)
 {
     bool is_high = outward > 0.0;
     bool is_last = is_high ? at[axis] + 1u >= run.level.size[axis] : at[axis] == 0u;
-    uvec3 there = is_high ? at + axis_of(axis) : at - axis_of(axis);
+    uvec3 there = is_high ? at + select_axis(axis) : at - select_axis(axis);
     if (is_last) {
         open_to(axis, outward);
         return;
     }
-    DiffusionCell other = cells[index_of(run.level, there)];
+    DiffusionCell other = cells[cell_index(run.level, there)];
     if (is_solid(other)) {
         open_to(axis, outward); // solids are black
         return;

@@ -24,7 +24,7 @@ vec3 diffused_light(Mixture mixture, vec3 point_m, float seen_depth, float step_
 {
     if (mixture.extinction_per_m.x <= 0.0)
         return vec3(0.0);
-    Similar similar = similar_of(mixture);
+    Similar similar = make_similar_medium(mixture);
     bool is_lit = medium_sees_sun(point_m);
     float scale = similar_scale(similar), sun_depth = is_lit ? sample_sun_depth(point_m).x : 0.0;
     float through = transmittance(seen_depth) * phi(step_depth);
@@ -35,7 +35,7 @@ vec3 diffused_light(Mixture mixture, vec3 point_m, float seen_depth, float step_
     float to_eye = -dot(field.xyz, view_direction);
     float sum = 0.0;
     [[unroll]] for (uint m = 0; m < media_count(); m++) {
-        float peak = peak_of(m), g = smooth_g_of(m), scattering = scattering_per_m[m].x;
+        float peak = forward_peak_fraction(m), g = similar_mean_cosine(m), scattering = scattering_per_m[m].x;
         float smooth_per_sr = henyey_greenstein_per_sr(g, view_direction, to_sun());
         float diffuse = max(field.w + 3.0 * g * to_eye, 0.0) / (4.0 * PI);
         sum += scattering * phase_towards_camera_per_sr[m] * sun *

@@ -62,15 +62,15 @@ uvec3 cell_at(DiffusionLevel level, uint index)
                  index / (level.size.x * level.size.y));
 }
 
-uint index_of(DiffusionLevel level, uvec3 at)
+uint cell_index(DiffusionLevel level, uvec3 at)
 {
     return level.first + at.x + level.size.x * (at.y + level.size.y * at.z);
 }
 
-uvec3 axis_of(int axis) { return uvec3(axis == 0, axis == 1, axis == 2); }
+uvec3 select_axis(int axis) { return uvec3(axis == 0, axis == 1, axis == 2); }
 
 // Cells of a level that form one cell of the next coarser level, along each axis: 2, or 1 along an
 // axis of one cell.
-uvec3 joined(DiffusionLevel level) { return uvec3(1u) + uvec3(greaterThan(level.size, uvec3(1u))); }
+uvec3 coarsening(DiffusionLevel level) { return uvec3(1u) + uvec3(greaterThan(level.size, uvec3(1u))); }
 
 #endif

@@ -30,7 +30,7 @@ layout(std430, binding = 5) writeonly buffer Pixels {
 };
 
 // Sunlight reflected by a Lambertian surface.
-vec3 lit_surface(Hit hit, vec3 point_m)
+vec3 sunlit_surface_radiance(Hit hit, vec3 point_m)
 {
     float cosine = dot(solid_normal(solids[hit.solid], point_m), to_sun());
     if (cosine <= 0.0 || !sees_sun(point_m, hit.solid))
@@ -48,7 +48,7 @@ void main()
     ViewRay ray = camera_ray(pixel % frame.width_px, pixel / frame.width_px);
     Hit hit = scene_hit(ray.origin_m, ray.direction);
     bool is_sky = hit.solid == NO_SOLID;
-    vec3 behind = is_sky ? frame.background : lit_surface(hit, view_point_m(ray, hit.t_m));
+    vec3 behind = is_sky ? frame.background : sunlit_surface_radiance(hit, view_point_m(ray, hit.t_m));
     FogLookLight fog = fog_look_along(run.look, ray.direction, hit.t_m, to_sun());
     float eye_depth_m = is_sky ? FAR_M : hit.t_m * dot(ray.direction, frame.camera_forward);
     pixels[thread] = FogLookPixel(fog.volume + fog.through * behind, eye_depth_m, fog.volume,

@@ -85,7 +85,7 @@ float mean_of_decay(float exponent, uint model)
 // Optical depth of a layer in base 2. Where the density grows along the ray, the integral starts
 // from the far end, so that the exponential is the largest one that occurs. The series is taken at
 // the near end, as in the engines.
-float fog_look_depth_of(FogLookLayer layer, float rise_m, float k_y, float length_m, uint model)
+float fog_look_layer_depth(FogLookLayer layer, float rise_m, float k_y, float length_m, uint model)
 {
     float before = layer.falloff_per_m * rise_m;
     float along = layer.falloff_per_m * (length_m * k_y);
@@ -110,7 +110,7 @@ float fog_look_depth(FogLook look, float rise_m, float k_y, float length_m)
 {
     float depth = 0.0;
     for (uint l = 0; l < look.layer_count; l++)
-        depth += fog_look_depth_of(look.layers[l], rise_m, k_y, length_m, look.model);
+        depth += fog_look_layer_depth(look.layers[l], rise_m, k_y, length_m, look.model);
     return depth;
 }
 

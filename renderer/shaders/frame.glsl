@@ -102,7 +102,7 @@ layout(std140, binding = 1) uniform Solids {
     Solid solids[NEPH_GPU_SOLIDS_MAX];
 };
 
-vec3 kept_sun_direction = own(frame.sun_direction);
+vec3 kept_sun_direction = make_nonuniform(frame.sun_direction);
 
 // The direction of the sun; on a CPU device from a copy per thread (READS_FRAME_ONCE).
 vec3 to_sun()
@@ -141,7 +141,7 @@ ViewRay camera_ray_at(Camera camera, vec2 place_px)
     float x = (2.0 * place_px.x / float(camera.width_px) - 1.0) * camera.half_width;
     float y = (1.0 - 2.0 * place_px.y / float(camera.height_px)) * camera.half_height;
     vec3 origin_m = ORTHOGRAPHIC ? x * camera.right + y * camera.up : vec3(0.0);
-    vec3 direction = ORTHOGRAPHIC ? own(camera.forward)
+    vec3 direction = ORTHOGRAPHIC ? make_nonuniform(camera.forward)
                               : normalize(camera.forward + x * camera.right + y * camera.up);
     return ViewRay(origin_m, direction);
 }

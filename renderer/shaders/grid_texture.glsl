@@ -79,7 +79,7 @@ const bool HAS_ONLY_TEXTURE = SAMPLES_TEXTURES && KNOWN_MEDIA == 1u;
 // Extinction of a medium at a point; with textures off it equals medium_extinction_per_m().
 float sampled_extinction_per_m(uint m, vec3 point_m)
 {
-    if (SAMPLES_TEXTURES && !is_fog(m) && is_a(MEDIUM_GRID, kind_of(m))) {
+    if (SAMPLES_TEXTURES && !is_fog(m) && is_a(MEDIUM_GRID, get_medium_kind(m))) {
         // Selects without a branch, so that the fetch is issued before the test is known.
         float per_m = medium_full_per_m(m) * grid_texture_density(m, point_m);
         return mix(0.0, per_m, medium_contains(m, point_m));

@@ -27,13 +27,13 @@ const bool ARE_KNOWN = READS_SOLIDS_ONCE && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN;
 Solid known_solids[RT_SOLIDS_UNKNOWN];
 
 // Reads all solids. Call it at the start of main(), before any branch.
-void know_solids()
+void load_known_solids()
 {
     if (ARE_KNOWN)
         [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
             known_solids[s] = solids[s];
-            known_solids[s].kind = own(solids[s].kind);
-            known_solids[s].albedo.w = uintBitsToFloat(own(floatBitsToUint(solids[s].albedo.w)));
+            known_solids[s].kind = make_nonuniform(solids[s].kind);
+            known_solids[s].albedo.w = uintBitsToFloat(make_nonuniform(floatBitsToUint(solids[s].albedo.w)));
         }
 }
 
@@ -70,7 +70,7 @@ bool known_interval(uint s, vec3 origin_m, vec3 direction, out float t0_m, out f
     if (((s < 32u ? KNOWN_BALLS : MORE_KNOWN_BALLS) >> (s & 31u) & 1u) != 0u)
         return ball_interval(solid, origin_m, direction, t0_m, t1_m);
     bool turns = is_turned(solid);
-    origin_m = turns ? own_point(solid, origin_m) : origin_m;
+    origin_m = turns ? to_box_axes(solid, origin_m) : origin_m;
     direction = turns ? turned(solid, direction, -solid.albedo.w) : direction;
     t0_m = -FAR_M;
     t1_m = FAR_M;
@@ -81,7 +81,7 @@ bool known_interval(uint s, vec3 origin_m, vec3 direction, out float t0_m, out f
 }
 
 // sees_point() for known solids: whether all of them leave the segment up to `distance_m` free.
-bool known_let_pass(vec3 point_m, vec3 direction, float start_m, float distance_m, uint except)
+bool known_sees_point(vec3 point_m, vec3 direction, float start_m, float distance_m, uint except)
 {
     bool let_pass = true;
     [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {

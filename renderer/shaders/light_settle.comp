@@ -57,7 +57,7 @@ void add(inout LightTexel sum, LightTexel texel, float weight)
 }
 
 // The sum over the texel's paths of this round.
-LightTexel newly_found(uint texel)
+LightTexel sum_round(uint texel)
 {
     LightTexel sum = none();
     for (uint p = 0; p < fade.paths; p++)
@@ -67,7 +67,7 @@ LightTexel newly_found(uint texel)
 
 // Mean distance of the first collisions of a texel, with the earlier ones included, so that a texel
 // without new collisions keeps its distance. FAR_M without any.
-float distance_of(uint texel, LightTexel fresh)
+float texel_distance_m(uint texel, LightTexel fresh)
 {
     LightTexel known = none();
     add(known, before[texel], 1.0);
@@ -94,7 +94,7 @@ vec2 place_before(uvec2 at, float distance_m)
 }
 
 // Bilinear lookup of the earlier sums; texels outside the frame count as 0.
-LightTexel looked_up(vec2 place, uvec2 size)
+LightTexel sample_history(vec2 place, uvec2 size)
 {
     LightTexel sum = none();
     vec2 low = floor(place), part = place - low;
@@ -114,11 +114,11 @@ void main()
     if (texel >= size.x * size.y)
         return;
     uvec2 at = uvec2(texel % size.x, texel / size.x);
-    LightTexel sum = newly_found(texel);
+    LightTexel sum = sum_round(texel);
     if (fade.keep > 0.0) {
         LightTexel old = before[texel];
         if (fade.is_still == 0u)
-            old = looked_up(clamp(place_before(at, distance_of(texel, sum)), vec2(-2.0),
+            old = sample_history(clamp(place_before(at, texel_distance_m(texel, sum)), vec2(-2.0),
                                   vec2(size + 1u)), size);
         add(sum, old, fade.keep);
     }

@@ -115,24 +115,24 @@ bool is_similar(uint m, uint events)
 {
     vec3 albedo = frame.media[m].albedo;
     return SIMILAR > 0.0 && events >= SIMILAR_AFTER && albedo.r == albedo.g &&
-           albedo.g == albedo.b && mean_cosine_of(m) > 0.0;
+           albedo.g == albedo.b && medium_mean_cosine(m) > 0.0;
 }
 
-float similar_cosine_of(uint m)
+float path_similar_cosine(uint m)
 {
-    return mix(frame.media[m].g, smooth_g_of(m), SIMILAR);
+    return mix(frame.media[m].g, similar_mean_cosine(m), SIMILAR);
 }
 
 // The fraction of scattering that remains in the similar medium: (1 - g) / (1 - g').
-float turning_of(uint m) { return (1.0 - frame.media[m].g) / (1.0 - similar_cosine_of(m)); }
+float turning_fraction(uint m) { return (1.0 - frame.media[m].g) / (1.0 - path_similar_cosine(m)); }
 
 // Optical depth of the similar medium over the original one, after a number of events.
 float thinness(uint m, uint events)
 {
-    return is_similar(m, events) ? 1.0 - frame.media[m].albedo.r * (1.0 - turning_of(m)) : 1.0;
+    return is_similar(m, events) ? 1.0 - frame.media[m].albedo.r * (1.0 - turning_fraction(m)) : 1.0;
 }
 
-float extinction_color_of(uint m)
+float path_extinction_color(uint m)
 {
     return frame.media[m].extinction_color.x * thinness(m, path.events);
 }
@@ -140,10 +140,10 @@ float extinction_color_of(uint m)
 // --- segments -----------------------------------------------------------------------------------
 
 // Next solid along the path, except one.
-Hit hit_but(uint except)
+Hit nearest_hit_except(uint except)
 {
     Hit hit = Hit(FAR_M, NO_SOLID);
-    for (uint s = 0; s < own(frame.solid_count); s++) {
+    for (uint s = 0; s < make_nonuniform(frame.solid_count); s++) {
         float t0_m, t1_m;
         if (s == except || !solid_interval(solids[s], path.origin_m, path.direction, t0_m, t1_m))
             continue;
@@ -155,13 +155,13 @@ Hit hit_but(uint except)
 }
 
 // Draws a free path in a fog's layers and keeps the nearest collision.
-void look_for_fog(uint m)
+void find_fog_collision(uint m)
 {
     float t0_m = 0.0, t1_m = solid_ahead.t_m;
     if (!clip_medium(m, path.origin_m, path.direction, t0_m, t1_m))
         return;
-    for (uint l = 0; l < layer_count_of(m); l++) {
-        float depth = -log(draw().x) / max(extinction_color_of(m), 1e-20);
+    for (uint l = 0; l < fog_layer_count(m); l++) {
+        float depth = -log(draw().x) / max(path_extinction_color(m), 1e-20);
         float t_m = fog_layer_free_path_m(frame.media[m].layers[l], path.origin_m, path.direction,
                                           t0_m, depth);
         if (t_m < min(t1_m, fog_m)) {
@@ -172,15 +172,15 @@ void look_for_fog(uint m)
 }
 
 // Next solid and next fog collision along the path; shapes are left to turn().
-void look_ahead()
+void find_next_events()
 {
-    solid_ahead = hit_but(path.solid);
+    solid_ahead = nearest_hit_except(path.solid);
     fog_m = FAR_M;
     fog_medium = MEDIA_MAX;
     if (HAS_FOG)
         for (uint m = 0; m < media_count(); m++)
             if (is_fog(m))
-                look_for_fog(m);
+                find_fog_collision(m);
 }
 
 void start()
@@ -193,7 +193,7 @@ void start()
     vec2 high_px = vec2(min(low_px + texel_px, size_px));
     ViewRay ray = camera_ray_at(frame_camera(), mix(vec2(low_px), high_px, draw().xy));
     path = LightPath(ray.origin_m, 0u, ray.direction, NO_SOLID, vec3(1.0), 1u, vec3(0.0), 0.0);
-    look_ahead();
+    find_next_events();
 }
 
 void end()
@@ -207,7 +207,7 @@ void end()
 
 // A scattering event or reflection at the path's origin: counts the sunlight there and samples the
 // new direction. `m` is the medium, or MEDIA_MAX on `solid`.
-void happen(uint m, uint solid)
+void process_event(uint m, uint solid)
 {
     vec4 u = draw();
     float per_sr, sun_thinness = 1.0;
@@ -219,12 +219,12 @@ void happen(uint m, uint solid)
         per_sr = max(0.0, dot(normal, to_sun())) / PI;
         next = sample_cosine(normal, u.xy);
     } else {
-        uint kind = own(frame.media[m].phase_kind);
+        uint kind = make_nonuniform(frame.media[m].phase_kind);
         float g = frame.media[m].g;
         path.throughput *= frame.media[m].albedo;
         if (is_similar(m, path.events)) {
-            g = similar_cosine_of(m);
-            path.throughput *= turning_of(m) / thinness(m, path.events);
+            g = path_similar_cosine(m);
+            path.throughput *= turning_fraction(m) / thinness(m, path.events);
         }
         per_sr = phase_per_sr(kind, g, path.direction, to_sun());
         next = sample_phase(kind, g, path.direction, u.xy);
@@ -232,7 +232,7 @@ void happen(uint m, uint solid)
         sun_thinness = thinness(m, path.events + 1u);
     }
     path.solid = solid;
-    if (path.events > 0u && per_sr > 0.0 && own(frame.scatters) != 0u &&
+    if (path.events > 0u && per_sr > 0.0 && make_nonuniform(frame.scatters) != 0u &&
         sees_sun(path.origin_m, solid))
         sums.light += path.throughput * per_sr * sun_at(path.origin_m) *
                       fraction_through(sun_thinness * sample_sun_depth(path.origin_m));
@@ -245,7 +245,7 @@ void happen(uint m, uint solid)
         return;
     }
     path.throughput /= survival;
-    look_ahead();
+    find_next_events();
 }
 
 void collide(uint m)
@@ -254,12 +254,12 @@ void collide(uint m)
         sums.collisions += 1.0;
         sums.distance_m += dot(path.origin_m, path.direction);
     }
-    happen(m, NO_SOLID);
+    process_event(m, NO_SOLID);
 }
 
 // Adds the air's light and applies its transmittance on the way out of the media, to space or to
 // the ground (solid 0), as seen from the centre of all media.
-void meet_air()
+void add_air_light()
 {
     SkyLight light = sky_look_up(eye.places[1], sky_ray_along(eye.places[1], path.direction));
     sums.light += path.throughput * frame.sun_irradiance * light.volume;
@@ -277,12 +277,12 @@ void arrive()
         sums.light += path.throughput * frame.background;
     bool is_out = solid_ahead.solid == NO_SOLID || solid_ahead.solid == 0u;
     if (SKY_LIGHTS && path.events > 0u && is_out)
-        meet_air();
+        add_air_light();
     if (solid_ahead.solid == NO_SOLID || path.events == 0u ||
         solids[solid_ahead.solid].albedo.rgb == vec3(0.0))
         end();
     else
-        happen(MEDIA_MAX, solid_ahead.solid);
+        process_event(MEDIA_MAX, solid_ahead.solid);
 }
 
 // --- turns --------------------------------------------------------------------------------------
@@ -316,7 +316,7 @@ void stride_in(uint m, inout Stride stride)
     uvec3 at = uvec3(cell);
     stride.length_m = min(stride.length_m, face_m + hair_m);
     stride.majorant_per_m +=
-        extinction_color_of(m) *
+        path_extinction_color(m) *
         majorants[frame.media[m].majorant_first + at.x + size.x * (at.y + size.y * at.z)];
 }
 
@@ -331,15 +331,15 @@ Stride next_stride(float end_m)
 
 // A tentative collision: it is real with probability extinction / majorant, in a medium chosen by
 // its part of the extinction.
-void tentative(float majorant_per_m, float u)
+void try_collision(float majorant_per_m, float u)
 {
     float left_per_m = u * majorant_per_m;
     uint by = MEDIA_MAX;
     [[unroll]] for (uint m = 0; m < media_count(); m++) {
         if (by != MEDIA_MAX || is_fog(m) || !medium_contains(m, path.origin_m))
             continue;
-        left_per_m -= extinction_color_of(m) * frame.media[m].extinction_per_m *
-                      shape_random_density(kind_of(m), frame.media[m].shape, path.origin_m,
+        left_per_m -= path_extinction_color(m) * frame.media[m].extinction_per_m *
+                      shape_random_density(get_medium_kind(m), frame.media[m].shape, path.origin_m,
                                            draw_bits());
         if (left_per_m < 0.0)
             by = m;
@@ -365,7 +365,7 @@ void turn()
         float free_m = -log(u.x) / stride.majorant_per_m;
         if (free_m < stride.length_m) {
             advance(free_m);
-            tentative(stride.majorant_per_m, u.y);
+            try_collision(stride.majorant_per_m, u.y);
             return;
         }
     }
@@ -381,7 +381,7 @@ void turn()
 
 // --- estimates ahead ----------------------------------------------------------------------------
 
-bool is_in_lattice(vec3 point_m)
+bool is_in_light_grid(vec3 point_m)
 {
     vec3 place = (point_m - frame.light_lattice.origin_m) * frame.light_lattice.per_m;
     vec3 size = vec3(frame.light_lattice.size);
@@ -397,7 +397,7 @@ vec3 light_ahead()
     vec3 to_path = vec3(0.0);
     if (path.is_alive == 0u || path.events == 0u)
         return to_path;
-    if (is_in_lattice(path.origin_m)) {
+    if (is_in_light_grid(path.origin_m)) {
         vec4 field = diffused_field(path.origin_m);
         float per_sr = max(field.w - 3.0 * dot(field.xyz, path.direction), 0.0) / (4.0 * PI);
         to_path = per_sr * sun_at(path.origin_m);
@@ -419,7 +419,7 @@ void main()
     vec3 counted = path.ahead;
     if (path.is_alive != 0u) {
         path.origin_m += run.shift_m;
-        look_ahead();
+        find_next_events();
     }
     for (uint i = 0; i < run.turns && events < run.events && misses < MISSES_MAX; i++) {
         if (path.is_alive == 0u)

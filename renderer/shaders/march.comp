@@ -53,14 +53,14 @@ MarchPixel finished_pixel(ViewRay ray, vec2 place_px, Hit hit, Sums sums)
     return pixel;
 }
 
-// Pixel of a ray; the same as pixel_of() in renderer/march.c. Rays fill a square in this order, so
+// Pixel of a ray; the same as find_ray_pixel() in renderer/march.c. Rays fill a square in this order, so
 // eight consecutive rays (a subgroup of lavapipe) are 4x2 pixels and 32 are 8x4:
 //
 //    0  1  2  3   8  9 10 11
 //    4  5  6  7  12 13 14 15
 //   16 17 18 19  24 25 26 27
 //   20 21 22 23  28 29 30 31    ...
-uvec2 pixel_of(uint ray)
+uvec2 find_ray_pixel(uint ray)
 {
     uint columns = (frame.width_px + SQUARE_PX - 1) / SQUARE_PX;
     uint square = ray / (SQUARE_PX * SQUARE_PX), own_ray = ray % (SQUARE_PX * SQUARE_PX);
@@ -72,7 +72,7 @@ uvec2 pixel_of(uint ray)
 void main()
 {
     uint thread = gl_GlobalInvocationID.x;
-    uvec2 pixel = pixel_of(run.first_ray + thread);
+    uvec2 pixel = find_ray_pixel(run.first_ray + thread);
     if (thread >= run.ray_count || pixel.x >= frame.width_px || pixel.y >= frame.height_px)
         return;
     vec2 place_px = vec2(pixel) + 0.5 + frame.jitter_px;
@@ -81,10 +81,10 @@ void main()
 
     Sums sums = sums_at_start(thread);
     // With a closed-form transmittance and no light from the media, no step is needed.
-    if (!IS_SOLVED || HAS_VEIL || own(frame.scatters | frame.emits | frame.scatters_lamps) != 0)
+    if (!IS_SOLVED || HAS_VEIL || make_nonuniform(frame.scatters | frame.emits | frame.scatters_lamps) != 0)
         march(ray, hit.t_m, 0.5, sums);
 
-    if (run.end_step < own(frame.steps))
+    if (run.end_step < make_nonuniform(frame.steps))
         sums_keep(thread, sums);
     else
         pixels[thread] = finished_pixel(ray, place_px, hit, sums);

@@ -148,7 +148,7 @@ void pass_clear_texels(ViewRay ray, Steps steps, float place, uint end, inout ui
     TextureRay way = texture_ray(ray.origin_m, ray.direction);
     uint start = i;
     while (i < end) {
-        uint turn = (i - own(run.first_step)) % 8u;
+        uint turn = (i - make_nonuniform(run.first_step)) % 8u;
         if (turn == 0u)
             [[unroll]] for (uint k = 0; k < 8; k++)
                 ahead[k / 4][k % 4] = texture_ray_density(way, step_point_m(steps, i + k, place));
@@ -245,7 +245,7 @@ void march_step(ViewRay ray, Steps steps, uint i, float place, inout Sums sums)
     vec3 start_m = view_point_m(ray, step_start_m(steps, i));
     float point_distance_m = step_point_m(steps, i, place);
     vec3 point_m = view_point_m(ray, point_distance_m);
-    Mixture mixture = mixture_of(point_m, PASSES_CLEAR, met_per_m);
+    Mixture mixture = sample_mixture(point_m, PASSES_CLEAR, met_per_m);
     vec3 step_depth = mixture.marched_per_m * step_m;
     if (TRANSMITTANCE == EXACT)
         step_depth += exact_optical_depth(start_m, ray.direction, step_m);
@@ -256,7 +256,7 @@ void march_step(ViewRay ray, Steps steps, uint i, float place, inout Sums sums)
         scattered = SCALES_VIEW
                         ? scaled_light(mixture, point_m, marched_depth(sums), step_depth)
                         : step_light(mixture, point_m, step_m, step_depth) * through;
-    if (LAMPS && own(frame.scatters_lamps) != 0)
+    if (LAMPS && make_nonuniform(frame.scatters_lamps) != 0)
         scattered += lamps_step_light(mixture, ray, steps.stretch, step_start_m(steps, i), step_m,
                                       step_depth) *
                      through;
@@ -284,17 +284,17 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
 #endif
     if (stretch.t1_m <= stretch.t0_m)
         return;
-    look_along(ray);
+    set_view_ray(ray);
     if (MARCHES_TEXTURE) {
         march_texture(ray, stretch, place, sums);
         return;
     }
-    Steps steps = view_steps_of(stretch);
-    uint end = own(run.end_step), done = own(run.first_step);
+    Steps steps = make_view_steps(stretch);
+    uint end = make_nonuniform(run.end_step), done = make_nonuniform(run.first_step);
     steps.end = end;
     LookedUp found;
     found.lit = 0u;
-    for (uint i = own(run.first_step);;) {
+    for (uint i = make_nonuniform(run.first_step);;) {
         if (GROWS_BY_DEPTH)
             steps.span = span_behind(least(marched_depth(sums)));
         if (SKIPS_STEPS && !PASSES_CLEAR) {
@@ -342,7 +342,7 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
 // The sums of the dispatch before.
 Sums sums_at_start(uint thread)
 {
-    if (own(run.first_step) == 0)
+    if (make_nonuniform(run.first_step) == 0)
         return sums_zero();
     density_evaluations = states[thread].density_evaluations;
     closed_forms = states[thread].closed_forms;
@@ -411,7 +411,7 @@ vec3 sunlit_radiance(Hit hit, vec3 point_m)
     Solid solid = solid_at(hit.solid);
     float cosine = dot(solid_normal(solid, point_m), to_sun());
     if (cosine <= 0.0 || solid.albedo.rgb == vec3(0.0) ||
-        own(frame.sun_irradiance == vec3(0.0)))
+        make_nonuniform(frame.sun_irradiance == vec3(0.0)))
         return vec3(0.0);
     return solid.albedo.rgb / PI * cosine * sunlight(point_m, hit.solid);
 }
@@ -433,7 +433,7 @@ struct Behind {
 
 // Irradiance of a solid by sky and ground. Solid 0 is the ground of the planet; its irradiance is
 // in the tables.
-vec3 sky_irradiance_of(Hit hit, vec3 point_m)
+vec3 solid_sky_irradiance(Hit hit, vec3 point_m)
 {
     SkySpot spot = sky_spot(point_m);
     if (hit.solid != 0u || eye.has_field == 0u)
@@ -455,7 +455,7 @@ Behind sky_behind(Hit hit, ViewRay ray)
         return Behind(frame.sun_irradiance * all.radiance, frame.sun_irradiance * all.volume,
                       all.transmittance);
     vec3 point_m = view_point_m(ray, hit.t_m);
-    vec3 from_sky = sky_irradiance_of(hit, point_m);
+    vec3 from_sky = solid_sky_irradiance(hit, point_m);
     vec3 radiance = surface_radiance(hit, point_m) +
                     solids[hit.solid].albedo.rgb / PI * from_sky;
     if (hit.solid != 0u) {
@@ -482,7 +482,7 @@ Behind veiled_behind(Hit hit, ViewRay ray)
         all.radiance = clear_radiance_behind(hit, ray);
     if (HAS_FOG_LOOK) {
         Veil fog = fog_veil(ray.direction, hit.t_m);
-        Veil veil = veil_before(fog, Veil(all.veil, all.through));
+        Veil veil = compose_veils(fog, Veil(all.veil, all.through));
         all = Behind(fog.light + fog.through * all.radiance, veil.light, veil.through);
     }
     return all;

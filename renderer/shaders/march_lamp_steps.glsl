@@ -44,7 +44,7 @@ float lamp_step_part(LampPass pass, Stretch stretch)
 {
     float whole = lamp_place(pass, stretch.t1_m - pass.foot_m) -
                   lamp_place(pass, stretch.t0_m - pass.foot_m);
-    return max(LAMP_PART * min(1.0, 64.0 / float(own(frame.steps))),
+    return max(LAMP_PART * min(1.0, 64.0 / float(make_nonuniform(frame.steps))),
                whole / float(LAMP_RAY_PARTS));
 }
 
@@ -103,7 +103,7 @@ vec3 lamps_step_light(Mixture mixture, ViewRay ray, Stretch stretch, float start
 {
     vec3 sum = vec3(0.0);
     vec3 step_scattering_per_m[MEDIA_MAX] = scattering_per_m;
-    for (uint i = 0; i < own(frame.lamp_count); i++) {
+    for (uint i = 0; i < make_nonuniform(frame.lamp_count); i++) {
         bool is_divided;
         LampPass pass = lamp_pass(frame.lamps[i].position_m, ray, 0.0);
         sum += lamp_step_light(frame.lamps[i], pass, mixture, ray, stretch, start_m, length_m,

@@ -34,7 +34,7 @@ vec3 lamp_optical_depth(vec3 point_m, vec3 direction, float distance_m)
         optical_depth = exact_optical_depth(point_m, direction, distance_m);
     if (SUN_MARCHED != 0u)
         optical_depth += marched_optical_depth(SUN_MARCHED, point_m, direction, distance_m,
-                                               own(frame.sun_steps));
+                                               make_nonuniform(frame.sun_steps));
     return optical_depth;
 }
 
@@ -96,7 +96,7 @@ vec3 scattered_from(vec3 direction)
 {
     vec3 sum = vec3(0.0);
     [[unroll]] for (uint m = 0; m < media_count(); m++)
-        sum += scattering_per_m[m] * phase_per_sr(own(frame.media[m].phase_kind),
+        sum += scattering_per_m[m] * phase_per_sr(make_nonuniform(frame.media[m].phase_kind),
                                                   frame.media[m].g, view_direction, direction);
     return sum;
 }
@@ -158,7 +158,7 @@ vec3 lamps_light(Mixture mixture, ViewRay ray, float start_m, float length_m, ve
     vec3 sum = vec3(0.0);
     if (mixture.extinction_per_m == vec3(0.0))
         return sum;
-    for (uint i = 0; i < own(frame.lamp_count); i++) {
+    for (uint i = 0; i < make_nonuniform(frame.lamp_count); i++) {
         LampPass pass = lamp_pass(frame.lamps[i].position_m, ray, LAMP_BALL_M(frame.lamps[i]));
         sum += lamp_light(frame.lamps[i], pass, mixture.extinction_per_m, ray, start_m, length_m,
                           step_depth);
@@ -170,7 +170,7 @@ vec3 lamps_light(Mixture mixture, ViewRay ray, float start_m, float length_m, ve
 vec3 lamps_reflected(vec3 point_m, vec3 normal, uint on_solid)
 {
     vec3 sum = vec3(0.0);
-    for (uint i = 0; i < own(frame.lamp_count); i++) {
+    for (uint i = 0; i < make_nonuniform(frame.lamp_count); i++) {
         Lamp lamp = frame.lamps[i];
         vec3 way_m = lamp.position_m - point_m;
         float distance_m = max(length(way_m), 1e-12);

@@ -66,9 +66,9 @@ const uint SUN_MARCHED = KINDS & (SUN == EXACT ? OPEN_KINDS : ~0u);
 const uint FITTED_OCTAVES = NEPH_GPU_FITTED_OCTAVES;
 
 // Read once per thread, as in to_sun().
-uint kept_sun_steps = own(frame.sun_steps), kept_octave_count = own(frame.octave_count);
+uint kept_sun_steps = make_nonuniform(frame.sun_steps), kept_octave_count = make_nonuniform(frame.octave_count);
 vec3 kept_octave_factors = frame.octave_factors;
-bool kept_emits = own(frame.emits) != 0, kept_scatters = own(frame.scatters) != 0;
+bool kept_emits = make_nonuniform(frame.emits) != 0, kept_scatters = make_nonuniform(frame.scatters) != 0;
 
 // Cost counters of this pixel.
 uint density_evaluations = 0;
@@ -92,7 +92,7 @@ vec3 exact_optical_depth(vec3 origin_m, vec3 direction, float length_m)
 }
 
 // scene_optical_depth() restricted to the kinds of media in `kinds`.
-vec3 exact_optical_depth_of(uint kinds, vec3 origin_m, vec3 direction, float length_m)
+vec3 exact_optical_depth_by_kind(uint kinds, vec3 origin_m, vec3 direction, float length_m)
 {
     closed_forms++;
     vec3 optical_depth = vec3(0.0);
@@ -274,11 +274,11 @@ vec3 sun_optical_depth(vec3 point_m)
     return optical_depth;
 }
 
-vec3 sun_optical_depth_of(uint kinds, vec3 point_m)
+vec3 sun_optical_depth_by_kind(uint kinds, vec3 point_m)
 {
     vec3 optical_depth = vec3(0.0);
     if (SUN == EXACT && (kinds & ~OPEN_KINDS) != 0u)
-        optical_depth = exact_optical_depth_of(kinds, point_m, to_sun(), FAR_M);
+        optical_depth = exact_optical_depth_by_kind(kinds, point_m, to_sun(), FAR_M);
     if ((SUN_MARCHED & kinds) != 0u)
         optical_depth += marched_sun_depth(SUN_MARCHED & kinds, point_m);
     return optical_depth;
@@ -289,12 +289,12 @@ bool is_in_shape = true;
 
 // For points outside of shapes: fogs are computed here, shapes come from the shadow map where it
 // covers the point.
-vec3 mapped_or_own_sun_depth(vec3 point_m)
+vec3 sun_depth_outside_shapes(vec3 point_m)
 {
     vec3 depth;
     if (!MAPS_SHADOW || !find_mapped_sun_depth(point_m, depth))
         return sun_optical_depth(point_m);
-    return HAS_FOG ? depth + sun_optical_depth_of(KINDS & FOG_KINDS, point_m) : depth;
+    return HAS_FOG ? depth + sun_optical_depth_by_kind(KINDS & FOG_KINDS, point_m) : depth;
 }
 
 // Optical depth towards the sun for a sample of a medium: fogs are computed here, shapes come from
@@ -302,10 +302,10 @@ vec3 mapped_or_own_sun_depth(vec3 point_m)
 vec3 sample_sun_depth(vec3 point_m)
 {
     if (MAPS_SHADOW && !is_in_shape)
-        return mapped_or_own_sun_depth(point_m);
+        return sun_depth_outside_shapes(point_m);
     if (!CACHES_SUN)
         return sun_optical_depth(point_m);
-    return sun_optical_depth_of(KINDS & FOG_KINDS, point_m) + cached_sun_depth(point_m);
+    return sun_optical_depth_by_kind(KINDS & FOG_KINDS, point_m) + cached_sun_depth(point_m);
 }
 
 // Sunlight that reaches a point [W/m^2].
@@ -313,7 +313,7 @@ vec3 sunlight(vec3 point_m, uint on_solid)
 {
     if (!sees_sun(point_m, on_solid))
         return vec3(0.0);
-    return sun_at(point_m) * fraction_through(mapped_or_own_sun_depth(point_m));
+    return sun_at(point_m) * fraction_through(sun_depth_outside_shapes(point_m));
 }
 
 // The combined properties of all media at a point.
@@ -333,7 +333,7 @@ vec3 scattering_per_m[MEDIA_MAX];
 // The phase function with its anisotropy scaled by `part` (phase_cut_per_sr()).
 float flattened_phase_per_sr(uint m, float part)
 {
-    return phase_cut_per_sr(own(frame.media[m].phase_kind), frame.media[m].g, part,
+    return phase_cut_per_sr(make_nonuniform(frame.media[m].phase_kind), frame.media[m].g, part,
                             phase_towards_camera_per_sr[m], view_direction, to_sun());
 }
 
@@ -359,12 +359,12 @@ void keep_phases()
     }
 }
 
-void look_along(ViewRay ray)
+void set_view_ray(ViewRay ray)
 {
     view_origin_m = ray.origin_m;
     view_direction = ray.direction;
     [[unroll]] for (uint m = 0; m < media_count(); m++)
-        phase_towards_camera_per_sr[m] = phase_per_sr(own(frame.media[m].phase_kind),
+        phase_towards_camera_per_sr[m] = phase_per_sr(make_nonuniform(frame.media[m].phase_kind),
                                                       frame.media[m].g, ray.direction, to_sun());
     if (KEEPS_PHASES)
         keep_phases();
@@ -375,7 +375,7 @@ const vec3 LEAST = vec3(1e-37);
 
 // The mixture at a point. `known_per_m` is the extinction of the only medium there, if `is_known`.
 // The latter is a compile-time constant, so that lavapipe does not sample the medium again.
-Mixture mixture_of(vec3 point_m, const bool is_known, float known_per_m)
+Mixture sample_mixture(vec3 point_m, const bool is_known, float known_per_m)
 {
     bool only_fogs = !is_known && SKIPS && shapes_are_empty(point_m);
     if (!is_known && (!only_fogs || HAS_FOG))
@@ -405,7 +405,7 @@ Mixture mixture_of(vec3 point_m, const bool is_known, float known_per_m)
     return mixture;
 }
 
-Mixture mixture_at(vec3 point_m) { return mixture_of(point_m, false, 0.0); }
+Mixture mixture_at(vec3 point_m) { return sample_mixture(point_m, false, 0.0); }
 
 // --- octaves --------------------------------------------------------------------------------
 
@@ -507,22 +507,22 @@ vec3 fitted_octave_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 st
 // Similarity: the quantities that media with the same appearance share (H. C. van de Hulst,
 // "Multiple Light Scattering", 1980, chapter 14; D. R. Wyman, M. S. Patterson, B. C. Wilson, Appl.
 // Opt. 28, 1989). The first is the mean cosine.
-float mean_cosine_of(uint m)
+float medium_mean_cosine(uint m)
 {
-    return phase_mean_cosine(own(frame.media[m].phase_kind), frame.media[m].g);
+    return phase_mean_cosine(make_nonuniform(frame.media[m].phase_kind), frame.media[m].g);
 }
 
 // Delta-Eddington: the forward peak f = g^2 that counts as unscattered, and the mean cosine g' = g
 // / (1 + g) of the other scattering.
-float peak_of(uint m)
+float forward_peak_fraction(uint m)
 {
-    float g = max(mean_cosine_of(m), 0.0);
+    float g = max(medium_mean_cosine(m), 0.0);
     return g * g;
 }
 
-float smooth_g_of(uint m)
+float similar_mean_cosine(uint m)
 {
-    float g = mean_cosine_of(m);
+    float g = medium_mean_cosine(m);
     return g > 0.0 ? g / (1.0 + g) : g;
 }
 
@@ -535,11 +535,11 @@ struct Similar {
 void similar_add(inout Similar sum, uint m, float scattering_per_m)
 {
     sum.scattering_per_m += scattering_per_m;
-    sum.peak_per_m += scattering_per_m * peak_of(m);
-    sum.onward_per_m += scattering_per_m * mean_cosine_of(m);
+    sum.peak_per_m += scattering_per_m * forward_peak_fraction(m);
+    sum.onward_per_m += scattering_per_m * medium_mean_cosine(m);
 }
 
-Similar similar_of(Mixture mixture)
+Similar make_similar_medium(Mixture mixture)
 {
     Similar sum = Similar(mixture.extinction_per_m.x, 0.0, 0.0, 0.0);
     [[unroll]] for (uint m = 0; m < media_count(); m++)
@@ -566,7 +566,7 @@ vec3 similarity_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 step_
                 vec3(phi(step_depth.x), phi(step_depth.y), phi(step_depth.z));
     vec3 sum = once * mixture.scattering;
     [[unroll]] for (uint m = 0; m < media_count(); m++) {
-        float peak = peak_of(m), g = smooth_g_of(m);
+        float peak = forward_peak_fraction(m), g = similar_mean_cosine(m);
         vec3 octave = scattering_per_m[m] * (1.0 - peak);
         float depth_part = 1.0 - peak * dot(frame.media[m].albedo, vec3(1.0 / 3.0));
         sum -= octave * henyey_greenstein_per_sr(g, view_direction, to_sun()) * once;

@@ -109,7 +109,7 @@ float sun_texels(SunWay way, vec3 place, vec3 point_m, float t_m)
 const float PER_E = 1.44269504; // log2(e)
 
 const float LEAST_EXPONENT = -60.0;
-float through_of(float exponent)
+float transmittance_from_exp2(float exponent)
 {
     return DROPS_SMALL_NUMBERS && exponent < LEAST_EXPONENT ? 0.0 : exp2(exponent);
 }
@@ -119,10 +119,10 @@ float texture_light(float sun_depth)
 {
     float exponent = -PER_E * sun_depth;
     if (LIGHTING != OCTAVES)
-        return phase_towards_camera_per_sr[0] * through_of(exponent);
+        return phase_towards_camera_per_sr[0] * transmittance_from_exp2(exponent);
     float sum = 0.0;
     [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
-        sum += kept_phases_per_sr[i] * through_of(exponent);
+        sum += kept_phases_per_sr[i] * transmittance_from_exp2(exponent);
         exponent *= kept_octave_factors.y;
     }
     return sum;
@@ -132,7 +132,7 @@ float texture_light(float sun_depth)
 
 // 1 - e^-x for x >= 0, given e^-x. Below 1/8 the difference would cancel; five terms of the series
 // are accurate to 1e-7 there.
-float lost_of(float x, float through)
+float lost_fraction(float x, float through)
 {
     float thin = x * (1.0 - x * (1.0 / 2.0 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x / 120.0))));
     return x < 0.125 ? thin : 1.0 - through;
@@ -169,7 +169,7 @@ void fetch_block(vec3 place, vec3 step, float t_m, float step_m, ViewRay ray, ui
 }
 
 // Selecting among registers is cheaper than an index into memory.
-float density_of(Block block, uint k)
+float select_density(Block block, uint k)
 {
     bool is_odd = (k & 1u) != 0u, is_upper = (k & 2u) != 0u;
     vec4 pairs = is_odd ? vec4(block.densities[1], block.densities[3], block.densities[5],
@@ -190,7 +190,7 @@ void add_lit_step(ViewRay ray, float t_m, vec3 place, float per_full_m, float st
                   SunWay sun, inout TextureSums sums)
 {
     float through_step = exp2(-PER_E * step_depth);
-    float seen = sums.through * lost_of(step_depth, through_step);
+    float seen = sums.through * lost_fraction(step_depth, through_step);
     vec3 point_m = view_point_m(ray, t_m);
     if (medium_sees_sun(point_m))
         sums.light += seen * texture_light(per_full_m * sun_texels(sun, place, point_m, t_m));
@@ -217,7 +217,7 @@ void add_steps(ViewRay ray, float first_m, float step_m, TextureRay way, float p
         for (; block.lit != 0u; block.lit &= block.lit - 1u) {
             uint k = uint(findLSB(block.lit));
             add_lit_step(ray, t_m + float(k) * step_m, place + float(k) * step, per_full_m,
-                         per_full_m * step_m * density_of(block, k), sun, sums);
+                         per_full_m * step_m * select_density(block, k), sun, sums);
         }
     }
 }

@@ -80,8 +80,8 @@ void add_steps_together(ViewRay ray, float first_m, float step_m, TextureRay way
 {
     SunWay sun = sun_way(ray);
     vec3 first = way.start + first_m * way.per_m, step = step_m * way.per_m;
-    uint end = own(run.end_step), lit;
-    for (uint i = own(run.first_step);;) {
+    uint end = make_nonuniform(run.end_step), lit;
+    for (uint i = make_nonuniform(run.first_step);;) {
         float t_m;
         vec3 place;
         vec4 densities;

@@ -31,7 +31,7 @@ struct Veil {
 };
 
 // Composition of two veils.
-Veil veil_before(Veil near, Veil far)
+Veil compose_veils(Veil near, Veil far)
 {
     return Veil(near.light + near.through * far.light, near.through * far.through);
 }
@@ -64,7 +64,7 @@ Veil veil_to(vec3 direction, float distance_m)
     if (!HAS_FOG_LOOK)
         return air_veil(direction, distance_m);
     Veil fog = fog_veil(direction, distance_m);
-    return HAS_SKY ? veil_before(fog, air_veil(direction, distance_m)) : fog;
+    return HAS_SKY ? compose_veils(fog, air_veil(direction, distance_m)) : fog;
 }
 
 // Radiance of something with the given opacity, seen through the veil.

@@ -22,7 +22,7 @@ layout(std430, binding = 2) readonly buffer GridValues {
 
 #ifdef SEES_GRID_TEXELS
 // Each value together with the next one, as a texel buffer for a CPU device
-// (neph_buffer_see_texels()).
+// (neph_buffer_create_texel_views()).
 layout(binding = NEPH_GPU_TEXEL_PAIRS_BINDING, rg32ui) uniform readonly uimageBuffer grid_pairs[1];
 
 vec2 grid_pair(uint at)
@@ -183,18 +183,18 @@ void shape_narrow(uint kind, Shape shape, vec3 origin_m, vec3 direction, inout S
 
 // Loops over media are unrolled where their number is known. Uniforms then have addresses that are
 // known at compile time, and lavapipe reads each once for all threads.
-uint media_count() { return KNOWN_MEDIA > 0u ? KNOWN_MEDIA : own(frame.medium_count); }
+uint media_count() { return KNOWN_MEDIA > 0u ? KNOWN_MEDIA : make_nonuniform(frame.medium_count); }
 
-uint kind_of(uint m)
+uint get_medium_kind(uint m)
 {
-    return KNOWN_MEDIA > 0u ? KNOWN_KINDS >> 4u * m & 7u : own(frame.media[m].kind);
+    return KNOWN_MEDIA > 0u ? KNOWN_KINDS >> 4u * m & 7u : make_nonuniform(frame.media[m].kind);
 }
 
 // Number of layers of a fog.
-uint layer_count_of(uint m)
+uint fog_layer_count(uint m)
 {
     return KNOWN_MEDIA > 0u ? 1u + (KNOWN_KINDS >> 4u * m + 3u & 1u)
-                            : own(frame.media[m].layer_count);
+                            : make_nonuniform(frame.media[m].layer_count);
 }
 
 // Properties of the only medium that every step reads: copied once per thread, as in to_sun().
@@ -257,7 +257,7 @@ Grid medium_grid(uint m)
     return frame.media[m].shape.grid;
 }
 
-bool is_among(uint kinds, uint m) { return (kinds & (1u << kind_of(m))) != 0u; }
+bool is_among(uint kinds, uint m) { return (kinds & (1u << get_medium_kind(m))) != 0u; }
 
 bool is_fog(uint m) { return HAS_FOG && is_among(FOG_KINDS, m); }
 
@@ -276,7 +276,7 @@ bool medium_contains(uint m, vec3 point_m)
 float fog_medium_extinction_per_m(uint m, vec3 point_m)
 {
     float extinction_per_m = 0.0;
-    [[unroll]] for (uint l = 0; l < layer_count_of(m); l++)
+    [[unroll]] for (uint l = 0; l < fog_layer_count(m); l++)
         extinction_per_m += fog_extinction_per_m(frame.media[m].layers[l], point_m.y);
     return extinction_per_m;
 }
@@ -290,18 +290,18 @@ float medium_extinction_per_m(uint m, vec3 point_m)
             extinction_per_m = fog_medium_extinction_per_m(m, point_m);
         else
             extinction_per_m = medium_full_per_m(m) *
-                               shape_density(kind_of(m), medium_shape(m), point_m);
+                               shape_density(get_medium_kind(m), medium_shape(m), point_m);
     }
     return extinction_per_m;
 }
 
 // Layers of a fog; a shape counts as one layer.
-uint layers_of(uint m) { return is_fog(m) ? layer_count_of(m) : 1u; }
+uint medium_layer_count(uint m) { return is_fog(m) ? fog_layer_count(m) : 1u; }
 
 float fog_medium_optical_depth(uint m, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
 {
     float optical_depth = 0.0;
-    [[unroll]] for (uint l = 0; l < layer_count_of(m); l++)
+    [[unroll]] for (uint l = 0; l < fog_layer_count(m); l++)
         optical_depth += fog_layer_optical_depth(frame.media[m].layers[l], origin_m, direction,
                                                  t0_m, t1_m);
     return optical_depth;
@@ -309,7 +309,7 @@ float fog_medium_optical_depth(uint m, vec3 origin_m, vec3 direction, float t0_m
 
 float shape_optical_depth(uint m, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
 {
-    return frame.media[m].extinction_per_m * shape_integral_m(kind_of(m),
+    return frame.media[m].extinction_per_m * shape_integral_m(get_medium_kind(m),
                                                               frame.media[m].shape, origin_m,
                                                               direction, t0_m, t1_m);
 }
@@ -361,7 +361,7 @@ float layer_free_path_m(uint m, uint l, ViewRay ray, float t0_m, float t1_m, flo
     if (is_fog(m))
         t_m = fog_layer_free_path_m(frame.media[m].layers[l], ray.origin_m, ray.direction, t0_m,
                                     depth);
-    else if (!ENDLESS && is_a(MEDIUM_GRID, kind_of(m)))
+    else if (!ENDLESS && is_a(MEDIUM_GRID, get_medium_kind(m)))
         t_m = grid_free_path_m(frame.media[m].shape.grid, ray.origin_m, ray.direction, t0_m, t1_m,
                                depth / frame.media[m].extinction_per_m);
     else
@@ -375,11 +375,11 @@ void medium_include(uint m, vec3 origin_m, vec3 direction, Stretch inside, inout
                     inout float opaque_m)
 {
     if (is_fog(m)) {
-        [[unroll]] for (uint l = 0; l < layer_count_of(m); l++)
+        [[unroll]] for (uint l = 0; l < fog_layer_count(m); l++)
             fog_layer_include(frame.media[m].layers[l], frame.media[m].extinction_color, origin_m,
                               direction, inside, hull, opaque_m);
     } else {
-        shape_narrow(kind_of(m), frame.media[m].shape, origin_m, direction, inside);
+        shape_narrow(get_medium_kind(m), frame.media[m].shape, origin_m, direction, inside);
         include(hull, inside.t0_m, inside.t1_m);
     }
 }

@@ -52,18 +52,18 @@ float setting(int index) { return view.settings[index]; }
 int choice(int index) { return int(view.settings[index]); }
 ivec2 from_size() { return ivec2(view.from_px[0], view.from_px[1]); }
 ivec2 to_size() { return ivec2(view.to_px[0], view.to_px[1]); }
-uint own_thread() { return run.first_thread + gl_GlobalInvocationID.x; }
+uint get_thread_index() { return run.first_thread + gl_GlobalInvocationID.x; }
 
 // The pixel of this thread; false when the thread has none.
-bool own_pixel(out ivec2 pixel)
+bool get_thread_pixel(out ivec2 pixel)
 {
-    int width = to_size().x, thread = int(own_thread());
+    int width = to_size().x, thread = int(get_thread_index());
     pixel = ivec2(thread % width, thread / width);
     return pixel.y < to_size().y;
 }
 
 // A colour after rounding to the target's format.
-vec3 kept(vec3 colour)
+vec3 quantize_to_target(vec3 colour)
 {
     const float HALF_MAX = 65504.0, LAST_CODE = 1023.0;
     vec3 held = clamp(colour, -HALF_MAX, HALF_MAX);
@@ -79,7 +79,7 @@ vec3 kept(vec3 colour)
 
 void put(ivec2 pixel, vec3 colour)
 {
-    to_texels[pixel.y * to_size().x + pixel.x] = vec4(kept(colour), 1.0);
+    to_texels[pixel.y * to_size().x + pixel.x] = vec4(quantize_to_target(colour), 1.0);
 }
 
 // Reads a texel; beyond the edges the nearest texel of the image.
@@ -89,7 +89,7 @@ vec3 fetch(ivec2 texel)
     return from_texels[inside.y * from_size().x + inside.x].rgb;
 }
 
-vec3 multiplied(float rows[9], vec3 v)
+vec3 multiply_rows(float rows[9], vec3 v)
 {
     return vec3(rows[0] * v.x + rows[1] * v.y + rows[2] * v.z,
                 rows[3] * v.x + rows[4] * v.y + rows[5] * v.z,

@@ -64,7 +64,7 @@ float adapted(float from_ev, float to_ev)
 void main()
 {
     fetch_bins();
-    if (own_thread() != 0)
+    if (get_thread_index() != 0)
         return;
     target_ev = metered_ev();
     adapted_ev = view.is_eye_open != 0 ? adapted(view.eye_ev, target_ev) : target_ev;

@@ -28,13 +28,13 @@ vec4 finer(ivec2 texel)
 // Share of a coarse texel in a fine one along an axis: 3/4, 1/4 or 0, or their sum at the border.
 float share(int fine, int coarse, int size)
 {
-    return (near_of(fine) == coarse ? 0.75 : 0.0) + (far_of(fine, size) == coarse ? 0.25 : 0.0);
+    return (near_coarse_texel(fine) == coarse ? 0.75 : 0.0) + (far_coarse_texel(fine, size) == coarse ? 0.25 : 0.0);
 }
 
 void main()
 {
     ivec2 texel;
-    if (!own_texel(texel))
+    if (!get_thread_texel(texel))
         return;
     ivec2 size = level_size(run.level), finer_size = level_size(run.level - 1);
     vec4 sum = vec4(0.0);

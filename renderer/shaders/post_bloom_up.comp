@@ -19,8 +19,8 @@ vec3 coarse(ivec2 texel)
 vec3 from_coarser(ivec2 texel)
 {
     ivec2 size = level_size(run.level + 1);
-    ivec2 near = ivec2(near_of(texel.x), near_of(texel.y));
-    ivec2 far = ivec2(far_of(texel.x, size.x), far_of(texel.y, size.y));
+    ivec2 near = ivec2(near_coarse_texel(texel.x), near_coarse_texel(texel.y));
+    ivec2 far = ivec2(far_coarse_texel(texel.x, size.x), far_coarse_texel(texel.y, size.y));
     return 0.5625 * coarse(near) + 0.0625 * coarse(far) +
            0.1875 * (coarse(ivec2(far.x, near.y)) + coarse(ivec2(near.x, far.y)));
 }
@@ -28,7 +28,7 @@ vec3 from_coarser(ivec2 texel)
 void main()
 {
     ivec2 texel;
-    if (!own_texel(texel))
+    if (!get_thread_texel(texel))
         return;
     vec3 spread = from_coarser(texel);
     if (run.level > 0) {

@@ -162,7 +162,7 @@ vec3 console(ivec2 pixel)
 void main()
 {
     ivec2 pixel;
-    if (!own_pixel(pixel))
+    if (!get_thread_pixel(pixel))
         return;
     put(pixel, choice(POST_FXAA) == POST_FXAA_CONSOLE ? console(pixel) : quality(pixel));
 }

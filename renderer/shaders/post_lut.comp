@@ -13,10 +13,10 @@ layout(std430, binding = 3) writeonly buffer Table {
 
 void main()
 {
-    uint node = own_thread();
+    uint node = get_thread_index();
     if (node >= uint(POST_LUT_SIDE * POST_LUT_SIDE * POST_LUT_SIDE))
         return;
     uvec3 at = uvec3(node, node / POST_LUT_SIDE, node / (POST_LUT_SIDE * POST_LUT_SIDE)) %
                uint(POST_LUT_SIDE);
-    table[node] = vec4(developed(colour_at(vec3(at) / float(POST_LUT_SIDE - 1))), 1.0);
+    table[node] = vec4(develop_colour(table_to_colour(vec3(at) / float(POST_LUT_SIDE - 1))), 1.0);
 }

@@ -33,7 +33,7 @@ void main()
     for (uint i = local; i < POST_METER_BINS; i += GROUP)
         own_counts[i] = own_offsets[i] = 0;
     barrier();
-    uint first = (own_thread() - local) * POST_METER_PIXELS + local;
+    uint first = (get_thread_index() - local) * POST_METER_PIXELS + local;
     for (uint i = 0; i < POST_METER_PIXELS; i++) {
         uint pixel = first + i * GROUP;
         if (pixel < end)

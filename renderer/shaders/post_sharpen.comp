@@ -58,7 +58,7 @@ vec3 rcas(vec3 around[9])
 void main()
 {
     ivec2 pixel;
-    if (!own_pixel(pixel))
+    if (!get_thread_pixel(pixel))
         return;
     vec3 around[9]; // 3x3, row by row
     [[unroll]] for (int i = 0; i < 9; i++)

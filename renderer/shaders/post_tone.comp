@@ -26,10 +26,10 @@ float vignette(ivec2 pixel)
 }
 
 // Trilinear lookup in the colour table.
-vec3 looked_up(vec3 colour)
+vec3 sample_colour_table(vec3 colour)
 {
     const int LAST = POST_LUT_SIDE - 1;
-    vec3 place = place_of(colour) * float(LAST);
+    vec3 place = colour_to_table(colour) * float(LAST);
     ivec3 low = min(ivec3(place), ivec3(LAST - 1));
     vec3 way = place - vec3(low);
     vec3 sum = vec3(0.0);
@@ -46,13 +46,13 @@ vec3 looked_up(vec3 colour)
 void main()
 {
     ivec2 pixel;
-    if (!own_pixel(pixel))
+    if (!get_thread_pixel(pixel))
         return;
     // The bound keeps products of several values in the curves finite; the largest half is far
     // beyond every white point.
     float exposure = exp2(exposure_ev()) * vignette(pixel);
     vec3 exposed = min(exposure * fetch(pixel), BRIGHTEST);
-    vec3 colour = choice(POST_LUT) != 0 ? looked_up(exposed) : developed(exposed);
+    vec3 colour = choice(POST_LUT) != 0 ? sample_colour_table(exposed) : develop_colour(exposed);
     float noise = uniform_from(pcg4d(uvec4(pixel, view.frame, view.seed)).xyz).x;
     colour += setting(POST_GRAIN) / 255.0 * (noise - 0.5);
     put(pixel, clamp(colour, 0.0, 1.0));

@@ -235,7 +235,7 @@ vec3 filtered(vec2 place)
 void main()
 {
     ivec2 pixel;
-    if (!own_pixel(pixel))
+    if (!get_thread_pixel(pixel))
         return;
     vec2 place = (vec2(pixel) + 0.5) * vec2(from_size()) / vec2(to_size());
     vec3 colour = filtered(place);

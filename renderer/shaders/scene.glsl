@@ -45,7 +45,7 @@ uint block_end(uint block, vec3 origin_m, vec3 direction, float t0_m, float t1_m
     return meets ? min(first + BLOCK_SOLIDS, frame.solid_count) : first;
 }
 
-uint block_count() { return (own(frame.solid_count) + BLOCK_SOLIDS - 1) / BLOCK_SOLIDS; }
+uint block_count() { return (make_nonuniform(frame.solid_count) + BLOCK_SOLIDS - 1) / BLOCK_SOLIDS; }
 
 #ifdef KNOWS_SOLIDS
 // scene_hit() for known solids.
@@ -98,7 +98,7 @@ bool sees_sun(vec3 point_m, uint except)
     float start_m = SHADOW_START * length(point_m);
 #ifdef KNOWS_SOLIDS
     if (ARE_KNOWN)
-        return known_let_pass(point_m, to_sun(), start_m, ENDLESS_M, except);
+        return known_sees_point(point_m, to_sun(), start_m, ENDLESS_M, except);
 #endif
     for (uint block = 0; block < block_count(); block++) {
         uint end = block_end(block, point_m, to_sun(), start_m, FAR_M);
@@ -127,7 +127,7 @@ bool sees_point(vec3 point_m, vec3 direction, float distance_m, uint except)
     float start_m = SHADOW_START * length(point_m);
 #ifdef KNOWS_SOLIDS
     if (ARE_KNOWN)
-        return known_let_pass(point_m, direction, start_m, distance_m, except);
+        return known_sees_point(point_m, direction, start_m, distance_m, except);
 #endif
     for (uint block = 0; block < block_count(); block++) {
         uint end = block_end(block, point_m, direction, start_m, distance_m);

@@ -86,7 +86,7 @@ vec3 sky_light() { return vec3(view.sky_light[0], view.sky_light[1], view.sky_li
 bool is_sky(float depth_m) { return depth_m >= FAR_M; }
 
 // The element of this thread in a grid of `size`; false when there is none.
-bool own_place(ivec2 size, out ivec2 place)
+bool get_thread_place(ivec2 size, out ivec2 place)
 {
     int columns = (size.x + TILE - 1) / TILE;
     int group = int(run.first_group + gl_WorkGroupID.x), thread = int(gl_LocalInvocationIndex);
@@ -94,7 +94,7 @@ bool own_place(ivec2 size, out ivec2 place)
     return place.x < size.x && place.y < size.y;
 }
 
-bool own_pixel(out ivec2 pixel) { return own_place(size_px(), pixel); }
+bool get_thread_pixel(out ivec2 pixel) { return get_thread_place(size_px(), pixel); }
 
 bool is_inside(ivec2 pixel)
 {
@@ -103,35 +103,35 @@ bool is_inside(ivec2 pixel)
 
 // --- cells ------------------------------------------------------------------------------------
 
-int halvings() { return int(run.cell_px) - 1; } // log2 of the cell's side, 1 or 2
-ivec2 cells() { return (size_px() + halvings()) >> halvings(); }
-bool own_cell(out ivec2 cell) { return own_place(cells(), cell); }
+int cell_shift() { return int(run.cell_px) - 1; } // log2 of the cell's side, 1 or 2
+ivec2 cells() { return (size_px() + cell_shift()) >> cell_shift(); }
+bool get_thread_cell(out ivec2 cell) { return get_thread_place(cells(), cell); }
 
 bool is_cell(ivec2 cell)
 {
     return cell.x >= 0 && cell.y >= 0 && cell.x < cells().x && cell.y < cells().y;
 }
 
-ivec2 own_px() { return ivec2(run.own_px[0], run.own_px[1]); }
+ivec2 used_px() { return ivec2(run.own_px[0], run.own_px[1]); }
 ivec2 before_px() { return ivec2(run.before_px[0], run.before_px[1]); }
 
 // The pixel of a cell that is used, in this frame and in the one before.
-ivec2 pixel_in(ivec2 cell) { return min((cell << halvings()) + own_px(), size_px() - 1); }
+ivec2 pixel_in(ivec2 cell) { return min((cell << cell_shift()) + used_px(), size_px() - 1); }
 ivec2 pixel_before_in(ivec2 cell)
 {
-    return min((cell << halvings()) + before_px(), size_px() - 1);
+    return min((cell << cell_shift()) + before_px(), size_px() - 1);
 }
 
 // --- targets ----------------------------------------------------------------------------------
 
 // Index of a texel. Cells are stored in the upper left part of their target, at the same row stride
 // as pixels.
-int texel_of(ivec2 pixel) { return pixel.y * size_px().x + pixel.x; }
+int texel_index(ivec2 pixel) { return pixel.y * size_px().x + pixel.x; }
 bool is_half() { return choice(SCREEN_TARGETS) == SCREEN_FLOAT16; }
 
 vec4 load(int target, ivec2 pixel)
 {
-    int at = texel_of(pixel);
+    int at = texel_index(pixel);
     if (is_half()) {
         uvec2 halves = texels_16[target].texels[at];
         return vec4(unpackHalf2x16(halves.x), unpackHalf2x16(halves.y));
@@ -141,7 +141,7 @@ vec4 load(int target, ivec2 pixel)
 
 void store(int target, ivec2 pixel, vec4 texel)
 {
-    int at = texel_of(pixel);
+    int at = texel_index(pixel);
     if (is_half()) {
         const float HALF_MAX = 65504.0;
         vec4 held = clamp(texel, -HALF_MAX, HALF_MAX);
@@ -153,12 +153,12 @@ void store(int target, ivec2 pixel, vec4 texel)
 
 float load_one(int target, ivec2 pixel)
 {
-    return uintBitsToFloat(targets[target].words[texel_of(pixel)]);
+    return uintBitsToFloat(targets[target].words[texel_index(pixel)]);
 }
 
 void store_one(int target, ivec2 pixel, float value)
 {
-    targets[target].words[texel_of(pixel)] = floatBitsToUint(value);
+    targets[target].words[texel_index(pixel)] = floatBitsToUint(value);
 }
 
 float depth_at_m(ivec2 pixel) { return load_one(SCREEN_DEPTH, pixel); }
@@ -181,7 +181,7 @@ bool is_left_out(ivec2 pixel, bool of_metal)
 
 // --- places -----------------------------------------------------------------------------------
 
-vec2 centre_of(ivec2 pixel) { return vec2(pixel) + 0.5; }
+vec2 pixel_centre_px(ivec2 pixel) { return vec2(pixel) + 0.5; }
 
 // The point seen at an image position, in pixels from the upper left corner, for an eye depth.
 vec3 place_m(vec2 place_px, float depth_m)
@@ -190,7 +190,7 @@ vec3 place_m(vec2 place_px, float depth_m)
     return vec3(is_orthographic() ? way : way * depth_m, depth_m);
 }
 
-vec3 surface_m(ivec2 pixel) { return place_m(centre_of(pixel), depth_at_m(pixel)); }
+vec3 surface_m(ivec2 pixel) { return place_m(pixel_centre_px(pixel), depth_at_m(pixel)); }
 
 // The surface point at an image position: the pixel's surface is extended in its tangent plane,
 // which is exact for flat surfaces and of second order for others. False where the plane is seen
@@ -225,7 +225,7 @@ float same_surface(vec3 point_m, vec3 normal, ivec2 neighbour)
 }
 
 // Image position of a point in front of the camera.
-vec2 pixel_of(vec3 point_m)
+vec2 project_to_pixel(vec3 point_m)
 {
     vec2 way = is_orthographic() ? point_m.xy : point_m.xy / point_m.z;
     return (0.5 + 0.5 * vec2(1.0, -1.0) * way / half_size()) * vec2(size_px());
@@ -234,7 +234,7 @@ vec2 pixel_of(vec3 point_m)
 // Number of the solid that a pixel shows.
 uint solid_at(ivec2 pixel)
 {
-    return targets[SCREEN_MARKS].words[texel_of(pixel)] >> SCREEN_LIGHT_BITS;
+    return targets[SCREEN_MARKS].words[texel_index(pixel)] >> SCREEN_LIGHT_BITS;
 }
 
 // A direction and a point of a solid in the axes of the camera of the frame before.

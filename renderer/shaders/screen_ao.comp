@@ -79,21 +79,21 @@ float to_edge_px(vec2 from_px, vec2 way)
 // camera to the ball around the site; `across` selects one of the tangents.
 float reach_px(Site site, vec3 across, vec2 way)
 {
-    vec2 from_px = centre_of(site.pixel);
+    vec2 from_px = pixel_centre_px(site.pixel);
     float edge_px = to_edge_px(from_px, way);
     if (is_orthographic())
-        return min(edge_px, length(pixel_of(site.point_m + site.radius_m * across) - from_px));
+        return min(edge_px, length(project_to_pixel(site.point_m + site.radius_m * across) - from_px));
     float sine = site.radius_m / length(site.point_m);
     if (sine >= 1.0)
         return edge_px;
     vec3 tangent = sine * across - sqrt(1.0 - sine * sine) * site.to_camera;
     const float LEAST = 1e-3; // lower bound for z of a tangent that meets the image plane
-    return tangent.z > LEAST ? min(edge_px, length(pixel_of(tangent) - from_px)) : edge_px;
+    return tangent.z > LEAST ? min(edge_px, length(project_to_pixel(tangent) - from_px)) : edge_px;
 }
 
 // Slice number `turn` in [0, 1) of half a rotation. Slices are distributed evenly about the line of
 // sight, or about the camera's axis as in the paper; both agree at the image's centre.
-Slice slice_of(Site site, float turn)
+Slice make_slice(Site site, float turn)
 {
     Slice slice;
     if (choice(SCREEN_AO_SLICES) == SCREEN_SLICES_AXIS) {
@@ -120,7 +120,7 @@ float horizon_cosine(Site site, vec2 way, float reach, float lowest)
     for (int s = 0; s < steps && reach > NEAREST_PX; s++) {
         float share = pow((float(s) + site.noise.y) / float(steps), setting(SCREEN_AO_STEP_POWER));
         vec3 seen_m;
-        if (!seen_at(centre_of(site.pixel) + mix(NEAREST_PX, reach, share) * way, seen_m))
+        if (!seen_at(pixel_centre_px(site.pixel) + mix(NEAREST_PX, reach, share) * way, seen_m))
             continue;
         vec3 offset_m = seen_m - site.point_m;
         float distance_m = length(offset_m);
@@ -169,7 +169,7 @@ float gtao(Site site)
     int slices = choice(SCREEN_AO_DIRECTIONS);
     vec2 sums = vec2(0.0);
     for (int i = 0; i < slices; i++)
-        sums += open_slice(site, slice_of(site, (float(i) + site.noise.x) / float(slices)));
+        sums += open_slice(site, make_slice(site, (float(i) + site.noise.x) / float(slices)));
     bool is_ratio = choice(SCREEN_AO_SUM) == SCREEN_SUM_RATIO;
     return is_ratio ? sums.x / max(sums.y, 1e-6) : sums.x / float(slices);
 }
@@ -179,7 +179,7 @@ float gtao(Site site)
 // A sample beside the site: the cosine between normal and visible point, and its weight, which
 // fades out at twice the radius. (Unreal's fade also depends on the depth and so on the distance of
 // the camera; here lengths are in metres.)
-bool beside(Site site, vec2 place_px, out float cosine, out float weight)
+bool sample_beside(Site site, vec2 place_px, out float cosine, out float weight)
 {
     vec3 seen_m;
     cosine = 0.0;
@@ -208,8 +208,8 @@ float unreal_ao(Site site)
         for (int s = 1; s <= steps; s++) {
             vec2 way_px = float(s) / float(steps) * offset_px;
             vec2 cosines, weights;
-            bool both = beside(site, centre_of(site.pixel) + way_px, cosines.x, weights.x);
-            both = beside(site, centre_of(site.pixel) - way_px, cosines.y, weights.y) && both;
+            bool both = sample_beside(site, pixel_centre_px(site.pixel) + way_px, cosines.x, weights.x);
+            both = sample_beside(site, pixel_centre_px(site.pixel) - way_px, cosines.y, weights.y) && both;
             most = mix(most, vec3(max(most.xy, cosines), 1.0), both ? weights.x * weights.y : 0.0);
         }
         vec2 open = (1.0 - most.xy) * (1.0 - most.xy);
@@ -239,7 +239,7 @@ float ssao(Site site)
         vec3 u = fract(float(i + 1) * R3 + vec3(0.0, site.noise));
         vec3 point_m = site.point_m + site.radius_m * in_half_ball(site.normal, u);
         vec3 seen_m;
-        if (!(point_m.z > 0.0) || !seen_at(pixel_of(point_m), seen_m))
+        if (!(point_m.z > 0.0) || !seen_at(project_to_pixel(point_m), seen_m))
             continue;
         bool is_before = seen_m.z < point_m.z * (1.0 - setting(SCREEN_AO_BIAS));
         bool is_near = site.point_m.z - seen_m.z < site.radius_m;
@@ -265,12 +265,12 @@ float open_share(Site site)
 void main()
 {
     ivec2 cell;
-    if (!own_cell(cell))
+    if (!get_thread_cell(cell))
         return;
     ivec2 pixel = pixel_in(cell);
     float depth_m = depth_at_m(pixel), open = 1.0;
     if (!is_sky(depth_m)) {
-        vec3 point_m = place_m(centre_of(pixel), depth_m);
+        vec3 point_m = place_m(pixel_centre_px(pixel), depth_m);
         vec2 noise = choice(SCREEN_AO_NOISE) != 0 ? tiled_noise(cell) : vec2(0.5);
         Site site = Site(pixel, point_m, normal_at(pixel), to_camera(point_m),
                          setting(SCREEN_AO_RADIUS_M), noise);

@@ -18,14 +18,14 @@ float window(ivec2 offset, int radius)
 void main()
 {
     ivec2 cell;
-    if (!own_cell(cell))
+    if (!get_thread_cell(cell))
         return;
     ivec2 pixel = pixel_in(cell);
     float depth_m = depth_at_m(pixel);
     vec2 sums = vec2(load(SCREEN_OPEN, cell).x, 1.0);
     int radius = choice(SCREEN_AO_BLUR_PX), side = 2 * radius + 1;
     if (!is_sky(depth_m)) {
-        vec3 point_m = place_m(centre_of(pixel), depth_m), normal = normal_at(pixel);
+        vec3 point_m = place_m(pixel_centre_px(pixel), depth_m), normal = normal_at(pixel);
         sums = vec2(0.0);
         for (int i = 0; i < side * side; i++) {
             ivec2 offset = ivec2(i % side, i / side) - radius;

@@ -19,10 +19,10 @@ bool seen_before(uint solid, vec3 point_m, vec3 normal, out ivec2 pixel)
     vec3 was_m = place_before_m(solid, point_m);
     if (view.has_before == 0u || !(was_m.z > 0.0))
         return false;
-    pixel = ivec2(floor(pixel_of(was_m)));
+    pixel = ivec2(floor(project_to_pixel(was_m)));
     if (!is_inside(pixel) || is_sky(depth_before_m(pixel)))
         return false;
-    vec3 seen_m = place_m(centre_of(pixel), depth_before_m(pixel));
+    vec3 seen_m = place_m(pixel_centre_px(pixel), depth_before_m(pixel));
     return abs(dot(direction_before(solid, normal), seen_m - was_m)) < OFF_PLANE * was_m.z;
 }
 

@@ -19,7 +19,7 @@ vec3 indirect(uint target, ivec2 pixel)
 void main()
 {
     ivec2 pixel;
-    if (!own_pixel(pixel))
+    if (!get_thread_pixel(pixel))
         return;
     bool is_last = run.turn == 1u, is_solid = !is_sky(depth_at_m(pixel));
     vec3 light = load(is_last ? SCREEN_LIT : SCREEN_DIRECT, pixel).rgb;

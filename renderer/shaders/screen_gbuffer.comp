@@ -16,7 +16,7 @@ vec3 in_camera_axes(vec3 v)
 // Coordinates of a box's pattern: the two axes of the face, from its centre.
 vec2 face_place(Solid box, vec3 point_m, float cell_m)
 {
-    vec3 own_m = is_turned(box) ? own_point(box, point_m) : point_m;
+    vec3 own_m = is_turned(box) ? to_box_axes(box, point_m) : point_m;
     vec3 across = abs(box_normal(box, own_m));
     vec3 place = (own_m - 0.5 * (box.low_m + box.high_m)) / cell_m;
     return vec2(across.x > 0.5 ? place.y : place.x, across.z > 0.5 ? place.y : place.z);
@@ -31,7 +31,7 @@ vec3 base_colour(Solid solid, ScreenSurface surface, vec3 point_m)
     return mix(solid.albedo.rgb, surface.other, value);
 }
 
-Place place_of(ViewRay ray, Hit hit)
+Place make_surface_place(ViewRay ray, Hit hit)
 {
     Solid solid = solids[hit.solid];
     ScreenSurface surface = surfaces[hit.solid];
@@ -51,23 +51,23 @@ Place place_of(ViewRay ray, Hit hit)
 void main()
 {
     ivec2 pixel;
-    if (!own_pixel(pixel))
+    if (!get_thread_pixel(pixel))
         return;
     ViewRay ray = camera_ray(uint(pixel.x), uint(pixel.y));
     Hit hit = scene_hit(ray.origin_m, ray.direction);
     if (hit.solid == NO_SOLID) {
         store_one(SCREEN_DEPTH, pixel, FAR_M);
-        targets[SCREEN_MARKS].words[texel_of(pixel)] = 0u;
+        targets[SCREEN_MARKS].words[texel_index(pixel)] = 0u;
         store(SCREEN_NORMAL, pixel, vec4(0.0, 0.0, -1.0, 0.0));
         store(SCREEN_BASE, pixel, vec4(0.0));
         store(SCREEN_DIRECT, pixel, vec4(frame.background, 0.0));
         return;
     }
-    Place place = place_of(ray, hit);
+    Place place = make_surface_place(ray, hit);
     store_one(SCREEN_DEPTH, pixel, hit.t_m * dot(ray.direction, frame.camera_forward));
     store(SCREEN_NORMAL, pixel, vec4(in_camera_axes(place.normal), place.roughness));
     store(SCREEN_BASE, pixel, vec4(place.base, place.metalness));
     uint seen = lights_seen(place);
-    targets[SCREEN_MARKS].words[texel_of(pixel)] = seen | hit.solid << SCREEN_LIGHT_BITS;
+    targets[SCREEN_MARKS].words[texel_index(pixel)] = seen | hit.solid << SCREEN_LIGHT_BITS;
     store(SCREEN_DIRECT, pixel, vec4(direct_light(place, seen), 1.0));
 }

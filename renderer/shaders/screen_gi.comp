@@ -12,7 +12,7 @@
 #include "screen_lights.glsl"
 
 // Radiance of a hit surface towards the ray's origin.
-vec3 light_of(ScreenHit hit, vec3 direction)
+vec3 hit_radiance(ScreenHit hit, vec3 direction)
 {
     bool is_front = dot(normal_at(hit.pixel), direction) < 0.0;
     if (!is_front || view.has_bounces == 0u)
@@ -25,7 +25,7 @@ vec3 light_of(ScreenHit hit, vec3 direction)
 void main()
 {
     ivec2 cell;
-    if (!own_cell(cell))
+    if (!get_thread_cell(cell))
         return;
     ivec2 pixel = pixel_in(cell);
     float depth_m = depth_at_m(pixel);
@@ -33,7 +33,7 @@ void main()
         store(SCREEN_GI_RAW, cell, vec4(0.0));
         return;
     }
-    vec3 point_m = place_m(centre_of(pixel), depth_m), normal = normal_at(pixel);
+    vec3 point_m = place_m(pixel_centre_px(pixel), depth_m), normal = normal_at(pixel);
     vec3 first, second;
     basis_across(normal, first, second);
     uint rays = uint(choice(SCREEN_GI_RAYS));
@@ -47,7 +47,7 @@ void main()
         ScreenRay ray = screen_ray(pixel, point_m, direction, reach_m);
         ScreenHit hit = screen_march(ray, choice(SCREEN_GI_STEPS),
                                      ray_offset(cell, 2u, view.frame + i));
-        sum += hit.is_found ? vec4(light_of(hit, direction), 0.0) : vec4(0.0, 0.0, 0.0, 1.0);
+        sum += hit.is_found ? vec4(hit_radiance(hit, direction), 0.0) : vec4(0.0, 0.0, 0.0, 1.0);
     }
     store(SCREEN_GI_RAW, cell, sum / float(rays));
 }

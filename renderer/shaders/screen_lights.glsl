@@ -25,7 +25,7 @@ struct Beam {
     vec3 irradiance;
 };
 
-uint light_count() { return own(frame.lamp_count) + 1u; }
+uint light_count() { return make_nonuniform(frame.lamp_count) + 1u; }
 
 Beam beam_at(uint light, vec3 point_m)
 {
@@ -94,7 +94,7 @@ vec3 direct_into(vec3 direction, ivec2 pixel)
     place.base = base.rgb;
     place.roughness = load(SCREEN_NORMAL, pixel).w;
     place.metalness = base.w;
-    return direct_light(place, targets[SCREEN_MARKS].words[texel_of(pixel)]);
+    return direct_light(place, targets[SCREEN_MARKS].words[texel_index(pixel)]);
 }
 
 #endif

@@ -20,7 +20,7 @@ vec4 history(uint solid, vec3 point_m, vec3 normal, out float count)
     if (view.has_before == 0u || !(was_m.z > 0.0))
         return vec4(0.0);
     int counts = is_gi() ? SCREEN_GI_COUNT_BEFORE : SCREEN_SSR_COUNT_BEFORE;
-    vec2 place = (pixel_of(was_m) - 0.5 - vec2(before_px())) / float(run.cell_px);
+    vec2 place = (project_to_pixel(was_m) - 0.5 - vec2(before_px())) / float(run.cell_px);
     ivec2 corner = ivec2(floor(place));
     vec2 way = place - vec2(corner);
     vec4 sum = vec4(0.0);
@@ -30,7 +30,7 @@ vec4 history(uint solid, vec3 point_m, vec3 normal, out float count)
         vec2 share = mix(1.0 - way, way, equal(side, ivec2(1)));
         if (!is_cell(cell) || is_sky(depth_before_m(at)))
             continue;
-        vec3 offset_m = place_m(centre_of(at), depth_before_m(at)) - was_m;
+        vec3 offset_m = place_m(pixel_centre_px(at), depth_before_m(at)) - was_m;
         vec3 its_normal = normalize(load(SCREEN_NORMAL_BEFORE, at).xyz);
         if (abs(dot(offset_m, was_normal)) > OFF_PLANE * was_m.z ||
             dot(its_normal, was_normal) < SAME_NORMAL)
@@ -46,13 +46,13 @@ vec4 history(uint solid, vec3 point_m, vec3 normal, out float count)
 void main()
 {
     ivec2 cell;
-    if (!own_cell(cell))
+    if (!get_thread_cell(cell))
         return;
     ivec2 pixel = pixel_in(cell);
     float depth_m = depth_at_m(pixel), count = 0.0;
     vec4 mean = vec4(0.0);
     if (!is_sky(depth_m) && !is_left_out(pixel, !is_gi())) {
-        mean = history(solid_at(pixel), place_m(centre_of(pixel), depth_m), normal_at(pixel),
+        mean = history(solid_at(pixel), place_m(pixel_centre_px(pixel), depth_m), normal_at(pixel),
                        count);
         count = min(count, setting(is_gi() ? SCREEN_GI_HISTORY : SCREEN_SSR_HISTORY)) + 1.0;
         mean = mix(mean, load(int(run.from), cell), 1.0 / count);

@@ -41,8 +41,8 @@ ScreenRay screen_ray(ivec2 own, vec3 from_m, vec3 direction, float most_m)
     ray.length_m = direction.z < 0.0 ? min(most_m, (1.0 - NEAREST) * from_m.z / -direction.z)
                                      : most_m;
     vec3 to_m = from_m + ray.length_m * direction;
-    ray.from_px = pixel_of(from_m);
-    ray.to_px = pixel_of(to_m);
+    ray.from_px = project_to_pixel(from_m);
+    ray.to_px = project_to_pixel(to_m);
     ray.per_from = is_orthographic() ? 1.0 : 1.0 / from_m.z;
     ray.per_to = is_orthographic() ? 1.0 : 1.0 / to_m.z;
     vec2 way = ray.to_px - ray.from_px;

@@ -28,14 +28,14 @@ void main()
     const float B3[3] = float[3](0.375, 0.25, 0.0625);
     const float STEEPEST = 0.1, NORMALS = 32.0;
     ivec2 cell;
-    if (!own_cell(cell))
+    if (!get_thread_cell(cell))
         return;
     ivec2 pixel = pixel_in(cell);
     vec4 own = load(int(run.from), cell);
     float depth_m = depth_at_m(pixel);
     vec4 own_normal = load(SCREEN_NORMAL, pixel);
     float reach_px = is_gi() ? 1e6 : spread_px(own_normal.w);
-    vec3 point_m = place_m(centre_of(pixel), depth_m), normal = normalize(own_normal.xyz);
+    vec3 point_m = place_m(pixel_centre_px(pixel), depth_m), normal = normalize(own_normal.xyz);
     vec4 sum = vec4(0.0);
     float weights = 0.0;
     bool is_off = is_sky(depth_m) || is_left_out(pixel, !is_gi());

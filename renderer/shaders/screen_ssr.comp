@@ -39,7 +39,7 @@ vec4 reflected_along(ScreenRay ray, float offset)
     if (view.has_bounces == 0u)
         return vec4(0.0);
     if (!(load(SCREEN_BASE, hit.pixel).w > 0.0))
-        return vec4(lit_at(pixel_of(hit.point_m), hit.pixel), 0.0);
+        return vec4(lit_at(project_to_pixel(hit.point_m), hit.pixel), 0.0);
     vec3 diffuse = load(SCREEN_LIT, hit.pixel).rgb - load(SCREEN_DIRECT, hit.pixel).rgb;
     return vec4(max(diffuse, 0.0) + direct_into(ray.direction, hit.pixel) +
                     indirect_before(hit, false), 0.0);
@@ -48,7 +48,7 @@ vec4 reflected_along(ScreenRay ray, float offset)
 void main()
 {
     ivec2 cell;
-    if (!own_cell(cell))
+    if (!get_thread_cell(cell))
         return;
     ivec2 pixel = pixel_in(cell);
     float depth_m = depth_at_m(pixel), metalness = load(SCREEN_BASE, pixel).w;
@@ -62,7 +62,7 @@ void main()
         store(SCREEN_SSR_RAW, cell, vec4(0.0, 0.0, 0.0, open));
         return;
     }
-    vec3 point_m = place_m(centre_of(pixel), depth_m), normal = normal_at(pixel);
+    vec3 point_m = place_m(pixel_centre_px(pixel), depth_m), normal = normal_at(pixel);
     vec3 first, second, eye = to_camera(point_m);
     basis_across(normal, first, second);
     vec3 own_eye = vec3(dot(eye, first), dot(eye, second), max(1e-4, dot(eye, normal)));

@@ -16,7 +16,7 @@ bool has_signal(ivec2 pixel)
 
 // Value where no cell around has the signal or a similar orientation: unoccluded, and for indirect
 // light the sky's unoccluded fraction, as without rays.
-vec4 unknown(ivec2 pixel)
+vec4 fallback_value(ivec2 pixel)
 {
     float open = view.open_at != SCREEN_NONE ? load(int(view.open_at), pixel).x : 1.0;
     return run.turn == OF_AO ? vec4(1.0) : vec4(0.0, 0.0, 0.0, open);
@@ -40,7 +40,7 @@ Cell cell_at(ivec2 cell)
 // Similarity of a cell's surface: 1 in the pixel's plane, and LEAST off the plane, so that cells
 // off the plane count only where there are no others. A cell facing sideways has none. Without that
 // bound the eighth power of a cosine that is 0 up to rounding would select by rounding errors.
-float likeness(vec3 point_m, vec3 normal, Cell cell)
+float surface_similarity(vec3 point_m, vec3 normal, Cell cell)
 {
     const float LEAST = 1e-4, LEAST_FACING = 0.1; // a cosine
     float facing = min(dot(cell.normal, normal), 1.0);
@@ -51,19 +51,19 @@ float likeness(vec3 point_m, vec3 normal, Cell cell)
 }
 
 // Value of a pixel; `way` is its position between the first and the last of four cells.
-vec4 whole(ivec2 pixel, vec2 way, Cell around[4])
+vec4 upsample_cells(ivec2 pixel, vec2 way, Cell around[4])
 {
     vec3 point_m = surface_m(pixel), normal = normal_at(pixel);
     vec4 sum = vec4(0.0);
     float weights = 0.0;
     for (int i = 0; i < 4; i++) {
         vec2 share = mix(1.0 - way, way, equal(ivec2(i & 1, i >> 1), ivec2(1)));
-        float weight = share.x * share.y * likeness(point_m, normal, around[i]);
+        float weight = share.x * share.y * surface_similarity(point_m, normal, around[i]);
         weight = around[i].has_signal ? weight : 0.0;
         sum += weight * around[i].value;
         weights += weight;
     }
-    return weights > 0.0 ? sum / weights : unknown(pixel);
+    return weights > 0.0 ? sum / weights : fallback_value(pixel);
 }
 
 // A thread has four cells, and the up to four pixels from the first cell's pixel on, before the
@@ -75,18 +75,18 @@ vec4 whole(ivec2 pixel, vec2 way, Cell around[4])
 void main()
 {
     ivec2 place;
-    if (!own_place(cells() + own_px(), place))
+    if (!get_thread_place(cells() + used_px(), place))
         return;
-    ivec2 corner = place - own_px();
+    ivec2 corner = place - used_px();
     Cell around[4];
     for (int i = 0; i < 4; i++)
         around[i] = cell_at(corner + ivec2(i & 1, i >> 1));
     for (int i = 0; i < 4; i++) {
-        ivec2 step_px = ivec2(i & 1, i >> 1), pixel = (corner << 1) + own_px() + step_px;
+        ivec2 step_px = ivec2(i & 1, i >> 1), pixel = (corner << 1) + used_px() + step_px;
         if (!is_inside(pixel))
             continue;
         vec4 none = vec4(run.turn == OF_AO ? 1.0 : 0.0);
         vec2 way = vec2(step_px) / float(run.cell_px);
-        store(int(run.to), pixel, has_signal(pixel) ? whole(pixel, way, around) : none);
+        store(int(run.to), pixel, has_signal(pixel) ? upsample_cells(pixel, way, around) : none);
     }
 }

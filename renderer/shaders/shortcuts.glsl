@@ -40,7 +40,7 @@ Steps equal_steps(Stretch stretch, uint count)
     return Steps(stretch, (stretch.t1_m - stretch.t0_m) / float(count), count, 1.0, 1, ~0u);
 }
 
-Steps view_steps_of(Stretch stretch)
+Steps make_view_steps(Stretch stretch)
 {
     Steps steps = equal_steps(stretch, frame.steps);
     steps.growth = frame.step_growth;
@@ -60,7 +60,7 @@ uint step_after(Steps steps, uint i)
     return GROWS_BY_DEPTH ? min(i + steps.span, steps.end) : i + 1;
 }
 
-bool are_equal(Steps steps) { return !GROWS || own(steps.growth == 1.0); }
+bool are_equal(Steps steps) { return !GROWS || make_nonuniform(steps.growth == 1.0); }
 
 // Start of a step when lengths are a geometric progression with ratio g:
 //

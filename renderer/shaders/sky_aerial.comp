@@ -33,7 +33,7 @@ struct Stretch {
     float length_m, altitude_m, cosine, sun_cosine;
 };
 
-Stretch stretch_of(SkyRay ray, float t0_m, float t1_m)
+Stretch make_segment(SkyRay ray, float t0_m, float t1_m)
 {
     float r_m = air.radius_m + ray.altitude_m, rise_m = r_m * ray.cosine;
     float t_m = 0.5 * (t0_m + t1_m), growth_m2 = t_m * (2.0 * rise_m + t_m);
@@ -77,13 +77,13 @@ vec3 shade_of_all(Part all, vec3 light, float sun_cosine)
     return min(all.shade_of_once + covered * part * max(light - all.once, vec3(0.0)), light);
 }
 
-Part part_of(SkyRay ray, uint slice, vec4 sunlit, float through_clouds)
+Part march_slice(SkyRay ray, uint slice, vec4 sunlit, float through_clouds)
 {
     float near_m = sky_slice_m(slice - 1u), far_m = sky_slice_m(slice);
     SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(1.0), FAR_M);
     Part part = Part(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(1.0));
     for (uint k = 0u; k < STEPS_OF_SLICE; k++) {
-        Stretch stretch = stretch_of(ray, mix(near_m, far_m, float(k) / float(STEPS_OF_SLICE)),
+        Stretch stretch = make_segment(ray, mix(near_m, far_m, float(k) / float(STEPS_OF_SLICE)),
                                      mix(near_m, far_m, float(k + 1u) / float(STEPS_OF_SLICE)));
         if (stretch.altitude_m >= air.top_m)
             continue;
@@ -131,7 +131,7 @@ void main()
         bool is_shaded = is_kept && eye.is_shaded != 0u;
         vec4 sunlit = is_shaded ? sky_nodes[node + VEIL_SHADE] : vec4(vec3(1.0), 0.0);
         float through = is_shaded ? sky_nodes[node + VEIL_THROUGH].a : 1.0;
-        parts[gl_LocalInvocationIndex] = part_of(ray, slice, sunlit, through);
+        parts[gl_LocalInvocationIndex] = march_slice(ray, slice, sunlit, through);
         barrier();
         for (uint k = 0u; k < AT_ONCE; k++) {
             all = before(all, parts[first + k]);

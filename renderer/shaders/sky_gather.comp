@@ -24,7 +24,7 @@ void main()
     uint node = index / direction_count();
     float altitude_m = node_altitude_m(node), sun_cosine = node_sun_cosine(node);
     float sun_sine = sqrt(max(0.0, 1.0 - sun_cosine * sun_cosine));
-    SkyDirection direction = direction_of(altitude_m, index % direction_count());
+    SkyDirection direction = node_direction(altitude_m, index % direction_count());
     SkyRay ray;
     ray.altitude_m = altitude_m;
     ray.cosine = direction.z;

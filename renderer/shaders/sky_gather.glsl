@@ -41,7 +41,7 @@ float node_sun_cosine(uint node)
 // A direction, its solid angle included. Rows above and below the horizon have separate
 // quadratures, because the radiance is discontinuous there; azimuths cover half a turn, by
 // symmetry.
-SkyDirection direction_of(float altitude_m, uint index)
+SkyDirection node_direction(float altitude_m, uint index)
 {
     uint cap = index / pass.around;
     float horizon = -sqrt(sky_growth_m2(altitude_m)) / (air.radius_m + altitude_m);

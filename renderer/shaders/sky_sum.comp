@@ -51,7 +51,7 @@ void main()
     float altitude_m = node_altitude_m(node);
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < direction_count(); i++) {
-        SkyDirection direction = direction_of(altitude_m, i);
+        SkyDirection direction = node_direction(altitude_m, i);
         float value = is_ground ? max(0.0, direction.z) : harmonic(index % count, direction);
         sum += value * direction.solid_angle_sr * arrivals[node * direction_count() + i].rgb;
     }

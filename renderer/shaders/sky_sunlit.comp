@@ -36,7 +36,7 @@ Clouds mean_clouds()
 {
     vec2 sum = vec2(0.0);
     for (uint m = 0u; m < media_count(); m++)
-        sum += vec2(mean_cosine_of(m), frame.media[m].albedo.g);
+        sum += vec2(medium_mean_cosine(m), frame.media[m].albedo.g);
     sum /= max(float(media_count()), 1.0);
     return Clouds(sum.x, sum.y);
 }
@@ -45,7 +45,7 @@ Clouds mean_clouds()
 // layer (K. N. Liou, "An Introduction to Atmospheric Radiation", 2002, chapter 6), times the
 // absorption along a diffusion length. The clouds are taken to be as deep as they are long on the
 // sun ray, and the optical depth is the similar isotropic medium's.
-float handed_on(Clouds clouds, float depth, float mu)
+float scattered_downwards(Clouds clouds, float depth, float mu)
 {
     float similar = (1.0 - clouds.g) * depth;
     float whole = (2.0 / 3.0 + mu + (2.0 / 3.0 - mu) * transmittance(similar)) /
@@ -57,11 +57,11 @@ float handed_on(Clouds clouds, float depth, float mu)
 Sunlit sunlit_at(Clouds clouds, vec3 point_m)
 {
     is_in_shape = false; // use the shadow map, which is accurate enough
-    vec3 depth = mapped_or_own_sun_depth(point_m);
+    vec3 depth = sun_depth_outside_shapes(point_m);
     float mu = max(sky_spot(point_m).sun_cosine, 0.0), through = fraction_through(depth).g;
     if (!sees_sun(point_m, GROUND))
         return Sunlit(vec3(0.0), 0.0, through);
-    return Sunlit(fraction_through(depth), handed_on(clouds, depth.g, mu), through);
+    return Sunlit(fraction_through(depth), scattered_downwards(clouds, depth.g, mu), through);
 }
 
 void main()

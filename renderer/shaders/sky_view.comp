@@ -20,7 +20,7 @@ shared vec3 volumes[gl_WorkGroupSize.x], throughs[gl_WorkGroupSize.x];
 
 // The ray of a node, [half][elevation][azimuth]. Nodes are dense at the horizon and towards the
 // sun.
-SkyRay ray_of(SkyPlace place, uint node)
+SkyRay node_ray(SkyPlace place, uint node)
 {
     uint row = node / eye.azimuths;
     bool is_below = row >= eye.elevations;
@@ -37,7 +37,7 @@ SkyRay ray_of(SkyPlace place, uint node)
 }
 
 // Composes the parts of the threads from `first` on, the nearest part first.
-SkyLight together(uint first, float length_m)
+SkyLight compose_parts(uint first, float length_m)
 {
     SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(1.0), length_m);
     for (uint k = first; k < first + WALKERS; k++) {
@@ -70,7 +70,7 @@ void main()
     uint task = gl_GlobalInvocationID.x / WALKERS, layer = task / rays;
     SkyPlace place = eye.places[task % rays / nodes];
     uint node = task % nodes;
-    SkyRay ray = ray_of(place, node);
+    SkyRay ray = node_ray(place, node);
     SKY_UNROLL for (uint n = 0u; n < sky_layers(); n++)
         ray.phases[n] = n == layer ? 1.0 : 0.0;
     SkyPath path = sky_path(ray, eye.steps);
@@ -83,5 +83,5 @@ void main()
     barrier();
     if (walker == 0u && layer <= sky_layers())
         keep(place.first + node * sky_slice_count(), layer, ray,
-             together(thread, path.length_m));
+             compose_parts(thread, path.length_m));
 }

@@ -24,7 +24,7 @@ float depth_behind(vec3 point_m)
         vec3 high_m = low_m + vec3(frame.sun_lattice.size - 1) / frame.sun_lattice.per_m;
         float t0_m = 0.0, t1_m = length_m;
         if ((KINDS & FOG_KINDS) != 0u)
-            depth = exact_optical_depth_of(KINDS & FOG_KINDS, point_m, away, length_m).x;
+            depth = exact_optical_depth_by_kind(KINDS & FOG_KINDS, point_m, away, length_m).x;
         if (clip_box(low_m, high_m, point_m, away, t0_m, t1_m))
             depth += max(sun_lattice_depth(point_m + t1_m * away).x -
                              cached_sun_depth(point_m).x, 0.0);
@@ -33,7 +33,7 @@ float depth_behind(vec3 point_m)
     if (SUN == EXACT)
         depth = exact_optical_depth(point_m, away, length_m).x;
     if (SUN_MARCHED != 0u)
-        depth += marched_optical_depth(SUN_MARCHED, point_m, away, FAR_M, own(frame.sun_steps)).x;
+        depth += marched_optical_depth(SUN_MARCHED, point_m, away, FAR_M, make_nonuniform(frame.sun_steps)).x;
     return depth;
 }
 
@@ -63,7 +63,7 @@ vec3 slab_light(Mixture mixture, vec3 point_m, float seen_depth, float step_dept
 {
     if (mixture.scattering == vec3(0.0) || !medium_sees_sun(point_m))
         return vec3(0.0);
-    float scale = 1.0 - similar_of(mixture).onward_per_m / mixture.extinction_per_m.x;
+    float scale = 1.0 - make_similar_medium(mixture).onward_per_m / mixture.extinction_per_m.x;
     float sun_depth = sample_sun_depth(point_m).x, behind = depth_behind(point_m);
     float through = transmittance(sun_depth + seen_depth) * phi(step_depth);
     float through_similar = transmittance(scale * seen_depth) * phi(scale * step_depth);
@@ -71,7 +71,7 @@ vec3 slab_light(Mixture mixture, vec3 point_m, float seen_depth, float step_dept
     more += (transmittance(scale * sun_depth) * through_similar - through) / (4.0 * PI);
     vec3 sum = mixture.scattering * through;
     [[unroll]] for (uint m = 0; m < media_count(); m++)
-        sum += scattering_per_m[m] * (1.0 - mean_cosine_of(m)) * more;
+        sum += scattering_per_m[m] * (1.0 - medium_mean_cosine(m)) * more;
     return sun_at(point_m) * sum / mixture.extinction_per_m.x * step_depth;
 }
 

@@ -101,7 +101,7 @@ vec3 turned(Solid box, vec3 v, float sine)
 bool is_turned(Solid solid) { return TURNED && solid.kind >= SOLID_TURNED; }
 
 // A point in the axes of a rotated box.
-vec3 own_point(Solid box, vec3 point_m)
+vec3 to_box_axes(Solid box, vec3 point_m)
 {
     vec3 middle_m = 0.5 * (box.low_m + box.high_m);
     return middle_m + turned(box, point_m - middle_m, -box.albedo.w);
@@ -114,7 +114,7 @@ bool solid_interval(Solid solid, vec3 origin_m, vec3 direction, out float t0_m, 
     t0_m = -FAR_M;
     t1_m = FAR_M;
     if (is_turned(solid)) {
-        origin_m = own_point(solid, origin_m);
+        origin_m = to_box_axes(solid, origin_m);
         direction = turned(solid, direction, -solid.albedo.w);
     }
     return clip_box(solid.low_m, solid.high_m, origin_m, direction, t0_m, t1_m);
@@ -139,7 +139,7 @@ vec3 solid_normal(Solid solid, vec3 surface_m)
 {
     if (solid.kind == SOLID_SPHERE)
         return normalize(surface_m - solid.low_m);
-    vec3 point_m = is_turned(solid) ? own_point(solid, surface_m) : surface_m;
+    vec3 point_m = is_turned(solid) ? to_box_axes(solid, surface_m) : surface_m;
     vec3 normal = box_normal(solid, point_m);
     return is_turned(solid) ? turned(solid, normal, solid.albedo.w) : normal;
 }

@@ -32,7 +32,7 @@ void main()
     if (gl_GlobalInvocationID.x >= run.ray_count)
         return;
     uint node = run.first_ray + gl_GlobalInvocationID.x;
-    vec3 depth = sun_optical_depth_of(SHAPE_KINDS, node_m(node));
+    vec3 depth = sun_optical_depth_by_kind(SHAPE_KINDS, node_m(node));
     for (uint c = 0; c < SUN_CHANNELS; c++)
         sun_nodes[SUN_CHANNELS * node + c] = depth[c];
     ADD_64(counters.density_evaluations, density_evaluations);

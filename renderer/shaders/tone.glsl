@@ -47,7 +47,7 @@ vec3 neutral(vec3 colour)
 
 const vec3 AP1_LUMINANCE = vec3(0.2722287168, 0.6740817658, 0.0536895174);
 
-float saturation_of(vec3 ap0)
+float compute_saturation(vec3 ap0)
 {
     const float LEAST = 1e-10, LEAST_PEAK = 1e-2;
     float peak = max(ap0.r, max(ap0.g, ap0.b)), least = min(ap0.r, min(ap0.g, ap0.b));
@@ -73,7 +73,7 @@ float shaped(float x)
 vec3 with_glow(vec3 ap0)
 {
     const float MIDDLE = 0.08;
-    float gain = 0.05 * shaped((saturation_of(ap0) - 0.4) / 0.2);
+    float gain = 0.05 * shaped((compute_saturation(ap0) - 0.4) / 0.2);
     float luminance = luminance_with_chroma(ap0);
     float part = luminance <= 2.0 / 3.0 * MIDDLE ? 1.0
                  : luminance >= 2.0 * MIDDLE     ? 0.0
@@ -94,7 +94,7 @@ vec3 with_less_red(vec3 ap0)
 {
     const float SCALE = 0.82, PIVOT = 0.03, WIDTH_DEG = 135.0;
     float nearness = smoothstep(0.0, 1.0, 1.0 - abs(2.0 * hue_from_red(ap0) / WIDTH_DEG));
-    float weight = nearness * nearness * saturation_of(ap0);
+    float weight = nearness * nearness * compute_saturation(ap0);
     ap0.r += weight * (PIVOT - ap0.r) * (1.0 - SCALE);
     return ap0;
 }
@@ -102,7 +102,7 @@ vec3 with_less_red(vec3 ap0)
 // 2 / (1 + e^x). For large x exp() overflows to infinity, and the result is the correct 0.
 float logistic(float exponent) { return 2.0 / (1.0 + exp(exponent)); }
 
-float film_of(float x)
+float apply_film_curve(float x)
 {
     float slope = setting(POST_FILM_SLOPE), black = setting(POST_FILM_BLACK_CLIP),
           white = setting(POST_FILM_WHITE_CLIP);
@@ -126,13 +126,13 @@ float film_of(float x)
 vec3 unreal(vec3 rec709)
 {
     const float BEFORE = 0.96, AFTER = 0.93; // factors of the saturation
-    vec3 ap0 = multiplied(view.ap1_to_ap0, multiplied(view.rec709_to_ap1, rec709));
+    vec3 ap0 = multiply_rows(view.ap1_to_ap0, multiply_rows(view.rec709_to_ap1, rec709));
     ap0 = with_less_red(with_glow(ap0));
-    vec3 colour = max(multiplied(view.ap0_to_ap1, ap0), vec3(0.0));
+    vec3 colour = max(multiply_rows(view.ap0_to_ap1, ap0), vec3(0.0));
     colour = mix(vec3(dot(colour, AP1_LUMINANCE)), colour, BEFORE);
-    colour = vec3(film_of(colour.r), film_of(colour.g), film_of(colour.b));
+    colour = vec3(apply_film_curve(colour.r), apply_film_curve(colour.g), apply_film_curve(colour.b));
     colour = mix(vec3(dot(colour, AP1_LUMINANCE)), colour, AFTER);
-    return max(multiplied(view.ap1_to_rec709, max(colour, vec3(0.0))), vec3(0.0));
+    return max(multiply_rows(view.ap1_to_rec709, max(colour, vec3(0.0))), vec3(0.0));
 }
 
 // --- AgX (T. Sobotka, 2022; base look) ----------------------------------------------------------
@@ -157,7 +157,7 @@ vec3 agx(vec3 rec709)
                                    0.0423282422610123, 0.878468636469772, 0.0791661274605434,
                                    0.0423756549057051, 0.0784336, 0.879142973793104);
     const float LEAST_EV = -12.47393, MOST_EV = 4.026069, LEAST = 1e-6;
-    vec3 ev = log2(max(multiplied(INSET, rec709), vec3(LEAST)));
+    vec3 ev = log2(max(multiply_rows(INSET, rec709), vec3(LEAST)));
     vec3 place = clamp((ev - LEAST_EV) / (MOST_EV - LEAST_EV), 0.0, 1.0);
     return pow(vec3(agx_curve(place.r), agx_curve(place.g), agx_curve(place.b)), vec3(2.2));
 }
@@ -167,13 +167,13 @@ vec3 agx(vec3 rec709)
 const float PQ_M1 = 2610.0 / 16384.0, PQ_M2 = 2523.0 / 32.0, PQ_C1 = 3424.0 / 4096.0,
             PQ_C2 = 2413.0 / 128.0, PQ_C3 = 2392.0 / 128.0, PQ_NITS = 10000.0;
 
-float pq(float nits)
+float encode_pq(float nits)
 {
     float y = pow(clamp(nits / PQ_NITS, 0.0, 1.0), PQ_M1);
     return pow((PQ_C1 + PQ_C2 * y) / (1.0 + PQ_C3 * y), PQ_M2);
 }
 
-float nits_of(float code)
+float decode_pq(float code)
 {
     float x = pow(code, 1.0 / PQ_M2);
     return PQ_NITS * pow(max(x - PQ_C1, 0.0) / (PQ_C2 - PQ_C3 * x), 1.0 / PQ_M1);
@@ -192,19 +192,19 @@ float peak_nits()
 vec3 bt2390(vec3 colour)
 {
     float most = max(colour.r, max(colour.g, colour.b));
-    float code = pq(most * setting(POST_WHITE_NITS)), peak = pq(peak_nits());
+    float code = encode_pq(most * setting(POST_WHITE_NITS)), peak = encode_pq(peak_nits());
     float knee = 1.5 * peak - 0.5;
     if (code <= knee || peak >= 1.0)
         return colour;
     float t = (code - knee) / (1.0 - knee), t2 = t * t, t3 = t2 * t;
     float held = (2.0 * t3 - 3.0 * t2 + 1.0) * knee + (t3 - 2.0 * t2 + t) * (1.0 - knee) +
                  (3.0 * t2 - 2.0 * t3) * peak;
-    return colour * (nits_of(held) / (setting(POST_WHITE_NITS) * most));
+    return colour * (decode_pq(held) / (setting(POST_WHITE_NITS) * most));
 }
 
 // --- all curves ---------------------------------------------------------------------------------
 
-vec3 mapped(vec3 colour)
+vec3 apply_tone_curve(vec3 colour)
 {
     switch (choice(POST_TONE_MAP)) {
     case POST_MAP_REINHARD:
@@ -233,12 +233,12 @@ float srgb(float x)
 // PQ in BT.2020; the value 1 is white_nits, and values are clamped to the display's peak.
 vec3 encoded_hdr(vec3 colour)
 {
-    vec3 nits = setting(POST_WHITE_NITS) * multiplied(view.rec709_to_rec2020, colour);
+    vec3 nits = setting(POST_WHITE_NITS) * multiply_rows(view.rec709_to_rec2020, colour);
     nits = clamp(nits, vec3(0.0), vec3(setting(POST_PEAK_NITS)));
-    return vec3(pq(nits.r), pq(nits.g), pq(nits.b));
+    return vec3(encode_pq(nits.r), encode_pq(nits.g), encode_pq(nits.b));
 }
 
-vec3 encoded(vec3 colour)
+vec3 encode_display(vec3 colour)
 {
     if (choice(POST_ENCODE) == POST_ENCODE_PQ)
         return encoded_hdr(colour);
@@ -249,9 +249,9 @@ vec3 encoded(vec3 colour)
 }
 
 // White balance, tone curve and encoding of an exposed scene-linear colour.
-vec3 developed(vec3 colour)
+vec3 develop_colour(vec3 colour)
 {
-    return encoded(mapped(max(multiplied(view.white_balance, colour), vec3(0.0))));
+    return encode_display(apply_tone_curve(max(multiply_rows(view.white_balance, colour), vec3(0.0))));
 }
 
 // --- the colour table ---------------------------------------------------------------------------
@@ -269,7 +269,7 @@ vec3 to_place(vec3 colour)
 }
 
 // The colour of a table coordinate, and the inverse.
-vec3 colour_at(vec3 place) { return from_place(place) - from_place(vec3(0.0)); }
-vec3 place_of(vec3 colour) { return to_place(colour + from_place(vec3(0.0))); }
+vec3 table_to_colour(vec3 place) { return from_place(place) - from_place(vec3(0.0)); }
+vec3 colour_to_table(vec3 colour) { return to_place(colour + from_place(vec3(0.0))); }
 
 #endif

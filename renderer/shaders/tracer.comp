@@ -210,7 +210,7 @@ void start_at_surface()
     ViewRay ray = start_path();
     if (OPEN) {
         path.throughput = path.view_fraction;
-        path.roulette *= brightest_of(path.view_fraction);
+        path.roulette *= max_channel(path.view_fraction);
         if (path.roulette <= 0.0)
             return;
     }
@@ -235,7 +235,7 @@ void start_at_camera()
 // Factor for majorants on rays to a guessed place, where even small transmittances need a low
 // relative variance: with tight majorants ratio tracking has the relative variance e^(optical
 // depth).
-float raise_for(float guessed_depth)
+float majorant_factor(float guessed_depth)
 {
     const float RAISED_MAX = 16.0;
     return clamp(guessed_depth, 1.0, RAISED_MAX);
@@ -245,7 +245,7 @@ float raise_for(float guessed_depth)
 // than a free flight. Lamp light of the view ray is sampled before.
 void start_for_guessed_collision()
 {
-    if (LAMPS && own(frame.scatters_lamps) != 0u && path.is_looked_for == 0)
+    if (LAMPS && make_nonuniform(frame.scatters_lamps) != 0u && path.is_looked_for == 0)
         return;
     First first = firsts[item_place()];
     if (first.medium == MEDIA_MAX)
@@ -258,7 +258,7 @@ void start_for_guessed_collision()
     path.sun_roulette = 0.0;
     path.medium = first.medium;
     path.reach_m = first.t_m;
-    path.raised = raise_for(first.view_depth);
+    path.raised = majorant_factor(first.view_depth);
     path.sun_depth = MULTIPLE ? 0.0 : max(first.sun_depth, 1.0);
 }
 
@@ -267,7 +267,7 @@ void start_at_first_collision()
     First first = firsts[item_place()];
     path.origin_m = view_point_m(start_path(), first.t_m);
     path.throughput = first.weight;
-    path.roulette = ROULETTE * brightest_of(first.weight);
+    path.roulette = ROULETTE * max_channel(first.weight);
     path.medium = first.medium;
     path.stage = path.roulette > 0.0 ? STAGE_MEDIUM : STAGE_BEHIND;
     if (COLOURED)
@@ -303,7 +303,7 @@ void take_item()
     path.key = sample_key(run.first_pixel + item_pixel(),
                           run.first_sample + path.item % run.samples).xyz;
     path.drawn = 0;
-    path.hero = hero_of(draw());
+    path.hero = choose_hero(draw());
     path.order1 = vec3(0.0);
     if (!OPEN)
         path.order1 = results[item_place()].order1.rgb;
@@ -361,7 +361,7 @@ void add_emitted(vec3 glow)
 // Roulette for a shadow ray with little light.
 void play_sun_roulette(float u)
 {
-    float most = brightest_of(path.sun_fraction);
+    float most = max_channel(path.sun_fraction);
     if (most < path.sun_roulette)
         path.sun_fraction *= u * path.sun_roulette < most ? path.sun_roulette / most : 0.0;
 }
@@ -389,9 +389,9 @@ void add_lamplight(vec3 light)
 
 // Whether lamp light scattered on the next segment is still to be sampled. For the view ray
 // tracer_first.comp has done it, unless OPEN.
-bool looks_for_lamps()
+bool is_lamp_light_pending()
 {
-    bool counts = own(frame.scatters_lamps) != 0u && (path.events > 0 ? MULTIPLE : OPEN);
+    bool counts = make_nonuniform(frame.scatters_lamps) != 0u && (path.events > 0 ? MULTIPLE : OPEN);
     return counts && path.is_looked_for == 0 && path.throughput != vec3(0.0);
 }
 
@@ -441,7 +441,7 @@ void arrive_from_lamp()
 }
 
 // At a surface one ray samples either the sun or a lamp, with equal probability if there is a sun.
-bool prepares_lamplight(vec3 normal, inout float sun_per_sr)
+bool sample_surface_lamp(vec3 normal, inout float sun_per_sr)
 {
     vec3 u = uniform_from(draw());
     float probability, share = sun_irradiance == vec3(0.0) ? 1.0 : 0.5;
@@ -486,7 +486,7 @@ void prepare_next(vec3 direction, float u)
 {
     path.next_direction = direction;
     bool goes_on = MULTIPLE || (ENVIRONMENT && path.events == 1);
-    float survival = min(1.0, brightest_of(path.throughput) / path.roulette);
+    float survival = min(1.0, max_channel(path.throughput) / path.roulette);
     if (!goes_on || u >= survival)
         path.throughput = vec3(0.0);
     else
@@ -516,7 +516,7 @@ void prepare_sunlight(float per_sr, float u)
 void look_up_sunlight(float u)
 {
     float guessed = guess_sun_transmittance(sun_lattice, path.origin_m, sun_direction);
-    float brightest = brightest_of(path.pending), most = brightest * guessed;
+    float brightest = max_channel(path.pending), most = brightest * guessed;
     add_light(path.pending * guessed);
     if (path.events == 1) {
         path.check.first_guessed = guessed;
@@ -547,7 +547,7 @@ bool sees_light(bool is_lamp)
 // One event: emission, shadow ray, next direction. Not repeated here, unless OPEN, is light that
 // earlier kernels have: at a first collision the emission (tracer_first.comp) and, unless
 // FIRST_BY_PATH, order 1; at a first surface the direct sunlight (tracer_view.comp).
-void happen()
+void process_event()
 {
     uvec4 bits = draw4();
     vec3 u = uniform_from(bits.xyz), next, normal = vec3(0.0);
@@ -575,7 +575,7 @@ void happen()
         next = sample_cosine(normal, u.xy);
     }
     if (LAMPS && !is_medium)
-        is_lamp = prepares_lamplight(normal, light_per_sr);
+        is_lamp = sample_surface_lamp(normal, light_per_sr);
     if (!is_lamp)
         prepare_sunlight(light_per_sr, uniform_from(bits.www).x);
     if (LAMPS && MULTIPLE)
@@ -587,7 +587,7 @@ void happen()
         is_lit = false;
     }
     path.ray = is_lit ? RAY_SUN : RAY_PATH;
-    path.raised = is_lit ? raise_for(path.sun_depth) : 1.0;
+    path.raised = is_lit ? majorant_factor(path.sun_depth) : 1.0;
     path.direction = is_lit ? light_direction(is_lamp) : path.next_direction;
     if (LAMPS) {
         path.reach_m = is_lamp ? path.lamp_m : FAR_M;
@@ -602,7 +602,7 @@ void happen()
 Hit nearest_hit(vec3 origin_m, vec3 direction, uint except)
 {
     Hit hit = Hit(FAR_M, NO_SOLID);
-    for (uint s = 0; s < own(frame.solid_count); s++) {
+    for (uint s = 0; s < make_nonuniform(frame.solid_count); s++) {
         float t0_m, t1_m;
         if (s == except || !solid_interval(solids[s], origin_m, direction, t0_m, t1_m))
             continue;
@@ -646,19 +646,19 @@ void cross_fog_medium(uint m, Medium medium)
 // depends only on tracked media.
 void cross_fog()
 {
-    float arriving = brightest_of(path.sun_fraction);
+    float arriving = max_channel(path.sun_fraction);
     if (MEDIA == 1)
         cross_fog_medium(0, only);
     for (uint m = 0; MEDIA != 1 && m < media_count(); m++)
         if (is_fog(m))
             cross_fog_medium(m, frame.media[m]);
     if (!is_path() && arriving > 0.0)
-        path.sun_roulette *= brightest_of(path.sun_fraction) / arriving;
+        path.sun_roulette *= max_channel(path.sun_fraction) / arriving;
 }
 
 // Path densities per channel after fog: e^-((color - hero's color) depth), times the color where
 // fog has scattered.
-void weigh_fog()
+void weigh_fog_channels()
 {
     for (uint m = 0; m < media_count(); m++) {
         if (!is_fog(m))
@@ -671,7 +671,7 @@ void weigh_fog()
     }
 }
 
-void leave()
+void start_segment()
 {
     bool is_short = path.ray == RAY_FIRST ||
                     (LAMPS && !is_path() && path.ray != RAY_VIEW);
@@ -690,7 +690,7 @@ void leave()
         path.end_m = hit.t_m;
         path.end_solid = hit.solid;
     }
-    if (LAMPS && is_path() && looks_for_lamps() && send_to_place(path.end_m))
+    if (LAMPS && is_path() && is_lamp_light_pending() && send_to_place(path.end_m))
         path.end_m = path.reach_m;
     else if (GUESSED && LAMPS && is_path() && path.events == 0 && path.is_looked_for != 0) {
         start_for_guessed_collision();
@@ -721,7 +721,7 @@ void arrive_behind()
 void arrive_at_first()
 {
     path.throughput *= path.sun_fraction;
-    path.roulette = ROULETTE * brightest_of(path.throughput);
+    path.roulette = ROULETTE * max_channel(path.throughput);
     path.origin_m += path.end_m * path.direction;
     path.ray = RAY_PATH;
     path.stage = path.roulette > 0.0 ? STAGE_MEDIUM : STAGE_BEHIND;
@@ -745,7 +745,7 @@ void arrive_with_fraction()
         start_for_guessed_collision();
 }
 
-void arrive()
+void finish_segment()
 {
     if (GUESSED && path.ray == RAY_FIRST) {
         arrive_at_first();
@@ -764,7 +764,7 @@ void arrive()
         return;
     }
     if (COLOURED && HAS_FOG)
-        weigh_fog();
+        weigh_fog_channels();
     bool is_sky = path.end_medium == MEDIA_MAX && path.end_solid == NO_SOLID;
     bool is_first = OPEN && path.events == 0;
     if (is_sky && ENVIRONMENT && !is_first)
@@ -807,7 +807,7 @@ void enter()
     float t0_m = 0.0, t1_m = path.end_m;
     bool is_met = clip_box(tracked.low_m, tracked.high_m, path.origin_m, path.direction, t0_m,
                            t1_m);
-    float free_paths_per_m = tracked.extinction_per_m * brightest_of(tracked.extinction_color);
+    float free_paths_per_m = tracked.extinction_per_m * max_channel(tracked.extinction_color);
     if (is_met && t0_m * free_paths_per_m > FAR_FREE_PATHS) {
         path.skipped_m = t0_m;
         place_cells();
@@ -874,7 +874,7 @@ void track_step(vec3 per_slope, ivec3 side, bvec3 parallel)
     float exit_m = max(path.t_m, min(face_m, end_m));
     uvec3 cell = uvec3(path.cell), size = tracked.majorant_size;
     float majorant_per_m =
-        path.raised * brightest_of(tracked.extinction_color) *
+        path.raised * max_channel(tracked.extinction_color) *
         majorants[tracked.majorant_first + cell.x + size.x * (cell.y + size.y * cell.z)];
     float depth = majorant_per_m * (exit_m - path.t_m);
     if (path.depth_left < depth) {
@@ -917,9 +917,9 @@ void main()
         if (path.stage == STAGE_IDLE)
             take_item();
         if (path.stage == STAGE_MEDIUM || path.stage == STAGE_SURFACE)
-            happen();
+            process_event();
         if (path.stage == STAGE_LEAVE)
-            leave();
+            start_segment();
         if (TRACKED_COUNT > 0) {
             if (TRACKED_COUNT > 1)
                 read_tracked();
@@ -929,7 +929,7 @@ void main()
             track();
         }
         if (path.stage == STAGE_ARRIVE)
-            arrive();
+            finish_segment();
     }
     states[thread] = path;
     atomicAdd(progress.items_done, items_done);

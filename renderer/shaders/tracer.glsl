@@ -165,7 +165,7 @@ uvec2 low_discrepancy(uint pixel, uint sample_index, uint decision)
 }
 
 // Hero channel, by which distances are drawn; from a sample's first random numbers.
-uint hero_of(uvec3 bits)
+uint choose_hero(uvec3 bits)
 {
     return COLOURED ? min(uint(3.0 * uniform_from(bits).z), 2u) : 0u;
 }
@@ -188,9 +188,9 @@ vec3 colour_absorbed_fraction(vec3 optical_depth)
     return COLOURED ? absorbed_fraction(optical_depth) : vec3(absorbed_fraction(optical_depth.r));
 }
 
-float brightest_of(vec3 channels) { return max(channels.r, max(channels.g, channels.b)); }
+float max_channel(vec3 channels) { return max(channels.r, max(channels.g, channels.b)); }
 
-float mean_of(vec3 channels) { return dot(channels, vec3(1.0 / 3.0)); }
+float average_channels(vec3 channels) { return dot(channels, vec3(1.0 / 3.0)); }
 
 // Approximate light of a collision [W m^-2 sr^-1] (scenes/sources.h). Used for sampling only.
 struct Source {
@@ -206,12 +206,12 @@ vec3 incident_light()
         light += frame.sun_irradiance / (4.0 * PI);
     for (uint m = 0; MULTIPLE && m < media_count(); m++)
         light += frame.media[m].glow;
-    for (uint i = 0; MULTIPLE && LAMPS && i < own(frame.lamp_count); i++)
+    for (uint i = 0; MULTIPLE && LAMPS && i < make_nonuniform(frame.lamp_count); i++)
         light += frame.lamps[i].intensity / (4.0 * PI);
     return light;
 }
 
-Source source_of(uint m)
+Source make_source(uint m)
 {
     vec3 scattered = frame.media[m].albedo * sign(frame.media[m].extinction_color);
     return Source(scattered * frame.sun_irradiance / (4.0 * PI),
@@ -220,19 +220,19 @@ Source source_of(uint m)
 
 bool is_bright(uint m)
 {
-    Source source = source_of(m);
+    Source source = make_source(m);
     return source.sun + source.ambient != vec3(0.0);
 }
 
 // Optical depth on the view ray of all media except one medium or fog layer.
-vec3 others_depth(uint but_medium, uint but_layer, ViewRay ray, float length_m)
+vec3 other_media_depth(uint but_medium, uint but_layer, ViewRay ray, float length_m)
 {
     vec3 sum = vec3(0.0);
-    if (media_count() == 1 && layers_of(0) == 1)
+    if (media_count() == 1 && medium_layer_count(0) == 1)
         return sum;
     for (uint m = 0; m < media_count(); m++) {
         float depth = 0.0;
-        for (uint l = 0; l < layers_of(m); l++)
+        for (uint l = 0; l < medium_layer_count(m); l++)
             if (m != but_medium || l != but_layer)
                 depth += layer_optical_depth(m, l, ray.origin_m, ray.direction, length_m);
         sum += frame.media[m].extinction_color * depth;

@@ -38,41 +38,41 @@ void offer(inout Choice choice, uint item, float most, vec3 light)
 }
 
 // Correction of a batch (of either sign), when the chosen light has this colour.
-vec3 missing(Choice choice, vec3 point_m, float guessed, vec3 color)
+vec3 compute_correction(Choice choice, vec3 point_m, float guessed, vec3 color)
 {
     float arrives = transmittance(scene_optical_depth(point_m, to_sun(), FAR_M).r);
     return color * (choice.most * (arrives / guessed)) - choice.light * (1.0 - ROUNDING);
 }
 
 // Whether an item has stored a result; empty items have not (tracer.comp).
-bool is_handed_in(uint item) { return SURFACES || firsts[item].weight != vec3(0.0); }
+bool has_stored_result(uint item) { return SURFACES || firsts[item].weight != vec3(0.0); }
 
 void check_higher(uint first, float u)
 {
     Choice choice = Choice(first, u, 0.0, vec3(0.0));
     for (uint item = first; item < first + BATCH_SAMPLES; item++)
-        if (is_handed_in(item))
+        if (has_stored_result(item))
             offer(choice, item, sun_checks[item].most, sun_checks[item].light);
     if (choice.most == 0.0)
         return;
     SunCheck event = sun_checks[choice.item];
-    results[choice.item].higher.rgb += missing(choice, event.point_m, event.guessed, event.color);
+    results[choice.item].higher.rgb += compute_correction(choice, event.point_m, event.guessed, event.color);
 }
 
 void check_first(uint first, uint pixel, float u)
 {
     Choice choice = Choice(first, u, 0.0, vec3(0.0));
     for (uint item = first; item < first + BATCH_SAMPLES; item++)
-        if (is_handed_in(item))
-            offer(choice, item, brightest_of(sun_checks[item].first_light),
+        if (has_stored_result(item))
+            offer(choice, item, max_channel(sun_checks[item].first_light),
                   sun_checks[item].first_light);
     if (choice.most == 0.0)
         return;
     SunCheck event = sun_checks[choice.item];
     vec3 point_m = view_point_m(pixel_ray(run.first_pixel + pixel), firsts[choice.item].t_m);
     results[choice.item].order1.rgb +=
-        missing(choice, point_m, event.first_guessed,
-                event.first_light / brightest_of(event.first_light));
+        compute_correction(choice, point_m, event.first_guessed,
+                event.first_light / max_channel(event.first_light));
 }
 
 void main()

@@ -32,13 +32,13 @@ Choice choose(uint pixel, uint hero, float u)
 {
     Choice choice = Choice(0, 0, 0.0, 0.5, vec3(0.0));
     for (uint m = 0; m < media_count(); m++)
-        for (uint l = 0; l < layers_of(m); l++)
+        for (uint l = 0; l < medium_layer_count(m); l++)
             choice.total += colour_absorbed_fraction(frame.media[m].extinction_color *
                                                      depths[pixel * PARTS + m * LAYERS_MAX + l]);
     float target = u * choice.total[hero];
     bool is_found = false;
     for (uint m = 0; m < media_count(); m++)
-        for (uint l = 0; l < layers_of(m); l++) {
+        for (uint l = 0; l < medium_layer_count(m); l++) {
             float depth = depths[pixel * PARTS + m * LAYERS_MAX + l];
             float part = absorbed_fraction(frame.media[m].extinction_color[hero] * depth);
             if (is_found || part <= 0.0)
@@ -68,7 +68,7 @@ First first_collision(uint pixel, ViewRay ray, uint hero, float u)
     float depth = min(-log_1_plus(-choice.u * part) / color[hero], choice.depth);
     first.medium = m;
     first.t_m = view_free_path_m(pixel, m, choice.layer, ray, t0_m, t1_m, depth);
-    vec3 others = others_depth(m, choice.layer, ray, first.t_m);
+    vec3 others = other_media_depth(m, choice.layer, ray, first.t_m);
     first.weight = choice.total * colour_transmittance(others);
     if (COLOURED) { // p = color e^(-color depth) / total; bounded by e^30, more than occurs
         vec3 density = color / max(choice.total, vec3(1e-30)) *
@@ -82,13 +82,13 @@ First first_collision(uint pixel, ViewRay ray, uint hero, float u)
 
 // Absorbed fraction of one medium or layer, mean of the channels. If MEDIA_DIFFER: equal for all
 // bright media, so that each is sampled.
-float grey_absorbed(uint pixel, uint m, uint l)
+float mean_absorbed_fraction(uint pixel, uint m, uint l)
 {
     if (MEDIA_DIFFER)
         return is_bright(m) && depths[pixel * PARTS + m * LAYERS_MAX + l] > 0.0 ? 1.0 : 0.0;
     vec3 parts = colour_absorbed_fraction(frame.media[m].extinction_color *
                                           depths[pixel * PARTS + m * LAYERS_MAX + l]);
-    return mean_of(parts);
+    return average_channels(parts);
 }
 
 // The chosen medium or layer.
@@ -104,30 +104,30 @@ struct Whole {
     float light, absorbed;
 };
 
-Whole whole_of(uint pixel)
+Whole sum_media_light(uint pixel)
 {
     Whole whole = Whole(2.0 * DARK, 0.0, 0.0);
     for (uint m = 0; m < media_count(); m++)
-        for (uint l = 0; l < layers_of(m); l++)
+        for (uint l = 0; l < medium_layer_count(m); l++)
             whole.most_log_light =
                 max(whole.most_log_light, lits[lit_table(pixel, m, l)].log_whole);
     for (uint m = 0; m < media_count(); m++)
-        for (uint l = 0; l < layers_of(m); l++) {
+        for (uint l = 0; l < medium_layer_count(m); l++) {
             float log_light = lits[lit_table(pixel, m, l)].log_whole - whole.most_log_light;
             whole.light += exp(max(log_light, EXPONENT_MIN));
-            whole.absorbed += grey_absorbed(pixel, m, l);
+            whole.absorbed += mean_absorbed_fraction(pixel, m, l);
         }
     return whole;
 }
 
 Part choose_lit(uint pixel, float u)
 {
-    Whole whole = whole_of(pixel);
+    Whole whole = sum_media_light(pixel);
     Part part = Part(0, 0, 0.0, 0.0, 0.5);
     bool is_found = false;
     for (uint m = 0; m < media_count(); m++)
-        for (uint l = 0; l < layers_of(m); l++) {
-            float absorbed = grey_absorbed(pixel, m, l);
+        for (uint l = 0; l < medium_layer_count(m); l++) {
+            float absorbed = mean_absorbed_fraction(pixel, m, l);
             if (is_found || absorbed <= 0.0)
                 continue;
             float log_light = lits[lit_table(pixel, m, l)].log_whole - whole.most_log_light;
@@ -155,11 +155,11 @@ First lit_collision(uint pixel, ViewRay ray, float u)
         !clip_medium(m, ray.origin_m, ray.direction, t0_m, t1_m))
         return first;
     LitChoice choice = LitChoice(lit_table(pixel, m, part.layer), part.lit_chance,
-                                 part.other_chance, mean_of(color));
+                                 part.other_chance, average_channels(color));
     LitPlace place = lit_place(choice, part.u);
     first.medium = m;
     first.t_m = view_free_path_m(pixel, m, part.layer, ray, t0_m, t1_m, place.x);
-    vec3 way = color * place.x + others_depth(m, part.layer, ray, first.t_m);
+    vec3 way = color * place.x + other_media_depth(m, part.layer, ray, first.t_m);
     first.weight = color * colour_transmittance(way) / place.density;
     return first;
 }
@@ -227,10 +227,10 @@ void main()
         return;
     }
     First first = LIT ? lit_collision(pixel, ray, u)
-                      : first_collision(pixel, ray, hero_of(bits), u);
+                      : first_collision(pixel, ray, choose_hero(bits), u);
     firsts[item] = first;
     vec3 order1 = FIRST_BY_PATH ? vec3(0.0) : scattered_once(first, ray);
-    if (LAMPS && own(frame.scatters_lamps) != 0u)
+    if (LAMPS && make_nonuniform(frame.scatters_lamps) != 0u)
         order1 += lamplight_scattered_once(pixel, ray, sample_index, u);
     results[item] = Result(vec4(order1, 0.0), vec4(emitted(first), 0.0), vec4(0.0));
 }

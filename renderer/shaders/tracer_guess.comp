@@ -30,7 +30,7 @@ shared float weights[64 / LIT_EDGES * MEDIA_MAX];
 shared float drawn[64 * GUESS_PLACES];
 
 // The part of a ray in a medium; tight for media without closed form.
-Stretch inside_of(uint m, vec3 origin_m, vec3 direction, float length_m)
+Stretch clip_to_medium(uint m, vec3 origin_m, vec3 direction, float length_m)
 {
     Stretch inside = Stretch(0.0, length_m);
     if (!clip_medium(m, origin_m, direction, inside.t0_m, inside.t1_m))
@@ -48,7 +48,7 @@ Stretch find_hull(ViewRay ray)
     for (uint m = 0; m < media_count(); m++) {
         if (MEDIA_DIFFER && !is_bright(m))
             continue;
-        Stretch inside = inside_of(m, ray.origin_m, ray.direction, length_m);
+        Stretch inside = clip_to_medium(m, ray.origin_m, ray.direction, length_m);
         include(hull, inside.t0_m, inside.t1_m);
     }
     return hull.t1_m < 0.5 * FAR_M ? hull : Stretch(0.0, 0.0);
@@ -56,13 +56,13 @@ Stretch find_hull(ViewRay ray)
 
 float guess_sun_depth(vec3 point_m)
 {
-    float sum = mean_of(scene_optical_depth(point_m, to_sun(), FAR_M));
+    float sum = average_channels(scene_optical_depth(point_m, to_sun(), FAR_M));
     for (uint m = 0; m < media_count(); m++) {
         if (!is_among(OPEN_KINDS, m))
             continue;
-        Stretch inside = inside_of(m, point_m, to_sun(), FAR_M);
+        Stretch inside = clip_to_medium(m, point_m, to_sun(), FAR_M);
         float step_m = max(inside.t1_m - inside.t0_m, 0.0) / float(SUN_PLACES);
-        float color = mean_of(frame.media[m].extinction_color);
+        float color = average_channels(frame.media[m].extinction_color);
         for (uint i = 0; step_m > 0.0 && i < SUN_PLACES; i++) {
             vec3 at_m = point_m + (inside.t0_m + (float(i) + 0.5) * step_m) * to_sun();
             sum += step_m * color * medium_extinction_per_m(m, at_m);
@@ -141,11 +141,11 @@ void sum_media(ViewRay ray, float from_m, float stretch_m, uint thread)
         for (uint i = 0; i < GUESS_PLACES && is_bright(m); i++)
             sum += medium_extinction_per_m(m, place_m(ray, from_m, stretch_m, i));
         medium_depths[thread * MEDIA_MAX + m] =
-            sum * stretch_m * mean_of(frame.media[m].extinction_color);
+            sum * stretch_m * average_channels(frame.media[m].extinction_color);
     }
 }
 
-uint weight_of(uint thread, uint m) { return thread / LIT_EDGES * MEDIA_MAX + m; }
+uint medium_weight_index(uint thread, uint m) { return thread / LIT_EDGES * MEDIA_MAX + m; }
 
 // Weights of the media: half of the samples are shared out evenly to bright media, half by their
 // light. The weighted depth of the whole ray is 1.
@@ -153,17 +153,17 @@ void weigh_media(uint first)
 {
     float depth_of[MEDIA_MAX], sent_of[MEDIA_MAX], sent = 0.0, count = 0.0;
     for (uint m = 0; m < media_count(); m++) {
-        Source source = source_of(m);
+        Source source = make_source(m);
         depth_of[m] = 0.0;
         for (uint i = 0; i + 1u < LIT_EDGES; i++)
             depth_of[m] += medium_depths[(first + i) * MEDIA_MAX + m];
-        sent_of[m] = mean_of(source.sun + source.ambient);
+        sent_of[m] = average_channels(source.sun + source.ambient);
         sent += sent_of[m] * depth_of[m];
         count += float(depth_of[m] > 0.0);
     }
     for (uint m = 0; m < media_count(); m++) {
         float even = depth_of[m] > 0.0 ? 0.5 / (count * depth_of[m]) : 0.0;
-        weights[weight_of(first, m)] = sent > 0.0 ? 0.5 * sent_of[m] / sent + even : 0.0;
+        weights[medium_weight_index(first, m)] = sent > 0.0 ? 0.5 * sent_of[m] / sent + even : 0.0;
     }
 }
 
@@ -171,7 +171,7 @@ float weighed_per_m(uint thread, vec3 point_m)
 {
     float sum_per_m = 0.0;
     for (uint m = 0; m < media_count(); m++) {
-        float weight = weights[weight_of(thread, m)] * mean_of(frame.media[m].extinction_color);
+        float weight = weights[medium_weight_index(thread, m)] * average_channels(frame.media[m].extinction_color);
         if (weight > 0.0)
             sum_per_m += weight * medium_extinction_per_m(m, point_m);
     }
@@ -183,21 +183,21 @@ float log_sent(float sun_depth)
 {
     float sun = 0.0, ambient = 0.0;
     for (uint m = 0; m < media_count(); m++) {
-        Source source = source_of(m);
-        sun = max(sun, mean_of(source.sun));
-        ambient = max(ambient, mean_of(source.ambient));
+        Source source = make_source(m);
+        sun = max(sun, average_channels(source.sun));
+        ambient = max(ambient, average_channels(source.ambient));
     }
     return ambient > 0.0 ? log(ambient + sun * transmittance(sun_depth)) : -sun_depth;
 }
 
 // Whether free flights collide with bright media often enough in all channels that have light
 // (truth/own_flight.c).
-bool do_flights_suffice(uint pixel, uint first)
+bool has_enough_free_flights(uint pixel, uint first)
 {
     const float SUFFICE = 1.0 / 32.0;
     vec3 most = vec3(0.0), met = vec3(0.0);
     for (uint m = 0; m < media_count(); m++) {
-        Source source = source_of(m);
+        Source source = make_source(m);
         vec3 bright = source.sun + source.ambient;
         float chance = 0.0;
         for (uint i = 0; i + 1u < LIT_EDGES; i++) {
@@ -224,11 +224,11 @@ void complete_weighed(uint pixel, uint first)
     lit_complete(pixel, x, log_light);
     bool is_any = false;
     for (uint m = 0; m < media_count(); m++) {
-        float weight = weights[weight_of(first, m)];
+        float weight = weights[medium_weight_index(first, m)];
         guesses[pixel].weight[m] = weight;
         is_any = is_any || weight > 0.0;
     }
-    guesses[pixel].is_known = uint(is_any && !do_flights_suffice(pixel, first));
+    guesses[pixel].is_known = uint(is_any && !has_enough_free_flights(pixel, first));
 }
 
 void main()
@@ -246,7 +246,7 @@ void main()
     for (uint i = 0; is_seen && i < GUESS_PLACES; i++) {
         vec3 at_m = view_point_m(ray, hull.t0_m + (from + float(i) + 0.5) * stretch_m);
         own_depths[thread * GUESS_PLACES + i] =
-            stretch_m * mean_of(scene_extinction_per_m(KINDS, at_m));
+            stretch_m * average_channels(scene_extinction_per_m(KINDS, at_m));
     }
     float from_m = hull.t0_m + from * stretch_m;
     if (MEDIA_DIFFER && is_seen)

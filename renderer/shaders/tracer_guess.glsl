@@ -48,14 +48,14 @@ uint guess_stretch(uint pixel, float depth)
 float drawn_per_m(uint pixel, uint m, vec3 point_m)
 {
     float weight = MEDIA_DIFFER ? guesses[pixel].weight[m] : 1.0;
-    float color = mean_of(frame.media[m].extinction_color);
+    float color = average_channels(frame.media[m].extinction_color);
     return weight > 0.0 ? weight * color * medium_extinction_per_m(m, point_m) : 0.0;
 }
 
 float total_per_m(uint pixel, vec3 point_m)
 {
     if (!MEDIA_DIFFER)
-        return mean_of(scene_extinction_per_m(KINDS, point_m));
+        return average_channels(scene_extinction_per_m(KINDS, point_m));
     float sum_per_m = 0.0;
     for (uint m = 0; m < media_count(); m++)
         sum_per_m += drawn_per_m(pixel, m, point_m);
@@ -97,7 +97,7 @@ First guessed_collision(uint pixel, ViewRay ray, vec2 u)
         return first;
     vec3 color = frame.media[m].extinction_color;
     first.medium = m;
-    first.weight = color / mean_of(color) * (all_per_m * stretch_m / (place.density * own));
+    first.weight = color / average_channels(color) * (all_per_m * stretch_m / (place.density * own));
     first.view_depth = place.x;
     float cells = stretches / float(GUESS_PLACES);
     uint cell = min(uint(cells), LIT_EDGES - 2u);

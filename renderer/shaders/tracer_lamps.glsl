@@ -191,7 +191,7 @@ LampPlace draw_lamp_place(vec3 origin_m, vec3 direction, float end_m, vec2 u, ui
     LampPlace place = LampPlace(0, 0.0, vec3(0.0), 0.0, 0.0);
     // Sum over lights of weighted 1/d^2; number of lights with a weight.
     float weight_sum = 0.0, shining = 0.0;
-    for (uint i = 0; i < own(frame.lamp_count); i++) {
+    for (uint i = 0; i < make_nonuniform(frame.lamp_count); i++) {
         LampPass pass = whole_lamp_pass(i, origin_m, direction, end_m, pixel);
         float weight = lamp_brightness(i) * pass.squares_per_m;
         weight_sum += weight;
@@ -204,7 +204,7 @@ LampPlace draw_lamp_place(vec3 origin_m, vec3 direction, float end_m, vec2 u, ui
                             : (u.x - LAMP_BY_OCTAVE) / (1.0 - LAMP_BY_OCTAVE) * weight_sum;
     LampPass chosen;
     float share = 0.0, inside = 0.0; // weight of the chosen light, and the position of u.x in it
-    for (uint i = 0; i < own(frame.lamp_count); i++) {
+    for (uint i = 0; i < make_nonuniform(frame.lamp_count); i++) {
         LampPass pass = whole_lamp_pass(i, origin_m, direction, end_m, pixel);
         float weight = lamp_brightness(i) * pass.squares_per_m;
         float next = by_octaves ? (weight > 0.0 ? 1.0 : 0.0) : weight;
@@ -279,13 +279,13 @@ uint pick_lamp(vec3 point_m, float u, out float probability)
 {
     float sum = 0.0, weight = 0.0;
     uint picked = 0;
-    for (uint i = 0; i < own(frame.lamp_count); i++) {
+    for (uint i = 0; i < make_nonuniform(frame.lamp_count); i++) {
         vec3 way_m = frame.lamps[i].position_m - point_m;
         sum += dot(lamp_irradiance(frame.lamps[i], normalize(way_m), 1.0 / dot(way_m, way_m)),
                    vec3(1.0));
     }
     float left = u * sum;
-    for (uint i = 0; i < own(frame.lamp_count); i++) {
+    for (uint i = 0; i < make_nonuniform(frame.lamp_count); i++) {
         vec3 way_m = frame.lamps[i].position_m - point_m;
         float own_weight = dot(lamp_irradiance(frame.lamps[i], normalize(way_m),
                                                1.0 / dot(way_m, way_m)),
@@ -312,7 +312,7 @@ vec3 draw_lamp_direction(vec3 point_m, vec3 u)
 float lamp_direction_per_sr(vec3 point_m, vec3 direction)
 {
     float sum_per_sr = 0.0;
-    for (uint i = 0; i < own(frame.lamp_count); i++) {
+    for (uint i = 0; i < make_nonuniform(frame.lamp_count); i++) {
         vec3 towards = normalize(frame.lamps[i].position_m - point_m);
         sum_per_sr += 1.0 / (2.0 * PI * PI * max(length(cross(towards, direction)), LAMP_NEAREST));
     }

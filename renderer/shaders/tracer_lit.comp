@@ -36,7 +36,7 @@ vec3 way(uint m, uint l, ViewRay ray, float t_m, float x)
 {
     vec3 sum = frame.media[m].extinction_color * x +
                scene_optical_depth(view_point_m(ray, t_m), to_sun(), FAR_M);
-    return sum + others_depth(m, l, ray, t_m);
+    return sum + other_media_depth(m, l, ray, t_m);
 }
 
 // The first and the last edge are evaluated slightly inside. The faces of a medium are there, and
@@ -65,9 +65,9 @@ float log_sum(vec3 light, vec3 lost)
 // If MEDIA_DIFFER: log of all light that a medium sends, summed over channels.
 float log_sent(uint m, uint l, ViewRay ray, float t_m, float x)
 {
-    Source source = source_of(m);
+    Source source = make_source(m);
     vec3 color = frame.media[m].extinction_color;
-    float ambient = log_sum(source.ambient * color, color * x + others_depth(m, l, ray, t_m));
+    float ambient = log_sum(source.ambient * color, color * x + other_media_depth(m, l, ray, t_m));
     float sun = log_sum(source.sun * color, way(m, l, ray, t_m, x));
     float less = max(-abs(ambient - sun), EXPONENT_MIN);
     return max(ambient, sun) + log(1.0 + exp(less));
@@ -95,7 +95,7 @@ void main()
     uint l = number % LAYERS, m = number / LAYERS % frame.medium_count;
     uint pixel = number / (LAYERS * frame.medium_count);
     bool is_any = pixel < run.pixel_count;
-    bool is_part = is_any && l < layers_of(m);
+    bool is_part = is_any && l < medium_layer_count(m);
     log_light[gl_LocalInvocationID.x] = is_part ? find_log_light(pixel, m, l, edge) : DARK;
     barrier();
     if (!is_any || edge != 0)

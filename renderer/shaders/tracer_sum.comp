@@ -16,7 +16,7 @@
 
 layout(local_size_x = 64) in;
 
-Sum sum_so_far(uint pixel, uint i)
+Sum load_sum(uint pixel, uint i)
 {
     if (run.first_sample == 0)
         return sum_zero();
@@ -37,8 +37,8 @@ void main()
     next_items[thread] = 0;
     uint pixel = run.first_pixel + thread - run.part_pixel;
     vec4 transmitted = OPEN ? vec4(1.0) : pixels[pixel].transmittance;
-    Sum order1 = sum_so_far(pixel, 0), higher = sum_so_far(pixel, 1);
-    Sum surface = sum_so_far(pixel, 2), spread = sum_so_far(pixel, 3);
+    Sum order1 = load_sum(pixel, 0), higher = load_sum(pixel, 1);
+    Sum surface = load_sum(pixel, 2), spread = load_sum(pixel, 3);
     for (uint s = 0; s < run.samples; s += 2) {
         Result a = results[thread * run.samples + s];
         Result b = results[thread * run.samples + s + 1];

@@ -14,7 +14,7 @@ vec3 surface_sunlight(Hit hit, vec3 point_m)
     vec3 albedo = solids[hit.solid].albedo.rgb;
     float cosine = dot(solid_normal(solids[hit.solid], point_m), to_sun());
     if (cosine <= 0.0 || albedo == vec3(0.0) ||
-        own(frame.sun_irradiance == vec3(0.0)) || !sees_sun(point_m, hit.solid))
+        make_nonuniform(frame.sun_irradiance == vec3(0.0)) || !sees_sun(point_m, hit.solid))
         return vec3(0.0);
     vec3 arriving = colour_transmittance(scene_optical_depth(point_m, to_sun(), FAR_M));
     return albedo / PI * cosine * arriving * frame.sun_irradiance;
@@ -23,7 +23,7 @@ vec3 surface_sunlight(Hit hit, vec3 point_m)
 vec3 surface_lamplight(Hit hit, vec3 point_m)
 {
     vec3 normal = solid_normal(solids[hit.solid], point_m), sum = vec3(0.0);
-    for (uint i = 0; i < own(frame.lamp_count); i++) {
+    for (uint i = 0; i < make_nonuniform(frame.lamp_count); i++) {
         vec3 way_m = frame.lamps[i].position_m - point_m;
         float distance_m = max(length(way_m), 1e-12);
         vec3 direction = way_m / distance_m;
@@ -49,7 +49,7 @@ vec3 find_depths(uint pixel, ViewRay ray, float length_m)
     for (uint m = 0; m < media_count(); m++) {
         uint part = pixel * PARTS + m * LAYERS_MAX;
         float depth = 0.0;
-        for (uint l = 0; l < layers_of(m); l++) {
+        for (uint l = 0; l < medium_layer_count(m); l++) {
             depths[part + l] = has_way(m) ? way_walk(pixel, m, ray, length_m)
                                           : layer_optical_depth(m, l, ray.origin_m, ray.direction,
                                                                 length_m);

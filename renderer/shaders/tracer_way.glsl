@@ -20,7 +20,7 @@ layout(std430, binding = 14) buffer Ways {
     Way ways[];
 };
 
-uint way_of(uint pixel, uint m) { return pixel * frame.medium_count + m; }
+uint way_index(uint pixel, uint m) { return pixel * frame.medium_count + m; }
 
 bool has_way(uint m)
 {
@@ -36,7 +36,7 @@ float way_edge_m(uint way, uint i)
 // Walks a view ray; returns its whole optical depth.
 float way_walk(uint pixel, uint m, ViewRay ray, float length_m)
 {
-    uint way = way_of(pixel, m);
+    uint way = way_index(pixel, m);
     float t0_m = 0.0, t1_m = length_m;
     if (!clip_medium(m, ray.origin_m, ray.direction, t0_m, t1_m))
         return 0.0; // there are no collisions to search
@@ -54,7 +54,7 @@ float way_walk(uint pixel, uint m, ViewRay ray, float length_m)
 
 float way_free_path_m(uint pixel, uint m, ViewRay ray, float depth)
 {
-    uint way = way_of(pixel, m);
+    uint way = way_index(pixel, m);
     float target_m = depth / frame.media[m].extinction_per_m;
     uint low = 0, high = WAY_STRETCHES;
     while (high - low > 1u) {

@@ -16,14 +16,14 @@ static const double top_scale_heights = 14.0;
 
 /* --- supported scenes ------------------------------------------------------------------------- */
 
-static bool same_point(struct neph_vec3 a, struct neph_vec3 b)
+static bool is_same_point(struct neph_vec3 a, struct neph_vec3 b)
 {
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
 /* NULL: none. */
-static const char *obstacle_of_medium(const struct neph_medium *medium,
-                                      const struct neph_solid *ground)
+static const char *find_medium_obstacle(const struct neph_medium *medium,
+                                        const struct neph_solid *ground)
 {
     const bool is_tent = medium->kind == NEPH_MEDIUM_TENT;
     if (!is_tent && medium->kind != NEPH_MEDIUM_SHELL)
@@ -31,7 +31,7 @@ static const char *obstacle_of_medium(const struct neph_medium *medium,
                "media in air from tables with sky=tables";
     const struct neph_vec3 center_m = is_tent ? medium->tent.center_m : medium->shell.center_m;
     const double radius_m = is_tent ? medium->tent.radius_m : medium->shell.radius_m;
-    if (!same_point(center_m, ground->center_m) || radius_m != ground->radius_m)
+    if (!is_same_point(center_m, ground->center_m) || radius_m != ground->radius_m)
         return "layers that are not around the sphere of the ground";
     if (medium->emission_w_per_m2_sr.r > 0.0 || medium->emission_w_per_m2_sr.g > 0.0 ||
         medium->emission_w_per_m2_sr.b > 0.0)
@@ -40,7 +40,7 @@ static const char *obstacle_of_medium(const struct neph_medium *medium,
 }
 
 /* Whether bounds cut off more of a layer than the container of the medium would. */
-static bool is_cut(const struct neph_medium *medium)
+static bool is_layer_cut(const struct neph_medium *medium)
 {
     struct neph_medium whole = *medium;
     double lost;
@@ -58,7 +58,7 @@ static bool is_black(struct neph_rgb color)
     return color.r == 0.0 && color.g == 0.0 && color.b == 0.0;
 }
 
-static const char *obstacle_of(const struct neph_scene *scene)
+static const char *find_air_obstacle(const struct neph_scene *scene)
 {
     if (scene->medium_count == 0)
         return "a scene without an atmosphere";
@@ -71,8 +71,8 @@ static const char *obstacle_of(const struct neph_scene *scene)
     if (scene->light_count > 0)
         return "lights other than the sun";
     for (int i = 0; i < scene->medium_count; i++) {
-        const char *obstacle = obstacle_of_medium(&scene->media[i], &scene->solids[0]);
-        if (!obstacle && is_cut(&scene->media[i]))
+        const char *obstacle = find_medium_obstacle(&scene->media[i], &scene->solids[0]);
+        if (!obstacle && is_layer_cut(&scene->media[i]))
             obstacle = "bounds that cut the atmosphere";
         if (obstacle)
             return obstacle;
@@ -82,7 +82,7 @@ static const char *obstacle_of(const struct neph_scene *scene)
 
 /* --- layers ----------------------------------------------------------------------------------- */
 
-static struct neph_sky_layer layer_of(const struct neph_medium *medium)
+static struct neph_sky_layer convert_layer(const struct neph_medium *medium)
 {
     const bool is_tent = medium->kind == NEPH_MEDIUM_TENT;
     struct neph_sky_layer layer = {
@@ -101,15 +101,15 @@ static struct neph_sky_layer layer_of(const struct neph_medium *medium)
     return layer;
 }
 
-static double top_of(const struct neph_sky_layer *layer)
+static double compute_layer_top(const struct neph_sky_layer *layer)
 {
     return layer->is_tent ? layer->middle_m + layer->scale_m : top_scale_heights * layer->scale_m;
 }
 
-bool neph_sky_air_of(const struct neph_scene *scene, struct neph_sky_air *air, char *reason,
-                     size_t reason_size)
+bool neph_sky_read_air(const struct neph_scene *scene, struct neph_sky_air *air, char *reason,
+                       size_t reason_size)
 {
-    const char *obstacle = obstacle_of(scene);
+    const char *obstacle = find_air_obstacle(scene);
     if (obstacle) {
         snprintf(reason, reason_size, "%s", obstacle);
         return false;
@@ -122,8 +122,8 @@ bool neph_sky_air_of(const struct neph_scene *scene, struct neph_sky_air *air, c
         .center_m = ground->center_m,
     };
     for (int i = 0; i < air->layer_count; i++) {
-        air->layers[i] = layer_of(&scene->media[i]);
-        air->top_m = fmax(air->top_m, top_of(&air->layers[i]));
+        air->layers[i] = convert_layer(&scene->media[i]);
+        air->top_m = fmax(air->top_m, compute_layer_top(&air->layers[i]));
     }
     return true;
 }
@@ -137,9 +137,10 @@ static double density_at(const struct neph_sky_layer *layer, double altitude_m)
     return exp(-fmax(0.0, altitude_m) / layer->scale_m);
 }
 
-struct neph_sky_mix neph_sky_mix_at(const struct neph_sky_air *air, double altitude_m)
+struct neph_sky_coefficients neph_sky_coefficients_at(const struct neph_sky_air *air,
+                                                      double altitude_m)
 {
-    struct neph_sky_mix mix = {.extinction_per_m = {0, 0, 0}};
+    struct neph_sky_coefficients mix = {.extinction_per_m = {0, 0, 0}};
     for (int i = 0; i < air->layer_count; i++) {
         const struct neph_sky_layer *layer = &air->layers[i];
         const double density = density_at(layer, altitude_m);
@@ -152,7 +153,7 @@ struct neph_sky_mix neph_sky_mix_at(const struct neph_sky_air *air, double altit
 }
 
 /* The layer as a medium around the origin, with extinction 1 at density 1. */
-static struct neph_medium medium_of(const struct neph_sky_layer *layer, double radius_m)
+static struct neph_medium make_unit_medium(const struct neph_sky_layer *layer, double radius_m)
 {
     struct neph_medium medium = {
         .kind = layer->is_tent ? NEPH_MEDIUM_TENT : NEPH_MEDIUM_SHELL,
@@ -171,7 +172,7 @@ void neph_sky_depth_to_space(const struct neph_sky_air *air, double altitude_m, 
     const struct neph_vec3 direction = {sqrt(fmax(0.0, 1.0 - cosine * cosine)), cosine, 0.0};
     depth[0] = depth[1] = depth[2] = 0.0;
     for (int i = 0; i < air->layer_count; i++) {
-        const struct neph_medium medium = medium_of(&air->layers[i], air->radius_m);
+        const struct neph_medium medium = make_unit_medium(&air->layers[i], air->radius_m);
         const double column_m = neph_medium_optical_depth(&medium, origin_m, direction, 0.0,
                                                           INFINITY);
         for (int c = 0; c < 3; c++)

@@ -33,7 +33,7 @@ struct neph_sky_air {
 };
 
 /* Coefficients at one altitude. */
-struct neph_sky_mix {
+struct neph_sky_coefficients {
     double extinction_per_m[3];
     double scattering_per_m[NEPH_SCENE_MEDIA_MAX][3]; /* per layer */
 };
@@ -41,10 +41,11 @@ struct neph_sky_mix {
 /* The atmosphere of a scene. False, with the reason as text, when the scene has none, or has other
  * media, a first solid that is not the ground, bounds that cut the atmosphere, or light sources
  * other than the sun. */
-bool neph_sky_air_of(const struct neph_scene *scene, struct neph_sky_air *air, char *reason,
-                     size_t reason_size);
+bool neph_sky_read_air(const struct neph_scene *scene, struct neph_sky_air *air, char *reason,
+                       size_t reason_size);
 
-struct neph_sky_mix neph_sky_mix_at(const struct neph_sky_air *air, double altitude_m);
+struct neph_sky_coefficients neph_sky_coefficients_at(const struct neph_sky_air *air,
+                                                      double altitude_m);
 
 /* Optical depth of each channel from an altitude to the top of the atmosphere, at a cosine to the
  * vertical: closed forms, in double. The ground does not end the ray. */

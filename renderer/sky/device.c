@@ -13,7 +13,7 @@ static const uint32_t picture_code[] = {
 
 enum { local_size = 64, PART_PIXELS = 1 << 20, BUFFERS = NEPH_SKY_BUFFERS + 1 };
 
-struct neph_sky_pictures {
+struct neph_sky_frames {
     struct neph_vulkan *vulkan; /* borrowed */
     struct neph_sky_tables tables;
     const struct neph_kernel *kernel;
@@ -25,11 +25,12 @@ struct neph_sky_pictures {
 
 /* --- supported scenes ------------------------------------------------------------------------- */
 
-bool neph_sky_device_can(const struct neph_scene *scene, const struct neph_sky_params *params,
-                         char *reason, size_t reason_size)
+bool neph_sky_device_can_render(const struct neph_scene *scene,
+                                const struct neph_sky_params *params, char *reason,
+                                size_t reason_size)
 {
     struct neph_sky_air air;
-    if (!neph_sky_air_of(scene, &air, reason, reason_size))
+    if (!neph_sky_read_air(scene, &air, reason, reason_size))
         return false;
     const char *obstacle = scene->solid_count > 1
                                ? "solids other than the ground, on a device: engine march supports "
@@ -75,17 +76,17 @@ static void take_part(const struct neph_gpu_sky_pixel *pixels, size_t first, siz
 
 /* --- creation --------------------------------------------------------------------------------- */
 
-static size_t pixel_count(const struct neph_sky_pictures *pictures)
+static size_t pixel_count(const struct neph_sky_frames *pictures)
 {
     return (size_t)pictures->width_px * (size_t)pictures->height_px;
 }
 
-static size_t part_pixels(const struct neph_sky_pictures *pictures)
+static size_t part_pixels(const struct neph_sky_frames *pictures)
 {
     return pixel_count(pictures) < PART_PIXELS ? pixel_count(pictures) : PART_PIXELS;
 }
 
-static enum neph_status prepare(struct neph_sky_pictures *pictures, struct neph_diag *diag)
+static enum neph_status prepare(struct neph_sky_frames *pictures, struct neph_diag *diag)
 {
     struct neph_kernel_params params = {.name = "sky_picture",
                                         .code = picture_code,
@@ -102,18 +103,17 @@ static enum neph_status prepare(struct neph_sky_pictures *pictures, struct neph_
     return status ? status : neph_kernel_get(pictures->vulkan, &params, &pictures->kernel, diag);
 }
 
-enum neph_status neph_sky_pictures_create(struct neph_vulkan *vulkan,
-                                          const struct neph_scene *scene,
-                                          const struct neph_sky_params *params, int width_px,
-                                          int height_px, struct neph_sky_pictures **pictures,
-                                          struct neph_diag *diag)
+enum neph_status neph_sky_frames_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                        const struct neph_sky_params *params, int width_px,
+                                        int height_px, struct neph_sky_frames **pictures,
+                                        struct neph_diag *diag)
 {
     char reason[200];
     struct neph_sky_air air;
-    if (!neph_sky_device_can(scene, params, reason, sizeof(reason)))
+    if (!neph_sky_device_can_render(scene, params, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "engine sky does not support %s", reason);
-    neph_sky_air_of(scene, &air, reason, sizeof(reason));
-    struct neph_sky_pictures *made = calloc(1, sizeof(*made));
+    neph_sky_read_air(scene, &air, reason, sizeof(reason));
+    struct neph_sky_frames *made = calloc(1, sizeof(*made));
     if (!made)
         return neph_fail_memory(diag);
     made->vulkan = vulkan;
@@ -124,13 +124,13 @@ enum neph_status neph_sky_pictures_create(struct neph_vulkan *vulkan,
     if (!status)
         status = prepare(made, diag);
     if (status)
-        neph_sky_pictures_destroy(made);
+        neph_sky_frames_destroy(made);
     else
         *pictures = made;
     return status;
 }
 
-void neph_sky_pictures_destroy(struct neph_sky_pictures *pictures)
+void neph_sky_frames_destroy(struct neph_sky_frames *pictures)
 {
     if (!pictures)
         return;
@@ -142,28 +142,28 @@ void neph_sky_pictures_destroy(struct neph_sky_pictures *pictures)
 
 /* --- a frame ---------------------------------------------------------------------------------- */
 
-static enum neph_status send_part(struct neph_sky_pictures *pictures, struct neph_gpu_sky_part part,
-                                  double *gpu_s, struct neph_diag *diag)
+static enum neph_status submit_part(struct neph_sky_frames *pictures, struct neph_gpu_sky_part part,
+                                    double *gpu_s, struct neph_diag *diag)
 {
     const struct neph_dispatch dispatch = {
         .buffers = {&pictures->tables.told, &pictures->tables.nodes, &pictures->pixels},
         .push = &part,
         .group_count = (part.pixel_count + local_size - 1) / local_size,
     };
-    return neph_dispatch_send(pictures->vulkan, pictures->kernel, &dispatch, "the sky", gpu_s,
-                              diag);
+    return neph_dispatch_submit(pictures->vulkan, pictures->kernel, &dispatch, "the sky", gpu_s,
+                                diag);
 }
 
 /* Submit all parts, and copy them into the layers of an image if there is one. */
-static enum neph_status show(struct neph_sky_pictures *pictures, const struct layers *layers,
-                             double *gpu_s, struct neph_diag *diag)
+static enum neph_status render_parts(struct neph_sky_frames *pictures, const struct layers *layers,
+                                     double *gpu_s, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (size_t first = 0; first < pixel_count(pictures) && !status; first += PART_PIXELS) {
         const size_t left = pixel_count(pictures) - first;
         const size_t count = left < PART_PIXELS ? left : PART_PIXELS;
-        status = send_part(pictures, (struct neph_gpu_sky_part){(uint32_t)first, (uint32_t)count},
-                           gpu_s, diag);
+        status = submit_part(pictures, (struct neph_gpu_sky_part){(uint32_t)first, (uint32_t)count},
+                             gpu_s, diag);
         if (!status && layers)
             status = neph_buffer_download(pictures->vulkan, &pictures->pixels, &pictures->readback,
                                           count * sizeof(struct neph_gpu_sky_pixel), diag);
@@ -173,15 +173,15 @@ static enum neph_status show(struct neph_sky_pictures *pictures, const struct la
     return status;
 }
 
-static enum neph_status send_picture(struct neph_sky_pictures *pictures,
-                                     const struct neph_scene *scene, double frame,
-                                     const struct layers *layers, struct neph_sky_stats **stats,
-                                     struct neph_diag *diag)
+static enum neph_status submit_sky_frame(struct neph_sky_frames *pictures,
+                                         const struct neph_scene *scene, double frame,
+                                         const struct layers *layers, struct neph_sky_stats **stats,
+                                         struct neph_diag *diag)
 {
-    const struct neph_sky_look look = {.scene = scene,
-                                       .frame = frame,
-                                       .width_px = pictures->width_px,
-                                       .height_px = pictures->height_px};
+    const struct neph_sky_table_view look = {.scene = scene,
+                                             .frame = frame,
+                                             .width_px = pictures->width_px,
+                                             .height_px = pictures->height_px};
     int slot;
     enum neph_status status = neph_in_flight_begin(pictures->vulkan, &pictures->flight, &slot,
                                                    diag);
@@ -189,9 +189,9 @@ static enum neph_status send_picture(struct neph_sky_pictures *pictures,
         return status;
     *stats = &pictures->flights[slot];
     **stats = (struct neph_sky_stats){.picture_s = 0.0};
-    status = neph_sky_tables_look(&pictures->tables, &look, &(*stats)->tables, diag);
+    status = neph_sky_tables_update(&pictures->tables, &look, &(*stats)->tables, diag);
     if (!status)
-        status = show(pictures, layers, &(*stats)->picture_s, diag);
+        status = render_parts(pictures, layers, &(*stats)->picture_s, diag);
     if (!status)
         status = neph_vulkan_check(pictures->vulkan, diag);
     if (!status)
@@ -199,24 +199,24 @@ static enum neph_status send_picture(struct neph_sky_pictures *pictures,
     return status;
 }
 
-enum neph_status neph_sky_pictures_frame(struct neph_sky_pictures *pictures,
-                                         const struct neph_scene *scene, double frame,
-                                         struct neph_image **image, struct neph_sky_stats *stats,
-                                         struct neph_diag *diag)
+enum neph_status neph_sky_frames_render(struct neph_sky_frames *pictures,
+                                        const struct neph_scene *scene, double frame,
+                                        struct neph_image **image, struct neph_sky_stats *stats,
+                                        struct neph_diag *diag)
 {
     struct neph_image *made = NULL;
     struct neph_sky_stats *own;
     struct layers layers;
     if (!image)
-        return send_picture(pictures, scene, frame, NULL, &own, diag);
+        return submit_sky_frame(pictures, scene, frame, NULL, &own, diag);
     enum neph_status status = neph_image_create(pictures->width_px, pictures->height_px, &made,
                                                 diag);
     if (!status)
         status = add_layers(made, &layers, diag);
     if (!status)
-        status = send_picture(pictures, scene, frame, &layers, &own, diag);
+        status = submit_sky_frame(pictures, scene, frame, &layers, &own, diag);
     if (!status)
-        status = neph_in_flight_land(pictures->vulkan, &pictures->flight, diag);
+        status = neph_in_flight_drain(pictures->vulkan, &pictures->flight, diag);
     if (status) {
         neph_image_destroy(made);
         return status;
@@ -226,12 +226,12 @@ enum neph_status neph_sky_pictures_frame(struct neph_sky_pictures *pictures,
     return NEPH_OK;
 }
 
-enum neph_status neph_sky_pictures_home(struct neph_sky_pictures *pictures,
-                                        struct neph_sky_stats *stats, struct neph_diag *diag)
+enum neph_status neph_sky_frames_collect(struct neph_sky_frames *pictures,
+                                         struct neph_sky_stats *stats, struct neph_diag *diag)
 {
     int slot;
-    const enum neph_status status = neph_in_flight_home(pictures->vulkan, &pictures->flight, &slot,
-                                                        diag);
+    const enum neph_status status = neph_in_flight_collect(pictures->vulkan, &pictures->flight,
+                                                           &slot, diag);
     if (!status)
         *stats = pictures->flights[slot];
     return status;

@@ -30,19 +30,19 @@ double neph_sky_node_sun_cosine(const struct neph_sky_field *field, int node)
     return sin(root * fabs(root) * M_PI / 2.0);
 }
 
-static double among(double part, int nodes, int *low)
+static double locate_between_nodes(double part, int nodes, int *low)
 {
     const double place = fmin(fmax(part, 0.0), 1.0) * (nodes - 1);
     *low = (int)fmin(floor(place), nodes - 2.0);
     return place - *low;
 }
 
-static double among_suns(const struct neph_sky_field *field, double sun_cosine, int *low)
+static double locate_sun(const struct neph_sky_field *field, double sun_cosine, int *low)
 {
     const double part = asin(fmin(1.0, fmax(-1.0, sun_cosine))) / (M_PI / 2.0);
     const double root = copysign(sqrt(fabs(part)), part);
-    return among((root - neph_sky_deepest_root()) / (1.0 - neph_sky_deepest_root()), field->suns,
-                 low);
+    return locate_between_nodes((root - neph_sky_deepest_root()) / (1.0 - neph_sky_deepest_root()),
+                                field->suns, low);
 }
 
 void neph_sky_field_at(const struct neph_sky_air *air, const struct neph_sky_field *field,
@@ -51,8 +51,9 @@ void neph_sky_field_at(const struct neph_sky_air *air, const struct neph_sky_fie
 {
     int i, j;
     const int count = neph_sky_moments(field->degree);
-    const double x = among_suns(field, sun_cosine, &i);
-    const double y = among(sqrt(fmax(0.0, altitude_m) / air->top_m), field->altitudes, &j);
+    const double x = locate_sun(field, sun_cosine, &i);
+    const double y = locate_between_nodes(sqrt(fmax(0.0, altitude_m) / air->top_m),
+                                          field->altitudes, &j);
     const double weights[4] = {(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y};
     memset(moments, 0, (size_t)count * sizeof(*moments));
     for (int corner = 0; corner < 4; corner++) {
@@ -68,7 +69,7 @@ void neph_sky_field_ground(const struct neph_sky_field *field, double sun_cosine
                            double irradiance[3])
 {
     int i;
-    const double x = among_suns(field, sun_cosine, &i);
+    const double x = locate_sun(field, sun_cosine, &i);
     for (int c = 0; c < 3; c++)
         irradiance[c] = (1.0 - x) * field->ground[i][c] + x * field->ground[i + 1][c];
 }

@@ -23,8 +23,8 @@ struct neph_sky {
     int steps;
 };
 
-static enum neph_status fill(struct neph_sky *sky, const struct neph_scene *scene,
-                             const struct neph_sky_params *params, struct neph_diag *diag)
+static enum neph_status fill_tables(struct neph_sky *sky, const struct neph_scene *scene,
+                                    const struct neph_sky_params *params, struct neph_diag *diag)
 {
     enum neph_status status = neph_sky_sun_table_create(&sky->air, params->sun_altitudes,
                                                         params->sun_cosines, &sky->sun, diag);
@@ -54,10 +54,10 @@ enum neph_status neph_sky_create(const struct neph_scene *scene,
         made->irradiance[2] = scene->sun.irradiance_w_per_m2.b;
     }
     enum neph_status status = NEPH_OK;
-    if (!neph_sky_air_of(scene, &made->air, reason, sizeof(reason)))
+    if (!neph_sky_read_air(scene, &made->air, reason, sizeof(reason)))
         status = neph_fail(diag, NEPH_ERR_UNSUPPORTED, "engine sky does not support %s", reason);
     if (!status)
-        status = fill(made, scene, params, diag);
+        status = fill_tables(made, scene, params, diag);
     if (status)
         neph_sky_destroy(made);
     else
@@ -75,7 +75,7 @@ void neph_sky_destroy(struct neph_sky *sky)
     free(sky);
 }
 
-static double altitude_of(const struct neph_sky *sky, struct neph_vec3 point_m)
+static double compute_altitude(const struct neph_sky *sky, struct neph_vec3 point_m)
 {
     const long double radius_m = neph_radial_distance_m(sky->air.center_m, point_m);
     return fmax(0.0, (double)(radius_m - (long double)sky->air.radius_m));
@@ -86,14 +86,14 @@ static struct neph_vec3 vertical_at(const struct neph_sky *sky, struct neph_vec3
     return neph_vec3_normalize(neph_vec3_sub(point_m, sky->air.center_m));
 }
 
-enum neph_status neph_sky_stand(struct neph_sky *sky, struct neph_vec3 eye_m,
-                                struct neph_diag *diag)
+enum neph_status neph_sky_fill_view_table(struct neph_sky *sky, struct neph_vec3 eye_m,
+                                          struct neph_diag *diag)
 {
     if (!sky->view.is_table)
         return NEPH_OK;
     neph_sky_view_table_destroy(&sky->views);
     return neph_sky_view_table_create(
-        &sky->air, &sky->sources, &sky->view, sky->steps, altitude_of(sky, eye_m),
+        &sky->air, &sky->sources, &sky->view, sky->steps, compute_altitude(sky, eye_m),
         neph_vec3_dot(sky->sun_direction, vertical_at(sky, eye_m)), &sky->views, diag);
 }
 
@@ -117,16 +117,17 @@ static void add_solid(const struct neph_sky *sky, const struct neph_hit *hit,
                                      neph_vec3_dot(hit->normal, up)};
     const double albedo[3] = {hit->solid->albedo.r, hit->solid->albedo.g, hit->solid->albedo.b};
     double irradiance[3];
-    neph_sky_irradiance(&sky->air, &sky->sources, altitude_of(sky, point_m), sun_cosine, normal,
-                        neph_scene_sees_sun(sky->scene, neph_hit_outside_m(hit, point_m)),
-                        irradiance);
+    neph_sky_irradiance(
+        &sky->air, &sky->sources, compute_altitude(sky, point_m), sun_cosine, normal,
+        neph_scene_is_sun_visible(sky->scene, neph_hit_outside_m(hit, point_m)), irradiance);
     for (int c = 0; c < 3; c++)
         light->radiance[c] += light->transmittance[c] * albedo[c] / M_PI * irradiance[c];
 }
 
 /* The table of views contains no solids and none of their shadows. */
-static struct neph_sky_light see_past_solids(const struct neph_sky *sky, struct neph_sky_ray *ray,
-                                             struct neph_vec3 origin_m, struct neph_vec3 direction)
+static struct neph_sky_light trace_with_solids(const struct neph_sky *sky, struct neph_sky_ray *ray,
+                                               struct neph_vec3 origin_m,
+                                               struct neph_vec3 direction)
 {
     const struct neph_hit hit = neph_scene_hit(sky->scene, origin_m, direction);
     const struct neph_vec3 point_m = neph_vec3_along(origin_m, direction, hit.t_m);
@@ -134,7 +135,7 @@ static struct neph_sky_light see_past_solids(const struct neph_sky *sky, struct 
         return sky->views.nodes ? neph_sky_view(&sky->air, &sky->views, ray)
                                 : neph_sky_walk(&sky->air, &sky->sources, ray, sky->steps);
     if (is_ground(sky, &hit))
-        ray->shaded = !neph_scene_sees_sun(sky->scene, neph_hit_outside_m(&hit, point_m));
+        ray->shaded = !neph_scene_is_sun_visible(sky->scene, neph_hit_outside_m(&hit, point_m));
     else
         ray->stop_m = hit.t_m;
     struct neph_sky_light light = neph_sky_walk(&sky->air, &sky->sources, ray, sky->steps);
@@ -143,18 +144,18 @@ static struct neph_sky_light see_past_solids(const struct neph_sky *sky, struct 
     return light;
 }
 
-struct neph_sky_light neph_sky_see(const struct neph_sky *sky, struct neph_vec3 origin_m,
-                                   struct neph_vec3 direction)
+struct neph_sky_light neph_sky_trace(const struct neph_sky *sky, struct neph_vec3 origin_m,
+                                     struct neph_vec3 direction)
 {
     const struct neph_vec3 up = vertical_at(sky, origin_m);
-    struct neph_sky_ray ray = {.altitude_m = altitude_of(sky, origin_m),
+    struct neph_sky_ray ray = {.altitude_m = compute_altitude(sky, origin_m),
                                .cosine = neph_vec3_dot(direction, up),
                                .sun_cosine = neph_vec3_dot(sky->sun_direction, up),
                                .toward_sun = neph_vec3_dot(direction, sky->sun_direction)};
     struct neph_sky_light light;
     neph_sky_find_phases(&sky->air, &ray);
     if (sky->scene->solid_count > 1)
-        light = see_past_solids(sky, &ray, origin_m, direction);
+        light = trace_with_solids(sky, &ray, origin_m, direction);
     else if (sky->views.nodes)
         light = neph_sky_view(&sky->air, &sky->views, &ray);
     else

@@ -37,7 +37,7 @@ struct neph_sky_params {
 
 struct neph_sky;
 
-/* The scene must outlive the sky. Free with _destroy. NEPH_ERR_UNSUPPORTED: neph_sky_air_of() is
+/* The scene must outlive the sky. Free with _destroy. NEPH_ERR_UNSUPPORTED: neph_sky_read_air() is
  * false. */
 enum neph_status neph_sky_create(const struct neph_scene *scene,
                                  const struct neph_sky_params *params, struct neph_sky **sky,
@@ -46,16 +46,16 @@ enum neph_status neph_sky_create(const struct neph_scene *scene,
 /* NULL is fine. */
 void neph_sky_destroy(struct neph_sky *sky);
 
-/* Fill the table of views for a position; neph_sky_see() then uses it for rays from there. Does
+/* Fill the table of views for a position; neph_sky_trace() then uses it for rays from there. Does
  * nothing when the parameters have no such table. */
-enum neph_status neph_sky_stand(struct neph_sky *sky, struct neph_vec3 eye_m,
-                                struct neph_diag *diag);
+enum neph_status neph_sky_fill_view_table(struct neph_sky *sky, struct neph_vec3 eye_m,
+                                          struct neph_diag *diag);
 
 /* Radiance along a ray of the scene, with its orders of scattering and its sun; the direction is
  * unit. Solids other than the ground occlude what is behind them, cast shadows on each other and on
  * the ground, and are lit by the sky. Not included: their shadows on the air, and their occlusion
  * of the sky for each other. */
-struct neph_sky_light neph_sky_see(const struct neph_sky *sky, struct neph_vec3 origin_m,
-                                   struct neph_vec3 direction);
+struct neph_sky_light neph_sky_trace(const struct neph_sky *sky, struct neph_vec3 origin_m,
+                                     struct neph_vec3 direction);
 
 #endif

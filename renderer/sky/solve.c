@@ -111,8 +111,8 @@ static void gather_row(int row, void *context)
     }
 }
 
-static enum neph_status create_as(const struct neph_sky_solve_params *params, int degree,
-                                  struct neph_sky_field *field, struct neph_diag *diag)
+static enum neph_status create_like_params(const struct neph_sky_solve_params *params, int degree,
+                                           struct neph_sky_field *field, struct neph_diag *diag)
 {
     return neph_sky_field_create(params->altitudes, params->suns, degree, field, diag);
 }
@@ -137,7 +137,7 @@ static enum neph_status add_orders(struct pass *pass, struct neph_sky_field *fie
                                    struct neph_diag *diag)
 {
     struct neph_sky_field next;
-    enum neph_status status = create_as(pass->params, field->degree, &next, diag);
+    enum neph_status status = create_like_params(pass->params, field->degree, &next, diag);
     for (int order = 0; order < pass->params->orders && !status; order++) {
         status = run_pass(pass, order > 0 ? field : NULL, &next, diag);
         swap(field, &next);
@@ -153,7 +153,7 @@ static enum neph_status close_series(struct pass *pass, struct neph_sky_field *f
                                      struct neph_diag *diag)
 {
     struct neph_sky_field back;
-    enum neph_status status = create_as(pass->params, 0, &back, diag);
+    enum neph_status status = create_like_params(pass->params, 0, &back, diag);
     pass->isotropic = true;
     if (!status)
         status = run_pass(pass, NULL, field, diag);
@@ -179,7 +179,8 @@ enum neph_status neph_sky_solve(const struct neph_sky_air *air,
 {
     struct pass pass = {
         .air = air, .params = params, .sources = {.sun = sun, .media_scatter = true}};
-    enum neph_status status = create_as(params, params->closure ? 0 : params->degree, field, diag);
+    enum neph_status status = create_like_params(params, params->closure ? 0 : params->degree,
+                                                 field, diag);
     if (status)
         return status;
     return params->closure ? close_series(&pass, field, diag) : add_orders(&pass, field, diag);

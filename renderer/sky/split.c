@@ -23,8 +23,8 @@ static bool is_air(const struct neph_medium *medium, const struct neph_solid *gr
     return false;
 }
 
-static void keep(const struct neph_scene *scene, const struct neph_sky_split *split, bool air,
-                 struct neph_scene *kept)
+static void keep_media(const struct neph_scene *scene, const struct neph_sky_split *split, bool air,
+                       struct neph_scene *kept)
 {
     *kept = *scene;
     kept->borrows = true;
@@ -45,14 +45,15 @@ bool neph_sky_split(const struct neph_scene *scene, struct neph_sky_split *split
     }
     for (int i = 0; i < scene->medium_count; i++)
         split->is_air[i] = is_air(&scene->media[i], &scene->solids[0]);
-    keep(scene, split, true, &alone);
-    return neph_sky_air_of(&alone, &split->air, reason, reason_size);
+    keep_media(scene, split, true, &alone);
+    return neph_sky_read_air(&alone, &split->air, reason, reason_size);
 }
 
-struct neph_scene neph_sky_rest(const struct neph_scene *scene, const struct neph_sky_split *split)
+struct neph_scene neph_sky_remove_air(const struct neph_scene *scene,
+                                      const struct neph_sky_split *split)
 {
     struct neph_scene rest;
-    keep(scene, split, false, &rest);
+    keep_media(scene, split, false, &rest);
     if (rest.medium_count == 0)
         rest.scattering = NEPH_SCATTERING_NONE;
     return rest;

@@ -13,17 +13,17 @@ static double growth_m2(const struct neph_sky_air *air, double altitude_m)
 }
 
 /* Lengths of rays from an altitude to the top of the atmosphere. */
-struct reach {
+struct ray_lengths {
     double horizon_m; /* from the altitude to its geometric horizon, */
     double most_m;    /* and from the horizon to the top */
     double shortest_m, longest_m;
 };
 
-static struct reach reach_of(const struct neph_sky_air *air, double altitude_m)
+static struct ray_lengths compute_ray_lengths(const struct neph_sky_air *air, double altitude_m)
 {
     const double horizon_m = sqrt(growth_m2(air, altitude_m));
     const double most_m = sqrt(growth_m2(air, air->top_m));
-    return (struct reach){horizon_m, most_m, air->top_m - altitude_m, horizon_m + most_m};
+    return (struct ray_lengths){horizon_m, most_m, air->top_m - altitude_m, horizon_m + most_m};
 }
 
 static double length_to_top_m(const struct neph_sky_air *air, double altitude_m, double cosine)
@@ -50,8 +50,9 @@ static double node_altitude_m(const struct neph_sky_air *air, double part)
 
 static double node_cosine(const struct neph_sky_air *air, double altitude_m, double part)
 {
-    const struct reach reach = reach_of(air, altitude_m);
-    const double length_m = reach.shortest_m + part * (reach.longest_m - reach.shortest_m);
+    const struct ray_lengths ray_lengths = compute_ray_lengths(air, altitude_m);
+    const double length_m = ray_lengths.shortest_m +
+                            part * (ray_lengths.longest_m - ray_lengths.shortest_m);
     const double left_m2 = growth_m2(air, air->top_m) - growth_m2(air, altitude_m);
     const double rise_m = length_m > 0.0 ? 0.5 * (left_m2 / length_m - length_m)
                                          : air->radius_m + altitude_m;
@@ -92,7 +93,7 @@ void neph_sky_sun_table_destroy(struct neph_sky_sun_table *table)
 
 /* --- interpolation ---------------------------------------------------------------------------- */
 
-static double place_among(double part, int nodes, int *low)
+static double locate_sun_node(double part, int nodes, int *low)
 {
     const double place = fmin(fmax(part, 0.0), 1.0) * (nodes - 1);
     *low = (int)fmin(floor(place), nodes - 2.0);
@@ -109,12 +110,14 @@ void neph_sky_sun_transmittance(const struct neph_sky_air *air,
         transmittance[0] = transmittance[1] = transmittance[2] = 0.0;
         return;
     }
-    const struct reach reach = reach_of(air, altitude_m);
+    const struct ray_lengths ray_lengths = compute_ray_lengths(air, altitude_m);
     const double length_m = length_to_top_m(air, altitude_m, sun_cosine);
-    const double spread_m = fmax(reach.longest_m - reach.shortest_m, 1e-9);
+    const double spread_m = fmax(ray_lengths.longest_m - ray_lengths.shortest_m, 1e-9);
     int i, j;
-    const double x = place_among((length_m - reach.shortest_m) / spread_m, table->cosines, &i);
-    const double y = place_among(reach.horizon_m / reach.most_m, table->altitudes, &j);
+    const double x = locate_sun_node((length_m - ray_lengths.shortest_m) / spread_m, table->cosines,
+                                     &i);
+    const double y = locate_sun_node(ray_lengths.horizon_m / ray_lengths.most_m, table->altitudes,
+                                     &j);
     const float(*low)[3] = (const float(*)[3]) & table->nodes[j * table->cosines + i];
     const float(*high)[3] = low + table->cosines;
     for (int c = 0; c < 3; c++) {

@@ -113,15 +113,15 @@ static size_t node_count(const struct neph_sky_air *air, const struct neph_sky_p
 /* --- supported scenes ------------------------------------------------------------------------- */
 
 /* Loop iterations of a step, loop by loop of sky_step(). */
-static uint64_t turns_of_step(int layers, int degree)
+static uint64_t count_step_iterations(int layers, int degree)
 {
     const uint64_t degrees = (uint64_t)degree + 2;
     return NEPH_SKY_DEGREE_MAX + 4 + (uint64_t)layers * (degrees + 1) + degrees * (degrees + 1);
 }
 
-uint64_t neph_sky_look_turns(int layers, int degree)
+uint64_t neph_sky_sample_iterations(int layers, int degree)
 {
-    return turns_of_step(layers, degree) + 5 * ((uint64_t)layers + 1);
+    return count_step_iterations(layers, degree) + 5 * ((uint64_t)layers + 1);
 }
 
 const char *neph_sky_tables_obstacle(const struct neph_scene *scene, const struct neph_sky_air *air,
@@ -134,9 +134,9 @@ const char *neph_sky_tables_obstacle(const struct neph_scene *scene, const struc
         return "an orthographic camera, on a device";
     if (params->field.closure && scene->scattering == NEPH_SCATTERING_MULTIPLE)
         return "multiple=closure on a device";
-    if ((steps + 2) * (2 + turns_of_step(air->layer_count, params->field.degree)) >
-            NEPH_KERNEL_LOOP_TURNS_MAX ||
-        sum > NEPH_KERNEL_LOOP_TURNS_MAX)
+    if ((steps + 2) * (2 + count_step_iterations(air->layer_count, params->field.degree)) >
+            NEPH_KERNEL_LOOP_ITERATIONS_MAX ||
+        sum > NEPH_KERNEL_LOOP_ITERATIONS_MAX)
         return "more steps or directions than a dispatch may have";
     return NULL;
 }
@@ -149,7 +149,7 @@ static void copy_rgb(float to[3], const double from[3])
         to[c] = (float)from[c];
 }
 
-static struct neph_gpu_sky_layer layer_of(const struct neph_sky_layer *from)
+static struct neph_gpu_sky_layer pack_sky_layer(const struct neph_sky_layer *from)
 {
     struct neph_gpu_sky_layer layer = {.is_tent = from->is_tent,
                                        .middle_m = (float)from->middle_m,
@@ -163,7 +163,7 @@ static struct neph_gpu_sky_layer layer_of(const struct neph_sky_layer *from)
     return layer;
 }
 
-static struct neph_gpu_sky_air air_of(const struct neph_sky_tables *tables)
+static struct neph_gpu_sky_air pack_air(const struct neph_sky_tables *tables)
 {
     const struct neph_sky_air *from = &tables->air;
     const struct neph_sky_params *params = &tables->params;
@@ -181,7 +181,7 @@ static struct neph_gpu_sky_air air_of(const struct neph_sky_tables *tables)
     };
     copy_rgb(air.ground_albedo, from->ground_albedo);
     for (int i = 0; i < from->layer_count; i++)
-        air.layers[i] = layer_of(&from->layers[i]);
+        air.layers[i] = pack_sky_layer(&from->layers[i]);
     for (int l = 0; l <= NEPH_SKY_DEGREE_MAX; l++)
         for (int m = 0; m <= l; m++)
             air.norms[neph_sky_moments(l - 1) + m] = (float)neph_sky_norm(l, m);
@@ -189,9 +189,9 @@ static struct neph_gpu_sky_air air_of(const struct neph_sky_tables *tables)
 }
 
 /* Relative to the current position of the ground: the world may have been shifted. */
-static struct neph_gpu_sky_place place_of(const struct neph_sky_tables *tables,
-                                          const struct neph_sky_look *look,
-                                          struct neph_vec3 place_m, size_t index)
+static struct neph_gpu_sky_place pack_place(const struct neph_sky_tables *tables,
+                                            const struct neph_sky_table_view *look,
+                                            struct neph_vec3 place_m, size_t index)
 {
     const struct neph_sky_air *air = &tables->air;
     const struct neph_vec3 center_m = look->scene->solids[0].center_m;
@@ -206,8 +206,8 @@ static struct neph_gpu_sky_place place_of(const struct neph_sky_tables *tables,
     return place;
 }
 
-static struct neph_gpu_sky_eye eye_of(const struct neph_sky_tables *tables,
-                                      const struct neph_sky_look *look)
+static struct neph_gpu_sky_eye pack_eye(const struct neph_sky_tables *tables,
+                                        const struct neph_sky_table_view *look)
 {
     const struct neph_scene *scene = look->scene;
     const struct neph_sky_params *params = &tables->params;
@@ -230,8 +230,8 @@ static struct neph_gpu_sky_eye eye_of(const struct neph_sky_tables *tables,
         .aerial_first = (uint32_t)aerial_first(&tables->air, params),
         .is_shaded = look->is_shaded,
         .place_count = look->lights ? 2 : 1,
-        .places = {place_of(tables, look, camera.position_m, 0),
-                   place_of(tables, look, look->place_m, 1)},
+        .places = {pack_place(tables, look, camera.position_m, 0),
+                   pack_place(tables, look, look->place_m, 1)},
     };
     neph_gpu_direction(eye.right, camera.right);
     neph_gpu_direction(eye.up, camera.up);
@@ -273,7 +273,8 @@ static enum neph_status create_buffers(struct neph_sky_tables *tables, struct ne
     const enum neph_status status = neph_buffers_create(tables->vulkan, rows,
                                                         sizeof(rows) / sizeof(rows[0]), diag);
     return status ? status
-                  : neph_turns_create(tables->vulkan, &tables->told, "sky", &tables->turns, diag);
+                  : neph_buffer_ring_create(tables->vulkan, &tables->told, "sky", &tables->turns,
+                                            diag);
 }
 
 void neph_sky_constants(const struct neph_sky_tables *tables, struct neph_kernel_params *kernel)
@@ -323,7 +324,7 @@ void neph_sky_tables_destroy(struct neph_sky_tables *tables)
     neph_buffer_destroy(tables->vulkan, &tables->arrivals);
     neph_buffer_destroy(tables->vulkan, &tables->caps);
     neph_buffer_destroy(tables->vulkan, &tables->nodes);
-    neph_turns_destroy(tables->vulkan, &tables->turns);
+    neph_buffer_ring_destroy(tables->vulkan, &tables->turns);
     neph_buffer_destroy(tables->vulkan, &tables->told);
     *tables = (struct neph_sky_tables){.vulkan = NULL};
 }
@@ -343,8 +344,8 @@ static void add(const struct neph_sky_tables *tables, struct neph_batch *batch, 
 }
 
 /* Fill one table in a batch of its own. */
-static enum neph_status fill(const struct neph_sky_tables *tables, enum kernel kernel,
-                             size_t threads, double *gpu_s, struct neph_diag *diag)
+static enum neph_status fill_one_table(const struct neph_sky_tables *tables, enum kernel kernel,
+                                       size_t threads, double *gpu_s, struct neph_diag *diag)
 {
     struct neph_batch batch;
     if (threads == 0)
@@ -352,7 +353,7 @@ static enum neph_status fill(const struct neph_sky_tables *tables, enum kernel k
     neph_batch_begin(tables->vulkan, &batch, diag);
     add(tables, &batch, kernel, threads, NULL, diag);
     neph_batch_stamp(&batch, gpu_s);
-    return neph_batch_send(&batch, "the sky", diag);
+    return neph_batch_submit(&batch, "the sky", diag);
 }
 
 /* Add an order of scattering. */
@@ -373,13 +374,13 @@ static enum neph_status add_order(const struct neph_sky_tables *tables, bool is_
     add(tables, &batch, GATHER, rays, &pass, diag);
     add(tables, &batch, SUM, field_count(&tables->params), &pass, diag);
     neph_batch_stamp(&batch, gpu_s);
-    return neph_batch_send(&batch, "the sky", diag);
+    return neph_batch_submit(&batch, "the sky", diag);
 }
 
 static enum neph_status fill_air(struct neph_sky_tables *tables, double *gpu_s,
                                  struct neph_diag *diag)
 {
-    enum neph_status status = fill(tables, SUN, sun_count(&tables->params), gpu_s, diag);
+    enum neph_status status = fill_one_table(tables, SUN, sun_count(&tables->params), gpu_s, diag);
     for (int order = 0; tables->has_field && order < tables->params.field.orders && !status;
          order++)
         status = add_order(tables, order == 0, gpu_s, diag);
@@ -388,7 +389,7 @@ static enum neph_status fill_air(struct neph_sky_tables *tables, double *gpu_s,
 }
 
 /* Mark tables as stale that were filled for another camera or sun. */
-static void take_eye(struct neph_sky_tables *tables, const struct neph_gpu_sky_eye *eye)
+static void update_eye(struct neph_sky_tables *tables, const struct neph_gpu_sky_eye *eye)
 {
     tables->has_air = tables->has_air && tables->params.refill != NEPH_SKY_REFILL_ALL;
     if (tables->params.refill == NEPH_SKY_REFILL_STALE &&
@@ -398,31 +399,32 @@ static void take_eye(struct neph_sky_tables *tables, const struct neph_gpu_sky_e
     tables->has_views = tables->has_aerial = false;
 }
 
-enum neph_status neph_sky_tables_look(struct neph_sky_tables *tables,
-                                      const struct neph_sky_look *look,
-                                      struct neph_sky_times *times, struct neph_diag *diag)
+enum neph_status neph_sky_tables_update(struct neph_sky_tables *tables,
+                                        const struct neph_sky_table_view *look,
+                                        struct neph_sky_times *times, struct neph_diag *diag)
 {
-    const struct told told = {air_of(tables), eye_of(tables, look)};
+    const struct told told = {pack_air(tables), pack_eye(tables, look)};
     const size_t parts = (size_t)tables->air.layer_count + 1;
-    neph_turns_take(&tables->turns, &tables->told);
+    neph_buffer_ring_advance(&tables->turns, &tables->told);
     memcpy(tables->told.mapped, &told, sizeof(told));
-    take_eye(tables, &told.eye);
+    update_eye(tables, &told.eye);
     enum neph_status status = tables->has_air ? NEPH_OK : fill_air(tables, &times->air_s, diag);
     if (status || tables->has_views)
         return status;
-    status = fill(tables, VIEW,
-                  told.eye.place_count * view_count(&tables->params) * parts * NEPH_GPU_SKY_WALKERS,
-                  &times->view_s, diag);
+    status = fill_one_table(tables, VIEW,
+                            told.eye.place_count * view_count(&tables->params) * parts *
+                                NEPH_GPU_SKY_WALKERS,
+                            &times->view_s, diag);
     tables->has_views = !status;
     return status;
 }
 
-enum neph_status neph_sky_tables_veil(struct neph_sky_tables *tables, struct neph_sky_times *times,
-                                      struct neph_diag *diag)
+enum neph_status neph_sky_tables_update_aerial(struct neph_sky_tables *tables,
+                                               struct neph_sky_times *times, struct neph_diag *diag)
 {
     if (tables->has_aerial)
         return NEPH_OK;
-    const enum neph_status status = fill(
+    const enum neph_status status = fill_one_table(
         tables, AERIAL, column_count(&tables->params) * NEPH_GPU_SKY_SLICES_AT_ONCE,
         &times->aerial_s, diag);
     tables->has_aerial = !status;

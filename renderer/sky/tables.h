@@ -26,13 +26,13 @@ struct neph_sky_tables {
     bool media_scatter, has_field;
     const struct neph_kernel *kernels[NEPH_SKY_KERNELS]; /* owned by the device */
     struct neph_buffer told, nodes, caps, arrivals;
-    struct neph_turns turns;             /* of the uniform buffer */
+    struct neph_buffer_ring turns;       /* of the uniform buffer */
     bool has_air, has_views, has_aerial; /* whether each table is filled */
     struct neph_gpu_sky_eye eye;         /* inputs of the last two */
 };
 
 /* The view for which tables are filled. */
-struct neph_sky_look {
+struct neph_sky_table_view {
     const struct neph_scene *scene; /* with its sun and camera, which must not be orthographic */
     double frame;
     int width_px, height_px;
@@ -43,7 +43,7 @@ struct neph_sky_look {
 
 /* Upper bound of loop iterations (compute.h) of one sample of all tables, for a number of layers
  * and a degree of moments. */
-uint64_t neph_sky_look_turns(int layers, int degree);
+uint64_t neph_sky_sample_iterations(int layers, int degree);
 
 /* NULL: the tables support the scene; else the reason as text. */
 const char *neph_sky_tables_obstacle(const struct neph_scene *scene, const struct neph_sky_air *air,
@@ -66,12 +66,13 @@ void neph_sky_tables_destroy(struct neph_sky_tables *tables);
 /* Set the view and submit the filling of stale tables, except the air in front of the camera.
  * Device times are added to `times` when the frame is collected (borrowed until then). Once a
  * frame, after neph_in_flight_begin(). */
-enum neph_status neph_sky_tables_look(struct neph_sky_tables *tables,
-                                      const struct neph_sky_look *look,
-                                      struct neph_sky_times *times, struct neph_diag *diag);
+enum neph_status neph_sky_tables_update(struct neph_sky_tables *tables,
+                                        const struct neph_sky_table_view *look,
+                                        struct neph_sky_times *times, struct neph_diag *diag);
 
 /* Then submit the filling of the air in front of the camera. */
-enum neph_status neph_sky_tables_veil(struct neph_sky_tables *tables, struct neph_sky_times *times,
-                                      struct neph_diag *diag);
+enum neph_status neph_sky_tables_update_aerial(struct neph_sky_tables *tables,
+                                               struct neph_sky_times *times,
+                                               struct neph_diag *diag);
 
 #endif

@@ -115,25 +115,25 @@ void neph_sky_view_table_destroy(struct neph_sky_view_table *table)
 
 /* --- interpolation ---------------------------------------------------------------------------- */
 
-static double among(double part, int nodes, int *low)
+static double locate_table_node(double part, int nodes, int *low)
 {
     const double place = fmin(fmax(part, 0.0), 1.0) * (nodes - 1);
     *low = (int)fmin(floor(place), nodes - 2.0);
     return place - *low;
 }
 
-static double among_azimuths(const struct neph_sky_view_table *table,
+static double locate_azimuth(const struct neph_sky_view_table *table,
                              const struct neph_sky_ray *ray, int *low)
 {
     const double across2 = (1.0 - ray->cosine * ray->cosine) *
                            (1.0 - ray->sun_cosine * ray->sun_cosine);
     const double x = (ray->toward_sun - ray->cosine * ray->sun_cosine) / sqrt(fmax(across2, 1e-12));
-    return among(sqrt(acos(fmin(1.0, fmax(-1.0, x))) / M_PI), table->azimuths, low);
+    return locate_table_node(sqrt(acos(fmin(1.0, fmax(-1.0, x))) / M_PI), table->azimuths, low);
 }
 
 /* Add the light of a node with its interpolation weight. */
-static void gather(const struct neph_sky_view_table *table, const struct neph_sky_ray *ray,
-                   int node, double weight, struct neph_sky_light *light)
+static void add_node_light(const struct neph_sky_view_table *table, const struct neph_sky_ray *ray,
+                           int node, double weight, struct neph_sky_light *light)
 {
     const int layers = table->slices - NEPH_SKY_SLICES;
     const double(*slices)[3] = (const double(*)[3]) & table->nodes[node * table->slices];
@@ -157,14 +157,14 @@ struct neph_sky_light neph_sky_view(const struct neph_sky_air *air,
     const double horizon = horizon_rad(air, table->altitude_m);
     const double off_rad = fabs(asin(fmin(1.0, fmax(-1.0, ray->cosine))) - horizon);
     int i, j;
-    const double x = among_azimuths(table, ray, &i);
-    const double y = among(
+    const double x = locate_azimuth(table, ray, &i);
+    const double y = locate_table_node(
         sqrt(fmax(0.0, off_rad - horizon_gap_rad) / range_rad(horizon, is_below)),
         table->elevations, &j);
     const int first = ((is_below ? table->elevations : 0) + j) * table->azimuths + i;
-    gather(table, ray, first, (1.0 - x) * (1.0 - y), &light);
-    gather(table, ray, first + 1, x * (1.0 - y), &light);
-    gather(table, ray, first + table->azimuths, (1.0 - x) * y, &light);
-    gather(table, ray, first + table->azimuths + 1, x * y, &light);
+    add_node_light(table, ray, first, (1.0 - x) * (1.0 - y), &light);
+    add_node_light(table, ray, first + 1, x * (1.0 - y), &light);
+    add_node_light(table, ray, first + table->azimuths, (1.0 - x) * y, &light);
+    add_node_light(table, ray, first + table->azimuths + 1, x * y, &light);
     return light;
 }

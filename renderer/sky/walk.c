@@ -90,7 +90,7 @@ static void stop_path(struct path *path, const struct neph_sky_air *air,
         rise->climb_m = fmax(0.0, fmin(altitude_m, air->top_m) - rise->low_m);
 }
 
-static struct path path_of(const struct neph_sky_air *air, const struct neph_sky_ray *ray)
+static struct path compute_path(const struct neph_sky_air *air, const struct neph_sky_ray *ray)
 {
     const double rise_m = (air->radius_m + ray->altitude_m) * ray->cosine;
     struct path path = {.length_m = INFINITY};
@@ -126,7 +126,7 @@ void neph_sky_find_phases(const struct neph_sky_air *air, struct neph_sky_ray *r
 /* Radiance scattered into the ray per metre, from sunlight. */
 static void scatter_sun(const struct neph_sky_air *air, const struct neph_sky_sources *sources,
                         const struct neph_sky_ray *ray, const struct place *place,
-                        const struct neph_sky_mix *mix, double source[3])
+                        const struct neph_sky_coefficients *mix, double source[3])
 {
     double sun[3];
     neph_sky_sun_transmittance(air, sources->sun, place->altitude_m, place->sun_cosine, sun);
@@ -138,7 +138,7 @@ static void scatter_sun(const struct neph_sky_air *air, const struct neph_sky_so
 /* A phase function multiplies moments of degree l by its Legendre coefficient of degree l. */
 static void scatter_field(const struct neph_sky_air *air, const struct neph_sky_field *field,
                           const struct neph_sky_ray *ray, const struct place *place,
-                          const struct neph_sky_mix *mix, double source[3])
+                          const struct neph_sky_coefficients *mix, double source[3])
 {
     double moments[NEPH_SKY_MOMENTS_MAX][3], values[NEPH_SKY_MOMENTS_MAX];
     const double sun_sine = sqrt(fmax(1e-12, 1.0 - place->sun_cosine * place->sun_cosine));
@@ -159,7 +159,7 @@ static void scatter_field(const struct neph_sky_air *air, const struct neph_sky_
 
 static void source_at(const struct neph_sky_air *air, const struct neph_sky_sources *sources,
                       const struct neph_sky_ray *ray, const struct place *place,
-                      const struct neph_sky_mix *mix, double source[3])
+                      const struct neph_sky_coefficients *mix, double source[3])
 {
     source[0] = source[1] = source[2] = 0.0;
     if (sources->alight)
@@ -202,7 +202,7 @@ static void walk_leg(const struct neph_sky_air *air, const struct neph_sky_sourc
         const double cosine = (leg->rise_m + from_low_m) / r_m;
         const struct place place = {leg->low_m + climb_m, leg->falls ? -cosine : cosine,
                                     (sun_m + t_m * ray->toward_sun) / r_m};
-        const struct neph_sky_mix mix = neph_sky_mix_at(air, place.altitude_m);
+        const struct neph_sky_coefficients mix = neph_sky_coefficients_at(air, place.altitude_m);
         double source[3];
         source_at(air, sources, ray, &place, &mix, source);
         add_step(light, source, mix.extinction_per_m, length_m);
@@ -251,14 +251,14 @@ void neph_sky_irradiance(const struct neph_sky_air *air, const struct neph_sky_s
 
 double neph_sky_length_m(const struct neph_sky_air *air, const struct neph_sky_ray *ray)
 {
-    return path_of(air, ray).length_m;
+    return compute_path(air, ray).length_m;
 }
 
 struct neph_sky_light neph_sky_walk(const struct neph_sky_air *air,
                                     const struct neph_sky_sources *sources,
                                     const struct neph_sky_ray *ray, int steps)
 {
-    const struct path path = path_of(air, ray);
+    const struct path path = compute_path(air, ray);
     struct neph_sky_light light = {.transmittance = {1, 1, 1}, .length_m = path.length_m};
     const int steps_of_leg = path.leg_count > 1 ? (steps + 1) / 2 : steps;
     for (int i = 0; i < path.leg_count; i++)

@@ -64,7 +64,7 @@ struct Picture {
     }
 };
 
-size_t bytes_of(PixelType type)
+size_t pixel_type_bytes(PixelType type)
 {
     return type == HALF ? 2 : 4;
 }
@@ -84,7 +84,7 @@ template <typename T> void put(Channel &channel, size_t i, T value)
 /* A gradient in the left half, noise in the right. */
 void fill(Channel &channel, int width, int height, uint32_t &state)
 {
-    channel.samples.resize(bytes_of(channel.type) * static_cast<size_t>(width * height));
+    channel.samples.resize(pixel_type_bytes(channel.type) * static_cast<size_t>(width * height));
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             const size_t i = static_cast<size_t>(y * width + x);
@@ -116,7 +116,7 @@ Picture make(int width, int height, Compression compression, const std::vector<P
     return picture;
 }
 
-Header header_of(const Picture &picture)
+Header make_header(const Picture &picture)
 {
     Header header(picture.display, picture.window, 1.0f, V2i(0, 0), 1.0f, picture.order,
                   picture.compression);
@@ -126,11 +126,11 @@ Header header_of(const Picture &picture)
     return header;
 }
 
-FrameBuffer buffer_of(Picture &picture)
+FrameBuffer make_frame_buffer(Picture &picture)
 {
     FrameBuffer buffer;
     for (Channel &channel : picture.channels) {
-        const size_t size = bytes_of(channel.type);
+        const size_t size = pixel_type_bytes(channel.type);
         buffer.insert(channel.name,
                       Slice::Make(channel.type, channel.samples.data(), picture.window, size,
                                   size * static_cast<size_t>(picture.width())));
@@ -145,14 +145,14 @@ Picture read_back(const std::string &path, const Picture &written)
     for (Channel &channel : read.channels)
         std::memset(channel.samples.data(), 0, channel.samples.size());
     InputFile file(path.c_str());
-    file.setFrameBuffer(buffer_of(read));
+    file.setFrameBuffer(make_frame_buffer(read));
     file.readPixels(read.window.min.y, read.window.max.y);
     return read;
 }
 
-float value_of(const Channel &channel, size_t i)
+float read_sample(const Channel &channel, size_t i)
 {
-    const char *at = channel.samples.data() + i * bytes_of(channel.type);
+    const char *at = channel.samples.data() + i * pixel_type_bytes(channel.type);
     if (channel.type == HALF) {
         half value;
         std::memcpy(&value, at, sizeof(value));
@@ -173,7 +173,7 @@ void write_raw(const std::string &path, const Picture &picture)
     std::ofstream out(path, std::ios::binary);
     for (const Channel &channel : picture.channels)
         for (size_t i = 0; i < picture.pixels(); i++) {
-            const float value = value_of(channel, i);
+            const float value = read_sample(channel, i);
             out.write(reinterpret_cast<const char *>(&value), sizeof(value));
         }
     if (!out.flush())
@@ -202,8 +202,8 @@ void write(const std::string &stem, Picture picture)
 {
     const std::string path = stem + ".exr";
     {
-        OutputFile file(path.c_str(), header_of(picture));
-        file.setFrameBuffer(buffer_of(picture));
+        OutputFile file(path.c_str(), make_header(picture));
+        file.setFrameBuffer(make_frame_buffer(picture));
         file.writePixels(picture.height());
     }
     const Picture read = read_back(path, picture);
@@ -287,14 +287,14 @@ void write_header_alone(const std::string &path, const Header &header)
 {
     Picture picture = make(7, 5, ZIP_COMPRESSION, {HALF});
     OutputFile file(path.c_str(), header);
-    file.setFrameBuffer(buffer_of(picture));
+    file.setFrameBuffer(make_frame_buffer(picture));
     file.writePixels(picture.height());
 }
 
 void write_attributes(const std::string &folder)
 {
     using IMATH_NAMESPACE::V2f;
-    const Header plain = header_of(make(7, 5, ZIP_COMPRESSION, {HALF}));
+    const Header plain = make_header(make(7, 5, ZIP_COMPRESSION, {HALF}));
     Header aces = plain, rec709 = plain, wide = plain, texts = plain;
     addChromaticities(aces, Chromaticities(V2f(0.7347f, 0.2653f), V2f(0.0f, 1.0f),
                                            V2f(0.0001f, -0.077f), V2f(0.32168f, 0.33767f)));
@@ -313,17 +313,17 @@ void write_attributes(const std::string &folder)
 void write_tiled(const std::string &folder, const char *name, LevelMode mode)
 {
     Picture picture = make(33, 31, ZIP_COMPRESSION, {HALF, HALF, HALF});
-    Header header = header_of(picture);
+    Header header = make_header(picture);
     header.setTileDescription(TileDescription(16, 16, mode));
     TiledOutputFile file((folder + name).c_str(), header);
-    file.setFrameBuffer(buffer_of(picture));
+    file.setFrameBuffer(make_frame_buffer(picture));
     file.writeTiles(0, file.numXTiles(0) - 1, 0, file.numYTiles(0) - 1, 0);
 }
 
 void write_parts(const std::string &folder)
 {
     Picture picture = make(33, 31, ZIP_COMPRESSION, {HALF, HALF, HALF});
-    std::vector<Header> headers(2, header_of(picture));
+    std::vector<Header> headers(2, make_header(picture));
     for (int i = 0; i < 2; i++) {
         headers[static_cast<size_t>(i)].setName(i ? "right" : "left");
         headers[static_cast<size_t>(i)].setType(SCANLINEIMAGE);
@@ -331,7 +331,7 @@ void write_parts(const std::string &folder)
     MultiPartOutputFile file((folder + "/parts.exr").c_str(), headers.data(), 2);
     for (int i = 0; i < 2; i++) {
         OutputPart part(file, i);
-        part.setFrameBuffer(buffer_of(picture));
+        part.setFrameBuffer(make_frame_buffer(picture));
         part.writePixels(picture.height());
     }
 }
@@ -339,7 +339,7 @@ void write_parts(const std::string &folder)
 void write_deep(const std::string &folder)
 {
     Picture picture = make(2, 2, ZIPS_COMPRESSION, {FLOAT});
-    Header header = header_of(picture);
+    Header header = make_header(picture);
     header.setType(DEEPSCANLINE);
     std::vector<unsigned> counts(4, 1);
     std::vector<float> samples(4, 0.5f);

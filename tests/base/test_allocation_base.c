@@ -17,7 +17,7 @@ struct place {
     char copy[SCRATCH_PATH_MAX], checkpoint[SCRATCH_PATH_MAX], folder[SCRATCH_PATH_MAX];
 };
 
-static struct place place_of(void **state)
+static struct place make_paths(void **state)
 {
     struct place place;
     scratch_path(state, place.exr, "frame.exr");
@@ -153,34 +153,34 @@ static enum neph_status pack(void *context, struct neph_diag *diag)
 
 static void test_images(void **state)
 {
-    struct place place = place_of(state);
-    assert_every_failure_is_told("an image", use_image, &place);
-    assert_every_failure_is_told("packed floats", pack, &place);
+    struct place place = make_paths(state);
+    assert_every_failure_is_reported("an image", use_image, &place);
+    assert_every_failure_is_reported("packed floats", pack, &place);
 }
 
 static void test_exr(void **state)
 {
-    struct place place = place_of(state);
-    assert_every_failure_is_told("writing EXR", write_exr, &place);
-    assert_every_failure_is_told("reading EXR", read_exr, &place);
+    struct place place = make_paths(state);
+    assert_every_failure_is_reported("writing EXR", write_exr, &place);
+    assert_every_failure_is_reported("reading EXR", read_exr, &place);
     assert_int_equal(scratch_count(state), 1); /* no temporary files remain */
 }
 
 static void test_png(void **state)
 {
-    struct place place = place_of(state);
-    assert_every_failure_is_told("writing deep PNG", write_deep_png, &place);
-    assert_every_failure_is_told("writing PNG", write_png, &place);
-    assert_every_failure_is_told("reading PNG", read_png, &place);
-    assert_every_failure_is_told("reading codes of PNG", read_png_codes, &place);
+    struct place place = make_paths(state);
+    assert_every_failure_is_reported("writing deep PNG", write_deep_png, &place);
+    assert_every_failure_is_reported("writing PNG", write_png, &place);
+    assert_every_failure_is_reported("reading PNG", read_png, &place);
+    assert_every_failure_is_reported("reading codes of PNG", read_png_codes, &place);
     assert_int_equal(scratch_count(state), 1);
 }
 
 static void test_files(void **state)
 {
-    struct place place = place_of(state);
-    assert_every_failure_is_told("files", use_files, &place);
-    assert_every_failure_is_told("checkpoints", use_checkpoint, &place);
+    struct place place = make_paths(state);
+    assert_every_failure_is_reported("files", use_files, &place);
+    assert_every_failure_is_reported("checkpoints", use_checkpoint, &place);
     assert_int_equal(scratch_count(state), 4);
 }
 

@@ -13,16 +13,16 @@
 static void test_pieces_are_zeroed_and_apart(void **state)
 {
     struct neph_arena arena = {0};
-    int *numbers = neph_arena_zeroed(&arena, 100, sizeof(*numbers));
+    int *numbers = neph_arena_allocate(&arena, 100, sizeof(*numbers));
     const char *text = neph_arena_format(&arena, "%d of %s", 7, "nine");
-    const char *copy = neph_arena_text(&arena, text);
+    const char *copy = neph_arena_copy_text(&arena, text);
     for (int i = 0; i < 100; i++)
         assert_int_equal(numbers[i], 0);
     memset(numbers, 0xff, 100 * sizeof(*numbers));
     assert_string_equal(text, "7 of nine");
     assert_string_equal(copy, text);
     assert_ptr_not_equal(copy, text);
-    assert_null(neph_arena_text(&arena, NULL));
+    assert_null(neph_arena_copy_text(&arena, NULL));
     assert_int_equal(neph_arena_check(&arena, NULL), NEPH_OK);
     neph_arena_finish(&arena);
 }
@@ -32,7 +32,7 @@ static void test_a_list_grows(void **state)
     struct neph_arena arena = {0};
     int *list = NULL, room = 0;
     for (int i = 0; i < 100; i++) {
-        list = neph_arena_grown(&arena, list, i, &room, sizeof(*list));
+        list = neph_arena_grow_list(&arena, list, i, &room, sizeof(*list));
         assert_true(list && room > i && list[i] == 0);
         list[i] = i + 1;
     }
@@ -44,8 +44,8 @@ static void test_a_list_grows(void **state)
 static void test_a_shortage_is_remembered(void **state)
 {
     struct neph_arena arena = {0};
-    assert_null(neph_arena_zeroed(&arena, SIZE_MAX / 2, 16));
-    assert_non_null(neph_arena_zeroed(&arena, 1, 1));
+    assert_null(neph_arena_allocate(&arena, SIZE_MAX / 2, 16));
+    assert_non_null(neph_arena_allocate(&arena, 1, 1));
     assert_int_equal(neph_arena_check(&arena, NULL), NEPH_ERR_MEMORY);
     neph_arena_finish(&arena);
 }

@@ -201,7 +201,7 @@ static void test_long_channel_names(void **state)
     neph_image_destroy(image);
 }
 
-static void test_what_cannot_be_written(void **state)
+static void test_unwritable_images_are_refused(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     struct neph_image *image = NULL;
@@ -687,7 +687,7 @@ int main(void)
         scratch_test(test_same_image_gives_same_bytes),
         scratch_test(test_attributes_both_ways),
         scratch_test(test_long_channel_names),
-        scratch_test(test_what_cannot_be_written),
+        scratch_test(test_unwritable_images_are_refused),
         scratch_test(test_failed_write_keeps_the_old_file),
         scratch_test(test_reads_types_compressions_and_orders),
         scratch_test(test_window_need_not_start_at_zero),

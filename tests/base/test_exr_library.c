@@ -146,7 +146,7 @@ static void assert_attribute(const struct neph_image *image, const char *name, c
         assert_true(!expected && !value);
 }
 
-static void test_what_is_unusual_about_a_file_is_said(void **state)
+static void test_unusual_attributes_are_reported(void **state)
 {
     for (size_t i = 0; i < sizeof(attribute_cases) / sizeof(attribute_cases[0]); i++) {
         char path[SCRATCH_PATH_MAX];

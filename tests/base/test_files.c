@@ -5,7 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static void assert_holds(const char *path, const char *data, size_t size)
+static void assert_content(const char *path, const char *data, size_t size)
 {
     char *found = NULL;
     size_t found_size = 0;
@@ -29,7 +29,7 @@ static void test_round_trip_at_many_sizes(void **state)
     for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
         struct neph_diag diag = {0};
         neph_assert_ok(neph_file_write(path, data, sizes[i], &diag), &diag);
-        assert_holds(path, data, sizes[i]);
+        assert_content(path, data, sizes[i]);
     }
     assert_int_equal(scratch_count(state), 1); /* no temporary file remains */
     free(data);
@@ -52,7 +52,7 @@ static void test_limit_is_inclusive(void **state)
     free(data);
 }
 
-static void test_limit_holds_for_what_has_no_size(void **state)
+static void test_limit_applies_to_unsized_files(void **state)
 {
     char *data = NULL;
     size_t size = 0;
@@ -89,7 +89,7 @@ static void test_replacing_is_atomic(void **state)
     assert_int_equal(read(fd, old, sizeof(old)), 3);
     assert_memory_equal(old, "old", 3);
     close(fd);
-    assert_holds(path, "new!", 4);
+    assert_content(path, "new!", 4);
     assert_int_equal(scratch_count(state), 1);
 }
 
@@ -116,10 +116,10 @@ static void test_unsynced_files_are_new_ones(void **state)
     scratch_path(state, path, "file");
     neph_assert_ok(neph_file_write_unsynced(path, "12345", 5, &diag), &diag);
     neph_assert_ok(neph_file_system_sync(scratch_path(state, folder, "."), &diag), &diag);
-    assert_holds(path, "12345", 5);
+    assert_content(path, "12345", 5);
     assert_int_equal(neph_file_write_unsynced(path, "x", 1, &diag), NEPH_ERR_IO);
     assert_non_null(strstr(diag.message, path));
-    assert_holds(path, "12345", 5);
+    assert_content(path, "12345", 5);
     assert_int_equal(neph_file_system_sync(scratch_path(state, folder, "nobody"), &diag),
                      NEPH_ERR_IO);
 }
@@ -146,7 +146,7 @@ static void test_longest_name(void **state)
     char *path = neph_path_join(scratch->folder, name);
     struct neph_diag diag = {0};
     neph_assert_ok(neph_file_write(path, "x", 1, &diag), &diag);
-    assert_holds(path, "x", 1);
+    assert_content(path, "x", 1);
     free(path);
 }
 
@@ -160,7 +160,7 @@ static void test_relative_path_without_folder(void **state)
     free(before);
     neph_assert_ok(status, NULL);
     char path[SCRATCH_PATH_MAX];
-    assert_holds(scratch_path(state, path, "here"), "x", 1);
+    assert_content(scratch_path(state, path, "here"), "x", 1);
 }
 
 static void test_copy(void **state)
@@ -175,9 +175,9 @@ static void test_copy(void **state)
     struct neph_diag diag = {0};
     neph_assert_ok(neph_file_write(from, data, size, &diag), &diag);
     neph_assert_ok(neph_file_copy(from, to, &diag), &diag);
-    assert_holds(to, data, size);
+    assert_content(to, data, size);
     neph_assert_ok(neph_file_copy(to, to, &diag), &diag); /* onto itself: unchanged */
-    assert_holds(to, data, size);
+    assert_content(to, data, size);
     free(data);
 
     assert_int_equal(neph_file_copy(scratch_path(state, from, "none"), to, &diag),
@@ -240,12 +240,12 @@ static void test_dir_remove(void **state)
     struct neph_diag diag = {0};
     neph_assert_ok(neph_dir_remove(scratch_path(state, path, "gone"), &diag), &diag);
     assert_false(neph_path_exists(path));
-    assert_holds(target, "x", 1);
+    assert_content(target, "x", 1);
 
     assert_int_equal(symlink("kept", scratch_path(state, link, "link")), 0);
     neph_assert_ok(neph_dir_remove(link, &diag), &diag);
     assert_false(neph_path_exists(link));
-    assert_holds(target, "x", 1);
+    assert_content(target, "x", 1);
 
     neph_assert_ok(neph_dir_remove(path, &diag), &diag); /* does not exist */
     neph_assert_ok(neph_dir_remove(target, &diag), &diag);
@@ -283,7 +283,7 @@ static void test_paths(void **state)
 }
 
 /* Reading must not wait for any of them; ctest ends a test that hangs. */
-static void test_what_is_no_regular_file_is_refused_at_once(void **state)
+static void test_special_files_are_refused_at_once(void **state)
 {
     char fifo[SCRATCH_PATH_MAX], copy[SCRATCH_PATH_MAX];
     assert_int_equal(mkfifo(scratch_path(state, fifo, "fifo"), 0600), 0);
@@ -313,9 +313,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         scratch_test(test_round_trip_at_many_sizes),
         scratch_test(test_limit_is_inclusive),
-        cmocka_unit_test(test_limit_holds_for_what_has_no_size),
+        cmocka_unit_test(test_limit_applies_to_unsized_files),
         scratch_test(test_missing_and_unreadable),
-        scratch_test(test_what_is_no_regular_file_is_refused_at_once),
+        scratch_test(test_special_files_are_refused_at_once),
         scratch_test(test_replacing_is_atomic),
         scratch_test(test_failed_write_leaves_nothing),
         scratch_test(test_unsynced_files_are_new_ones),

@@ -25,7 +25,7 @@
     } while (0)
 
 /* The exit code has 8 bits, a line number needs more: it is sent through the pipe. */
-static int run_alone(int (*body)(void), int *signal_number)
+static int run_in_process(int (*body)(void), int *signal_number)
 {
     int fds[2], line = -1, wait_status = 0;
     assert_int_equal(pipe(fds), 0);
@@ -45,10 +45,10 @@ static int run_alone(int (*body)(void), int *signal_number)
     return got == (ssize_t)sizeof(line) ? line : -1;
 }
 
-static void assert_alone(int (*body)(void))
+static void assert_in_process(int (*body)(void))
 {
     int signal_number = 0;
-    int line = run_alone(body, &signal_number);
+    int line = run_in_process(body, &signal_number);
     if (line != 0 || signal_number != 0)
         print_error("failed in line %d, signal %d\n", line, signal_number);
     assert_int_equal(line, 0);
@@ -188,33 +188,33 @@ static int inherited_sigchld(void)
 
 static void test_flag_and_descriptor(void **state)
 {
-    assert_alone(flag_and_descriptor);
-    assert_alone(first_ctrl_c);
-    assert_alone(ignored_ctrl_c);
+    assert_in_process(flag_and_descriptor);
+    assert_in_process(first_ctrl_c);
+    assert_in_process(ignored_ctrl_c);
 }
 
 static void test_second_ctrl_c_ends_the_program(void **state)
 {
     int signal_number = 0;
-    assert_int_equal(run_alone(second_ctrl_c, &signal_number), -1);
+    assert_int_equal(run_in_process(second_ctrl_c, &signal_number), -1);
     assert_int_equal(signal_number, SIGINT);
 }
 
 static void test_parallel_rows_stop(void **state)
 {
-    assert_alone(rows_stop_early);
-    assert_alone(last_row_is_not_early);
+    assert_in_process(rows_stop_early);
+    assert_in_process(last_row_is_not_early);
 }
 
 static void test_children_are_stopped(void **state)
 {
-    assert_alone(child_is_stopped);
-    assert_alone(child_after_acknowledgement);
+    assert_in_process(child_is_stopped);
+    assert_in_process(child_after_acknowledgement);
 }
 
 static void test_inherited_sigchld(void **state)
 {
-    assert_alone(inherited_sigchld);
+    assert_in_process(inherited_sigchld);
 }
 
 #include "tests/main.h"

@@ -17,7 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static void test_a_lock_is_held_until_it_is_closed(void **state)
+static void test_a_lock_lasts_until_it_is_closed(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     scratch_path(state, path, "lock");
@@ -118,7 +118,7 @@ static pid_t start_worker(const char *folder)
     return pid;
 }
 
-static void test_what_a_killed_process_left_is_swept(void **state)
+static void test_leftovers_of_a_kill_are_removed(void **state)
 {
     const struct scratch *scratch = *state;
     const pid_t worker = start_worker(scratch->folder);
@@ -217,12 +217,12 @@ static void test_waiting_for_a_lock(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        scratch_test(test_a_lock_is_held_until_it_is_closed),
+        scratch_test(test_a_lock_lasts_until_it_is_closed),
         scratch_test(test_only_plain_files_are_taken_over),
         scratch_test(test_scratch_is_empty_and_goes),
         scratch_test(test_scratch_that_was_renamed_stays),
         scratch_test(test_scratch_that_was_kept_is_not_swept),
-        scratch_test(test_what_a_killed_process_left_is_swept),
+        scratch_test(test_leftovers_of_a_kill_are_removed),
         scratch_test(test_strangers_are_not_swept),
         scratch_test(test_sweeping_does_not_race_with_making),
         scratch_test(test_temporary_files_of_the_dead_are_swept),

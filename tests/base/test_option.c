@@ -57,7 +57,7 @@ static void test_text_has_all_settings_and_reads_back(void **state)
     free(changes);
 }
 
-static void test_wrong_settings_are_refused_with_what_is_allowed(void **state)
+static void test_wrong_settings_list_allowed_values(void **state)
 {
     static const char known[] = "settings of engine x: steps, width_m, colour";
     expect_refusal(options, "steps", "key=value", "");
@@ -150,8 +150,8 @@ static void test_presets_of_a_use(void **state)
         assert_string_equal(names, cases[i].names);
         free(names);
     }
-    assert_string_equal(neph_preset_of_use(presets, 2, 1)->name, "broken");
-    assert_null(neph_preset_of_use(presets, 2, 2));
+    assert_string_equal(neph_preset_find_by_use(presets, 2, 1)->name, "broken");
+    assert_null(neph_preset_find_by_use(presets, 2, 2));
 }
 
 #include "tests/main.h"

@@ -59,7 +59,7 @@ static void test_new_and_empty_folders_are_taken(void **state)
     assert_int_equal(neph_owned_claim(scratch->folder, &shelf, &diag), NEPH_ERR_USAGE);
 }
 
-static void test_what_holds_files_is_refused(void **state)
+static void test_folders_with_files_are_refused(void **state)
 {
     put(state, "thesis.tex", "years");
     assert_refused(state, &shelf, "was not made by neph");
@@ -119,7 +119,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         scratch_test(test_new_and_empty_folders_are_taken),
-        scratch_test(test_what_holds_files_is_refused),
+        scratch_test(test_folders_with_files_are_refused),
         scratch_test(test_hidden_files_count),
         scratch_test(test_a_file_of_that_name_is_refused),
         scratch_test(test_markers_of_others_are_refused),

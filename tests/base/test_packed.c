@@ -62,7 +62,7 @@ static void test_all_bits_come_back(void **state)
 }
 
 /* The purpose of the byte order: a smooth image, and one of half floats. */
-static void test_pictures_become_small(void **state)
+static void test_images_are_compressed(void **state)
 {
     enum { PIXELS = 128 * 72 };
     static float smooth[PIXELS], halves[PIXELS];

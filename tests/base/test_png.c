@@ -54,7 +54,7 @@ static void test_written_bytes_come_back(void **state)
 }
 
 /* Scaled to 16 bits, values are read back unchanged; the file has their colour space. */
-static void test_deep_pictures_survive(void **state)
+static void test_16_bit_images_are_preserved(void **state)
 {
     enum { wide = 37, high = 23, samples = 3 * wide * high };
     char path[SCRATCH_PATH_MAX];
@@ -89,7 +89,7 @@ static void test_deep_pictures_survive(void **state)
     assert_int_equal(scratch_count(state), 1);
 }
 
-static void test_what_cannot_be_written(void **state)
+static void test_unwritable_images_are_refused(void **state)
 {
     static const int sizes[][2] = {{0, 1}, {1, 0}, {-1, 1}, {NEPH_IMAGE_SIDE_MAX_PX + 1, 1}};
     char path[SCRATCH_PATH_MAX];
@@ -347,7 +347,7 @@ static struct neph_image *read_picture(const char *path, int width_px, int heigh
     return image;
 }
 
-static void assert_picture_refused(const char *path, enum neph_status expected, const char *words)
+static void assert_image_refused(const char *path, enum neph_status expected, const char *words)
 {
     struct neph_image *image = NULL;
     struct neph_diag diag = {0};
@@ -500,7 +500,7 @@ static void test_translucent_pixels_are_refused(void **state)
         write_foreign(
             path, (struct foreign){WIDTH, HEIGHT, kinds[i].depth, kinds[i].colour_type, 0, 0, 0},
             bytes);
-        assert_picture_refused(path, NEPH_ERR_INPUT, "translucent (first at pixel (3, 2))");
+        assert_image_refused(path, NEPH_ERR_INPUT, "translucent (first at pixel (3, 2))");
         free(bytes);
     }
 }
@@ -549,7 +549,7 @@ static void test_clear_colours(void **state)
         write_foreign(path, foreign, without);
         neph_image_destroy(read_picture(path, foreign.width_px, 1));
         write_foreign(path, foreign, cases[i].depth == 16 ? wide : narrow);
-        assert_picture_refused(path, NEPH_ERR_INPUT, "translucent");
+        assert_image_refused(path, NEPH_ERR_INPUT, "translucent");
     }
 }
 
@@ -625,7 +625,7 @@ static void test_only_srgb_is_taken_for_srgb(void **state)
         write_foreign(
             path, (struct foreign){1, 1, 8, PNG_COLOR_TYPE_RGB, 0, 0.0, cases[i].decorate}, bytes);
         if (cases[i].refused)
-            assert_picture_refused(path, NEPH_ERR_INPUT, cases[i].refused);
+            assert_image_refused(path, NEPH_ERR_INPUT, cases[i].refused);
         else
             neph_image_destroy(read_picture(path, 1, 1));
     }
@@ -641,7 +641,7 @@ static void say_square(png_structp png, png_infop info)
     png_set_pHYs(png, info, 3000, 3000, PNG_RESOLUTION_METER);
 }
 
-static void test_the_shape_of_a_pixel_is_said(void **state)
+static void test_the_pixel_aspect_is_read(void **state)
 {
     static const struct {
         void (*decorate)(png_structp png, png_infop info);
@@ -674,12 +674,12 @@ static void test_damaged_colour_chunk_is_refused(void **state)
     assert_non_null(gamma);
     gamma[7] = 0; /* the checksum is wrong now */
     scratch_write(path, data, size);
-    assert_picture_refused(path, NEPH_ERR_INPUT, "damaged");
+    assert_image_refused(path, NEPH_ERR_INPUT, "damaged");
     free(data);
 }
 
 /* Some hundred bytes that declare 16384x16384 pixels: refused before memory is allocated. */
-static void test_small_file_of_a_huge_picture(void **state)
+static void test_small_file_of_a_huge_image(void **state)
 {
     char path[SCRATCH_PATH_MAX], *data = NULL;
     size_t size = 0;
@@ -694,11 +694,11 @@ static void test_small_file_of_a_huge_picture(void **state)
     memcpy(data + 20, "\0\0\x40\0", 4); /* the height: 16384 */
     png_mend_checksums((uint8_t *)data, size);
     scratch_write(path, data, size);
-    assert_picture_refused(path, NEPH_ERR_INPUT, "cannot hold 16384x16384 pixels");
+    assert_image_refused(path, NEPH_ERR_INPUT, "cannot hold 16384x16384 pixels");
     free(data);
 }
 
-static void test_damaged_pictures(void **state)
+static void test_damaged_images(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     scratch_path(state, path, "broken.png");
@@ -713,13 +713,13 @@ static void test_damaged_pictures(void **state)
         neph_assert_ok(neph_file_read(path, SIZE_MAX, &data, &size, NULL), NULL);
         for (size_t length = 0; length < size; length++) {
             scratch_write(path, data, length);
-            assert_picture_refused(path, NEPH_ERR_INPUT, path);
+            assert_image_refused(path, NEPH_ERR_INPUT, path);
         }
         for (size_t at = 0; at < size; at++) {
             const char good = data[at];
             data[at] = (char)(good ^ (1 << neph_test_random(&random) % 8));
             scratch_write(path, data, size);
-            assert_picture_refused(path, NEPH_ERR_INPUT, path); /* every byte has a checksum */
+            assert_image_refused(path, NEPH_ERR_INPUT, path); /* every byte has a checksum */
             data[at] = good;
         }
         free(data);
@@ -731,8 +731,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         scratch_test(test_written_bytes_come_back),
-        scratch_test(test_deep_pictures_survive),
-        scratch_test(test_what_cannot_be_written),
+        scratch_test(test_16_bit_images_are_preserved),
+        scratch_test(test_unwritable_images_are_refused),
         scratch_test(test_code_values_are_raw),
         scratch_test(test_other_kinds_are_refused_by_name),
         scratch_test(test_oversized_is_refused),
@@ -744,10 +744,10 @@ int main(void)
         scratch_test(test_translucent_pixels_are_refused),
         scratch_test(test_clear_colours),
         scratch_test(test_only_srgb_is_taken_for_srgb),
-        scratch_test(test_the_shape_of_a_pixel_is_said),
+        scratch_test(test_the_pixel_aspect_is_read),
         scratch_test(test_damaged_colour_chunk_is_refused),
-        scratch_test(test_small_file_of_a_huge_picture),
-        scratch_test(test_damaged_pictures),
+        scratch_test(test_small_file_of_a_huge_image),
+        scratch_test(test_damaged_images),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -51,7 +51,7 @@ static void test_characters_that_act_are_shown(void **state)
     expect_clean("\xf3\xa0\x80\x81", 100, "\\U000e0001");
 }
 
-static void test_what_does_not_fit_is_cut_between_characters(void **state)
+static void test_text_is_cut_between_characters(void **state)
 {
     expect_clean("aa\xe2\x82", 5, "aa");       /* snprintf had truncated a euro sign */
     expect_clean("aa\xf0\x9d\x9b", 6, "aa");   /* and a sigma */

@@ -54,7 +54,7 @@ static void test_all_is_done(void **state)
         }
         for (int i = TASKS / 2; i >= 0; i -= 50) {
             neph_workers_wait(workers, &counted[i].task);
-            assert_true(neph_workers_have_done(workers, &counted[i].task));
+            assert_true(neph_workers_is_done(workers, &counted[i].task));
             assert_int_equal(counted[i].result, counted[i].times);
         }
         if (threads % 2)

@@ -20,7 +20,7 @@ static void require_display_values(const struct neph_image *image)
 
 /* Large images take seconds, legitimately; images above the maximum size are refused, which is
  * tested. */
-static bool asks_for_work(const uint8_t *data, size_t size)
+static bool is_expensive(const uint8_t *data, size_t size)
 {
     const uint64_t most = 1 << 16, refused = NEPH_IMAGE_SIDE_MAX_PX;
     uint64_t side[2] = {0, 0};
@@ -51,7 +51,7 @@ static void try(const uint8_t *data, size_t size)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    if (fuzz_is_searching() && asks_for_work(data, size))
+    if (fuzz_is_searching() && is_expensive(data, size))
         return 0;
     try(data, size);
     uint8_t *mended = malloc(size + 1);

@@ -11,7 +11,7 @@
 #include <math.h>
 
 /* Scenes that legitimately take seconds, or need other files: not tested here. */
-static bool asks_for_work(const uint8_t *data, size_t size)
+static bool is_expensive(const uint8_t *data, size_t size)
 {
     static const char *const keys[] = {"horizon", "voxels", "volume"};
     for (size_t i = 0; i < sizeof(keys) / sizeof(keys[0]); i++)
@@ -43,7 +43,7 @@ static void require_still(const struct neph_scene *scene, double frame)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    if (asks_for_work(data, size))
+    if (is_expensive(data, size))
         return 0;
     const struct fuzz_file file = fuzz_file_make("fuzz.yaml", data, size); /* name: fuzz */
     struct neph_scene *scene = NULL;

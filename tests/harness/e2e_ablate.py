@@ -98,7 +98,7 @@ class Ablate(StudyCase):
         self.assertEqual((list(half_life["scenes"]), half_life["interval"]), (["rest"], None))
         self.assertGreater(half_life["decades"], 0.0)  # every pixel has the new light at once
 
-    def test_the_list_says_who_claims_what(self):
+    def test_the_list_has_claims_and_sources(self):
         done = self.neph("ablate", "--list", "--preset", "ue")
         self.assertIn("F. Bauer, SIGGRAPH 2019", done.stdout)
         override = done.stdout.split("\noverride ")[1]

@@ -85,7 +85,7 @@ class Benchmark(NephCase):
                 self.assertEqual(time["found"], "unknown")
                 self.assertTrue(errors[-1][1] > time["rmse"] ** 2 or not worse)
 
-    def test_the_table_says_what_it_found(self):
+    def test_the_table_has_the_results(self):
         done = self.benchmark("gaussian_blob", "--resolution", "12", "-e", "tracer,oracle",
                               "--size", "16x9", "--seconds", "0.3", "--set", "oracle:samples=4",
                               "--all")
@@ -152,7 +152,7 @@ class Benchmark(NephCase):
                              "cloud_shadow_texels=64")
         self.assertGreater(passes["cloud shadow"], 0.0)
 
-    def test_a_scene_that_rests_is_timed_when_that_is_known(self):
+    def test_a_static_scene_is_timed_when_steady(self):
         """Few timed frames are enough; all are of one kind."""
         found, told = self.measured("gaussian_blob", "-e", "realtime", "-p", "ours", "--size",
                                     "32x18", "--repeat", "3", "--no-ceilings", "--seconds", "1")
@@ -167,7 +167,7 @@ class Benchmark(NephCase):
         self.assertGreater(gains["anti-aliasing"], 0.0)
         self.assertIsNone(gains["march"])
 
-    def test_who_cannot_does_not_stop_the_others(self):
+    def test_an_unable_engine_stops_no_other(self):
         found, told = self.measured("slab_multiple_thin", "-e", "realtime,march,tracer", "--size",
                                     "8x5", "--seconds", "0.02", "--repeat", "2")
         self.assertIn("--repeat has no effect", told)
@@ -184,7 +184,7 @@ class Benchmark(NephCase):
             self.assertGreater(passes[name], 0.0, name)
         self.assertNotIn("lamp peaks", self.passes("fence_backlit", "froxels=on"))
 
-    def test_pictures_in_flight(self):
+    def test_frames_in_flight(self):
         document, _ = self.measured(
             "voxel_grid", "-e", "march,realtime,tracer", "--size", "32x18", "--repeat", "4",
             "--seconds", "0.02", "--preset", "fixed", "-s", "realtime:transmittance=marched", "-s",

@@ -95,7 +95,7 @@ class Blenders(neph_case.NephCase):
         self.neph("render", SCENE, "-e", "cycles@5.2", "-o", self.folder, NEPH_BLENDER=both,
                   code=64, said="there is no engine 'cycles@5.2'")
 
-    def test_the_page_takes_pictures_of_their_names(self):
+    def test_the_page_uses_images_by_name(self):
         page = (neph_case.ROOT / "scripts/report/report.js").read_text()
         allowed = re.search(r"/(\^\(images.*?\$)/\.test\(path\)", page)[1]
         self.assertRegex("images/fog/cycles@5.2.png", allowed)

@@ -57,7 +57,7 @@ class Budgets(unittest.TestCase):
         self.assertEqual(judge(program=1000)[1], [])
         self.assertEqual(judge(program=1001)[1], ["program"])
 
-    def test_what_was_not_measured_is_said(self):
+    def test_unmeasured_tests_are_reported(self):
         lines, over = judge(build_c=None)
         self.assertEqual(over, [])
         self.assertEqual(len(lines), 4)

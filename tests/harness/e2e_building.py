@@ -136,7 +136,7 @@ class Matrix(unittest.TestCase):
                           for name in ("cycles", "povray", "none")],
                          ["Blender 4.3.2, 2 rendered", "missing, 1 missing", "-"])
 
-    def test_what_is_finished_is_kept(self):
+    def test_finished_chroots_are_kept(self):
         with self.assertRaises(KeyboardInterrupt):
             self.run_matrix("good", "interrupted")
         self.assertEqual([len(row["results"]) for row in self.rows().values()], [2, 1])

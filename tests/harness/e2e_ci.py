@@ -70,7 +70,7 @@ class Files(unittest.TestCase):
             self.assertEqual(text.count("EDIT"), 1)
             self.assertIn("NEPH_COMMAND: ./render.sh # EDIT", text)
 
-    def test_what_is_cached_and_kept(self):
+    def test_cached_and_kept_folders(self):
         github, gitlab = read("github.yml"), read("gitlab.yml")["nephelometer"]
         steps = github["jobs"]["night"]["steps"]
         named = {step["uses"].split("@")[0]: step for step in steps if "uses" in step}
@@ -164,7 +164,7 @@ class OnlyEngine(neph_case.NephCase):
                                                 "--only-engine")),
             (64, "--only-engine needs -e", ("nightly", "--only-engine")))
 
-    def test_a_night_of_one_engine(self):
+    def test_a_nightly_run_of_one_engine(self):
         listed = self.neph("nightly", "--list", "-e", "command", "--only-engine").stdout
         for line in listed.splitlines():
             self.assertTrue(line.startswith("catalog "), line)
@@ -227,7 +227,7 @@ class Script(unittest.TestCase):
             self.assertTrue((checkout / path).exists(), path)
         return done, json.loads((checkout / "neph-out/code-quality.json").read_text())
 
-    def test_nights_on_runners_that_begin_anew(self):
+    def test_nightly_runs_on_fresh_runners(self):
         first, entries = self.run_job("first", code=1)
         self.assertIn("NEPH_ACCEPT='the reason'", first.stderr)
         self.assertEqual([entry["description"] for entry in entries],

@@ -102,7 +102,7 @@ write(1000.0 * job["frame"] + 10.0 * job["picture"] + os.path.getsize("seen"))
                              ["radiance", "max_abs"], 0.0)
         self.assertEqual(list(self.folder.glob("neph-command-*")), [])
 
-    def test_what_it_says_of_its_cost_is_kept(self):
+    def test_its_reported_cost_is_stored(self):
         program = self.program("""
 write(1.0)
 data = open("frame.exr", "rb").read()
@@ -120,7 +120,7 @@ data = data[:8]"""))
         done = self.render(program, "--stats", "--json")
         self.assertEqual(json.loads(done.stdout)[0]["stats"]["rays"], 384)
 
-    def test_what_goes_wrong_is_said(self):
+    def test_errors_are_reported(self):
         for body, code, words in (
                 ("print('no such texture'); sys.exit(3)", 3, ("exit code 3", "no such texture")),
                 ("pass", 3, ("no frame.exr",)),
@@ -145,14 +145,14 @@ data = data[:8]"""))
         self.render(self.program("time.sleep(600)"), "--time-limit", "1", code=124,
                     said="time limit of 1 s")
 
-    def test_nobody_lacks_it(self):
+    def test_it_is_not_reported_as_missing(self):
         parts = json.loads(self.neph("doctor", "--json", code=None).stdout)["parts"]
         self.assertNotIn("command", [part["name"] for part in parts])
         self.render(None, code=69, said="NEPH_COMMAND")
         done = self.neph("doctor", program=self.program("") / "nowhere", code=3)
         self.assertIn("nowhere --version", done.stdout)
 
-    def test_what_it_leaves_in_place_of_a_file_is_its_failure(self):
+    def test_wrong_output_files_are_its_failure(self):
         """Exit code 3 for every kind of file; neither 74 nor 65, and no hang."""
         later = "if job['picture'] == 0: write(1.0)\nelse: write(1.0); "
         for body, words, frames in (
@@ -177,7 +177,7 @@ data = data[:8]"""))
                 for kept in self.folder.glob("neph-command-*"):
                     shutil.rmtree(kept)
 
-    def test_a_picture_is_made_whatever_the_last_one_has_left(self):
+    def test_leftovers_do_not_stop_a_frame(self):
         """Folders, pipes and links at the paths that neph writes next; the target of a link stays
         unchanged."""
         precious = self.folder / "precious"
@@ -233,14 +233,14 @@ os.chmod("frame.exr", 0o640)
         self.assertLess(len(kept), 1100)
         shutil.rmtree(self.folder / "out")
 
-    def test_what_it_writes_is_limited_and_what_is_kept_more_so(self):
+    def test_written_and_stored_size_limits(self):
         self.exceed("""
 for i in range(20):
     with open(f"{i}.json", "wb") as f:
         os.posix_fallocate(f.fileno(), 0, 2 ** 25)
 time.sleep(60)""", "more than 512 MiB")
 
-    def test_a_folder_that_is_left_to_look_into_is_made_to_fit(self):
+    def test_a_kept_folder_is_reduced_to_fit(self):
         done = self.render(self.program("""
 os.mkdir("sub")
 for name in ("sub/a", "b", "c", "d"):
@@ -265,7 +265,7 @@ sys.exit("no good")"""), code=3)
         self.exceed("for i in range(20000): open(str(i), 'w')\ntime.sleep(60)",
                     "more than 16384 files")
 
-    def test_what_it_leaves_beside_a_good_frame_is_not_kept(self):
+    def test_extra_files_are_not_stored(self):
         program = self.program("""
 write(0.0)
 os.mkfifo("a.json")
@@ -378,7 +378,7 @@ write(light * job["settings"]["b"])
         self.assertEqual(found["command+a=0.05", "flicker"], "fail")
 
     @night.of_the_night
-    def test_it_is_held_against_presets(self):
+    def test_it_is_compared_with_presets(self):
         def pick(presets):
             found = self.json("pick", self.scene, "--preset", presets, "--size", "24x16",
                               "--frames", "16", "-o", "out", "-q", "--least", "flicker",

@@ -105,7 +105,7 @@ media:
             self.neph("render", "voxel_grid", *options, "-e", engine, "--checkpoint", sums,
                       code=code, said=words)
 
-    def test_scenes_without_their_data_are_named_and_the_rest_goes_on(self):
+    def test_scenes_without_data_are_skipped(self):
         environment = {"NEPH_DISNEY_CLOUD": ""}
         listed = self.neph("scenes", **environment)
         self.assertRegex(listed.stdout, r"disney_cloud +not here: .*NEPH_DISNEY_CLOUD")
@@ -140,7 +140,7 @@ media:
             self.assertIn("apt-get install", frames[engine]["reason"])
         self.neph("doctor", PATH="/nonexistent", code=69)
 
-    def test_kill_leaves_nothing_that_looks_finished(self):
+    def test_kill_leaves_no_finished_entry(self):
         command = [NEPH, "validate", "scattering_slab_above", "absorbing_slab", *ON_THE_CPU,
                    "128x72", "-o", str(self.folder)]
         for delay_s in (0.1, 0.2, 0.4, 0.8):
@@ -158,7 +158,7 @@ media:
         self.assertEqual(list((self.folder / "store/tmp").iterdir()), [])
         self.assertTrue((self.folder / "report/index.html").exists())
 
-    def test_interrupt_stops_with_130_and_keeps_what_is_finished(self):
+    def test_interrupt_keeps_finished_frames(self):
         child = subprocess.Popen([NEPH, "validate", "--no-charts", "-q", "-e", "exact", "--size",
                                   "640x360", "-o", str(self.folder)], stdout=subprocess.DEVNULL)
         time.sleep(2)
@@ -169,7 +169,7 @@ media:
     @unittest.skipUnless(shutil.which("chromium"),
                          "chromium is not installed: the page is not looked at")
     @night.of_the_night
-    def test_a_report_of_all_engines_holds_in_a_browser(self):
+    def test_a_full_report_in_a_browser(self):
         done = self.neph("validate", "scattering_slab_above", "--no-charts", "--size", "32x18",
                          "-q", "-o", self.folder, code=None)
         self.assertIn(done.returncode, (0, 1), done.stderr)

@@ -140,7 +140,7 @@ class Compare(neph_case.NephCase):
         self.neph("flicker", dark, few[0], code=65, silent=True,
                   said=("20 frames of 'dark'", "16 of 'few_0'"))
 
-    def test_what_cannot_be_compared_is_refused_before_the_work(self):
+    def test_incomparable_input_is_refused_early(self):
         first = self.blinking("first", 0.2, 1)
         second = self.blinking("second", 0.2, 2)
         small = self.write("small", lambda frame, x, y: 0.5, width=8, height=8)

@@ -35,7 +35,7 @@ class Conform(neph_case.NephCase):
                 self.assertIn(word, done.stdout)
             self.assertIn("0 of 1 frames agree", done.stdout)
 
-    def test_all_pictures_are_counted(self):
+    def test_all_frames_are_counted(self):
         self.assertEqual(self.rendered.returncode, 0, self.rendered.stderr)
         self.assertEqual(self.rendered.stdout, "1 of 1 frames are finite and nowhere negative\n")
         self.assertIn("[1/1] height_fog_level_march: rendered", self.rendered.stderr)
@@ -74,13 +74,13 @@ class Conform(neph_case.NephCase):
             scene["pictures"][0]["channels"][0]["mean"] *= 1.001
         self.refused(self.changed(change), "means")
 
-    def test_a_missing_picture_and_a_missing_scene(self):
+    def test_a_missing_frame_and_a_missing_scene(self):
         self.refused(self.changed(lambda scene: scene["pictures"].clear()), "folder has it")
         (self.folder / "empty").mkdir()
         self.neph(self.made, self.folder / "empty", code=65)
         self.neph(self.made, self.folder / "none", code=66)
 
-    def test_what_cannot_be_compared(self):
+    def test_incomparable_folders(self):
         for key, value, words in (("engine", 7, "engines differ"),
                                   ("settings", "steps=8", "settings differ"),
                                   ("size_px", [64, 36], "sizes differ"),
@@ -91,7 +91,7 @@ class Conform(neph_case.NephCase):
         self.refused(self.changed(lambda scene: scene.update(scene_hash="0")),
                      "scenes of that name differ")
 
-    def test_a_scene_whose_data_is_absent_is_left_out_unless_it_is_asked_for(self):
+    def test_scenes_without_data_need_a_request(self):
         for name in ("disney_cloud", "height_fog_level"):
             self.put(f"scenes/catalog/{name}.yaml",
                      (ROOT / f"scenes/catalog/{name}.yaml").read_text())

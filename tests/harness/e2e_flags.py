@@ -106,7 +106,7 @@ class Flags(unittest.TestCase):
         del names[None]
         self.assertEqual({letter: found for letter, found in names.items() if len(found) > 1}, {})
 
-    def test_the_page_has_what_verbs_share_and_nothing_else(self):
+    def test_the_page_has_exactly_shared_flags(self):
         page = documented()
         self.assertEqual(sorted(set(self.shared()) - set(page)), [])
         gone = sorted(name for name in page if name not in self.flags)
@@ -127,7 +127,7 @@ class Flags(unittest.TestCase):
                 self.assertTrue(any(said[1].startswith(word) for word in wanted),
                                 (flag.verb, name, said[1], wanted))
 
-    def test_every_verb_has_what_all_have(self):
+    def test_every_verb_has_the_common_flags(self):
         for verb, found in self.verbs.items():
             for name in "json", "quiet":
                 self.assertIn(name, found, verb)

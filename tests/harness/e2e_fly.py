@@ -129,7 +129,7 @@ class Flight(neph_case.NephCase):
         self.assertEqual((width, height), (WIDTH, HEIGHT))
         return channels
 
-    def test_what_was_flown_is_what_the_recorded_scene_renders(self):
+    def test_the_recording_renders_the_flight(self):
         flown = self.fly("k w*3 d*2 p k", 10)
         self.assertEqual(flown["frames"], 10)
         self.assertEqual(flown["engine"], "realtime ours")
@@ -170,13 +170,13 @@ class Flight(neph_case.NephCase):
                              for name in ("tower_fly.png", "tower_fly_2.png"))
             self.assertEqual(alone == beside, is_march, preset)
 
-    def test_march_at_rest_is_held_against_more_rays(self):
+    def test_static_march_against_more_rays(self):
         flown = self.fly("m x", 6)
         self.assertEqual(flown["engine"], "march")
         self.assertEqual(flown["error"]["rays_per_px"], 16)
         self.assertGreater(flown["error"]["rel_rmse"], 0)
 
-    def test_flicker_is_of_frames_at_rest_alone(self):
+    def test_flicker_needs_static_frames(self):
         self.assertIsNone(self.fly("1 f .*8 d", 21)["flicker"])
         flicker = self.fly("1 f", 20)["flicker"]
         self.assertEqual(flicker["frames"], 16)

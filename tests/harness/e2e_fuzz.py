@@ -73,7 +73,7 @@ class Fuzz(unittest.TestCase):
         self.assertIn("Fuzz: 2400 inputs to 2 readers, none broke; 0 of 2 reach",
                       said.splitlines()[-1])
 
-    def test_what_breaks_is_kept_and_fails(self):
+    def test_findings_are_kept_and_fail(self):
         self.program("exr", QUIET)
         self.program("png", BROKEN)
         said = self.run_over("exr", "png", code=1)
@@ -94,7 +94,7 @@ class Fuzz(unittest.TestCase):
         self.assertLessEqual(set(listed), names)
 
     @night.of_the_night
-    def test_what_the_fuzzers_are_made_of_is_C_to_clang_too(self):
+    def test_fuzzer_sources_compile_with_clang(self):
         """Otherwise scripts/fuzz does not build: gcc accepts some expressions as constants that
         clang refuses."""
         clang, commands = shutil.which("clang"), BUILD / "compile_commands.json"
@@ -113,7 +113,7 @@ class Fuzz(unittest.TestCase):
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
             self.assertEqual([said for said in pool.map(refusal, entries) if said], [])
 
-    def test_what_is_missing_or_asked_wrongly_is_said(self):
+    def test_missing_tools_and_wrong_arguments(self):
         self.assertIn("there is no reader 'pdf'", self.fuzz("pdf", code=2).stderr)
         self.fuzz("--seconds", "0", code=2)
         empty = self.folder / "empty"

@@ -91,7 +91,7 @@ class Hermetic(neph_case.NephCase):
     def test_blender_runs_no_script_of_the_users(self):
         self.assert_same("scattering_slab_above", "cycles", "-s", "samples=1")
 
-    def test_our_own_renderer_names_what_it_ignores(self):
+    def test_neph_names_ignored_variables(self):
         said = self.assert_same("fence_backlit", "march")
         for name in ("LP_NATIVE_VECTOR_WIDTH", "GALLIVM_PERF", "VK_INSTANCE_LAYERS",
                      "MESA_SPIRV_FORCE_UNSTRUCTURED", "OCIO_OPTIMIZATION_FLAGS"):

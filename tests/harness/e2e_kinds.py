@@ -26,12 +26,12 @@ FOLDERS = ("base", "scenes", "metrics", "truth", "renderer", "harness")
 COMPARED = ("neph_medium_kind", "neph_solid_kind", "neph_scattering",
             "neph_pattern", "neph_sheet_pattern", "neph_fog_model", "neph_march_lighting",
             "neph_march_mode", "neph_variant_kind", "neph_povray_kind", "neph_png_space",
-            "neph_motion_depth", "neph_replicate", "neph_check_weight", "neph_failing_truth",
+            "neph_motion_depth", "neph_replicate", "neph_check_weight", "neph_failing_reference",
             "neph_failing_measure", "neph_texel_format", "neph_code_kind", "neph_pool",
             "neph_field_type", "neph_option_kind", "neph_injected_value", "neph_stage_truth",
             "neph_stage_medium", "neph_flip_tone", "neph_shadow_plane", "neph_pool_certainty",
             "neph_interval_kind", "neph_rt_rays", "neph_sky_refill", "neph_view_kind",
-            "neph_ladder_motion")
+            "neph_candidate_motion")
 
 # Sums with computed positions, not kinds.
 NO_KINDS = ("neph_flicker_sum",)
@@ -110,7 +110,7 @@ class Kinds(unittest.TestCase):
     def test_switches_list_all_kinds(self):
         self.assertIn("-Wswitch-enum", (ROOT / "CMakeLists.txt").read_text())
 
-    def test_phase_functions_are_told_apart_by_their_rows(self):
+    def test_phase_functions_have_own_rows(self):
         """A phase function is its file and its line of the registry. Other files only test whether
         scattering is isotropic, and which kinds another program supports."""
         for path, text in self.sources.items():

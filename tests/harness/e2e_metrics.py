@@ -59,7 +59,7 @@ class Metrics(neph_case.NephCase):
         maps = {path.name for path in (self.folder / "maps").iterdir()}
         self.assertLessEqual({"difference_radiance.exr", "difference_radiance.png"}, maps)
 
-    def test_every_record_says_what_it_is(self):
+    def test_every_record_has_its_format(self):
         reference = self.write("reference.exr", lambda x, y: 1 + x / WIDTH,
                                lambda x, y: 2.0 if x < 20 else INF)
         test = self.write("test.exr", lambda x, y: 1 + x / WIDTH + 0.01 * (y % 3),
@@ -98,7 +98,7 @@ class Metrics(neph_case.NephCase):
         self.assertEqual((rows.get("mae"), rows.get("residual_change_rms")),
                          ("2.500000e-01", "undefined"), done.stdout)
 
-    def test_conventions_can_be_asked_for(self):
+    def test_conventions_are_selectable(self):
         for name, words in (("motion", ("motion.x, motion.y", "minus its", "y down")),
                             ("lag", ("last crossing", "logarithm")),
                             ("flicker", ("2 / N", "d: luma")),
@@ -217,7 +217,7 @@ class Metrics(neph_case.NephCase):
             self.neph("compare", same, same, "--metric", "pu_psnr", "--fail-below", limit,
                       code=code)
 
-    def test_what_the_display_does_not_show_is_said(self):
+    def test_clipped_pixels_are_reported(self):
         half = self.write("half.exr", lambda x, y: 1.5 if x < WIDTH // 2 else 0.5)
         quarter = self.write("quarter.exr", lambda x, y: 2.5 if x < WIDTH // 4 else 0.5)
         done = self.neph("compare", half, quarter, "-m", "flip")
@@ -282,7 +282,7 @@ class Metrics(neph_case.NephCase):
         empty = self.write("empty.exr", lambda x, y: 0.0, width=4, height=4)
         self.neph("compare", rgb, grey, "--mask", empty, code=65)
 
-    def test_pictures_are_decoded_from_srgb(self):
+    def test_images_are_decoded_from_srgb(self):
         for name, code in (("a.png", 0), ("b.png", 188)):
             (self.folder / name).write_bytes(frames.png_bytes(8, 8, [code] * 192))
         found = self.json("compare", self.folder / "a.png", self.folder / "b.png", "--metric",
@@ -313,7 +313,7 @@ class Metrics(neph_case.NephCase):
         self.assertEqual(values_of(found)["mae", "all"], 0.5)
         self.neph("compare", *pair, "--layer", "Combined", code=65, said="ViewLayer.Combined")
 
-    def test_what_a_file_says_of_its_colours_and_pixels_is_heeded(self):
+    def test_colour_metadata_of_files_is_used(self):
         def write(name, channels="RGB", **rest):
             (self.folder / name).write_bytes(
                 frames.exr_bytes(4, 4, {channel: [0.5] * 16 for channel in channels}, **rest))
@@ -404,7 +404,7 @@ class Metrics(neph_case.NephCase):
         page = json.loads((self.folder / "page/data.json").read_text())
         self.assertAlmostEqual(page["rate_hz"], 24000 / 1001, delta=1e-9)  # 15 digits
 
-    def test_of_an_animation_no_picture_is_compared(self):
+    def test_animations_are_refused(self):
         def write(name, *further):
             (self.folder / name).write_bytes(frames.png_bytes(8, 8, [90] * 192, *further))
             return self.folder / name
@@ -420,7 +420,7 @@ class Metrics(neph_case.NephCase):
             done = self.neph("compare", still, write(name, before, behind), "-m", "mae", code=code)
             self.assertEqual("has 2 frames" in done.stderr, code > 0, (name, done.stderr))
 
-    def test_what_changes_within_a_sequence_is_refused(self):
+    def test_changing_sequences_are_refused(self):
         def sequence(name, odd, **usual):
             for frame in range(4):
                 self.rgb(f"{name}/f{frame}.exr", 0.5 + 0.01 * frame,
@@ -451,7 +451,7 @@ class Metrics(neph_case.NephCase):
                   said=("the size changes: it is 4x4 pixels",
                         "data windows equal to the display window"))
 
-    def test_identifiers_beside_the_picture_are_not_gated(self):
+    def test_extra_channels_are_not_gated(self):
         count = WIDTH * HEIGHT
         path = self.folder / "crypto.exr"
         path.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, {**{c: [1.0] * count for c in "RGB"},
@@ -459,7 +459,7 @@ class Metrics(neph_case.NephCase):
         found = self.json("compare", path, path, "-m", "mae")
         self.assertEqual(values_of(found)["mae", "all"], 0.0)
 
-    def test_what_only_one_image_has_is_named(self):
+    def test_layers_of_only_one_image_are_named(self):
         with_depth = self.write("depth.exr", lambda x, y: 1.0, self.depth)
         without = self.write("plain.exr", lambda x, y: 1.0)
         done = self.neph("compare", with_depth, without, "-m", "rmse")
@@ -553,7 +553,7 @@ class Metrics(neph_case.NephCase):
         self.assertEqual({verdicts["flicker", mask] for mask in ("all", "depth_edge", "non_edge")},
                          {"calm"})
 
-    def test_a_cycle_of_seven_frames_and_who_declared_it(self):
+    def test_a_declared_cycle_of_seven_frames(self):
         """In uniform grey 0.5 a pulse of 1 % in one of seven frames: 0.01 sqrt(6) / 7 of the step
         of its luma."""
         noise, pulse = self.noise(1e-6), (1.055 * 0.505 ** (1 / 2.4)) - (1.055 * 0.5 ** (1 / 2.4))
@@ -614,7 +614,7 @@ class Metrics(neph_case.NephCase):
                         "follow")
         self.assertIn("the sequence is shorter than a period", few.stdout + few.stderr)
 
-    def test_what_never_settles_is_said(self):
+    def test_unsettled_pixels_are_reported(self):
         """A quarter of the frame never changes; the other pixels follow with alpha 0.2: below 0.1
         from the 11th frame on."""
         step = 4

@@ -208,7 +208,7 @@ class Attacks(unittest.TestCase):
         self.neph("baseline", "accept", "--why", "thicker on purpose")
         self.assertEqual(self.night(code=0), {})
 
-    def test_a_scene_is_edited_in_the_night_of_a_regression(self):
+    def test_a_scene_edit_hides_a_regression(self):
         self.scene("zz_haze", 0.03)
         self.program(BAD)
         found = self.night()
@@ -272,7 +272,7 @@ class Attacks(unittest.TestCase):
     def test_a_step_less(self):
         self.assertIn(self.series("zz_haze"), self.night(plan=FEWER)["lost"])
 
-    def test_a_chosen_night_is_compared_with_what_was_asked_for(self):
+    def test_a_run_against_a_chosen_baseline(self):
         """By hand, which is not an attack: --against states it, and so does the summary."""
         self.assertEqual(self.night("--against", "1", plan=FEWER, code=0), {})
 
@@ -302,14 +302,14 @@ class Attacks(unittest.TestCase):
 
     # ----------------------------------------------------------------------- database and history
 
-    def history_night(self, code=1):
+    def history_run(self, code=1):
         return self.night(code=code, plan=ALONE)
 
     def test_the_database_is_removed(self):
         self.begin("alone")
         self.remove_database()
         self.program(BAD)
-        self.assertIn(self.series("zz_haze"), self.history_night()["worse"])
+        self.assertIn(self.series("zz_haze"), self.history_run()["worse"])
 
     def test_the_database_is_edited(self):
         self.begin("alone")
@@ -318,32 +318,32 @@ class Attacks(unittest.TestCase):
         database.commit()
         database.close()
         self.program(BAD)
-        found = self.history_night()
+        found = self.history_run()
         self.assertIn("differs from its document", found["history damaged"]["night-000001.json"])
         self.neph("store", "check", code=1)
         self.neph("store", "check", "--repair", code=1)
-        self.assertIn(self.series("zz_haze"), self.history_night()["worse"])
+        self.assertIn(self.series("zz_haze"), self.history_run()["worse"])
 
     def edit_document(self, name, edit):
         path = self.out / f"store/history/{name}.json"
         path.write_text(edit(path.read_text()))
 
-    def test_the_document_of_the_accepted_night_is_edited(self):
+    def test_the_accepted_document_is_edited(self):
         self.begin("alone")
         self.edit_document("night-000001", lambda text: re.sub(r'"value": [1-9][.0-9]*',
                                                                '"value": 100.0', text))
         self.remove_database()
         self.program(BAD)
         self.assertIn("it was changed after it was accepted",
-                      self.history_night()["history damaged"]["night-000001.json"])
+                      self.history_run()["history damaged"]["night-000001.json"])
 
-    def test_the_document_of_the_accepted_night_is_removed(self):
+    def test_the_accepted_document_is_removed(self):
         self.begin("alone")
         (self.out / "store/history/night-000001.json").unlink()
-        self.assertIn("night-000001.json", self.history_night()["history damaged"])
+        self.assertIn("night-000001.json", self.history_run()["history damaged"])
         self.remove_database()
         self.assertIn("the history does not have it",
-                      self.history_night()["history damaged"]["night-000001.json"])
+                      self.history_run()["history damaged"]["night-000001.json"])
 
     def tear_an_acceptance(self, edit, has_database):
         self.begin("alone")
@@ -352,7 +352,7 @@ class Attacks(unittest.TestCase):
         self.edit_document("accept-000001", edit)
         if not has_database:
             self.remove_database()
-        self.assertIn("accept-000001.json", self.history_night()["history damaged"])
+        self.assertIn("accept-000001.json", self.history_run()["history damaged"])
         said = self.neph("store", "check", code=1).stdout
         self.assertIn("accept-000001.json", said)
         self.assertIn("1 damaged", said)
@@ -360,7 +360,7 @@ class Attacks(unittest.TestCase):
         self.assertIn("restored", said)
         self.assertIn("2 acceptances; 0 damaged", self.neph("store", "check").stdout)
         self.assertEqual(self.neph("baseline", "list").stdout, before)
-        self.assertEqual(self.history_night(code=0), {})
+        self.assertEqual(self.history_run(code=0), {})
 
     def test_an_acceptance_is_truncated(self):
         self.tear_an_acceptance(lambda text: text[:len(text) // 2], True)
@@ -374,7 +374,7 @@ class Attacks(unittest.TestCase):
     def test_an_acceptance_is_removed(self):
         self.begin("alone")
         (self.out / "store/history/accept-000001.json").unlink()
-        found = self.history_night()["history damaged"]
+        found = self.history_run()["history damaged"]
         self.assertIn("it is missing", found["accept-000001.json"])
         self.neph("store", "check", "--repair", code=1)
         self.neph("store", "check")
@@ -394,7 +394,7 @@ class Attacks(unittest.TestCase):
         for path in self.out.rglob("*"):
             os.utime(path, (1, 1))
         self.program(BAD)
-        self.assertIn(self.series("zz_haze"), self.history_night()["worse"])
+        self.assertIn(self.series("zz_haze"), self.history_run()["worse"])
 
 
 if __name__ == "__main__":

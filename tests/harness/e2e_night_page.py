@@ -144,20 +144,20 @@ class Page(PageCase):
     NAME = "night"
     build = staticmethod(build)
 
-    def test_a_page_holds_together(self):
-        self.assert_holds(self.good, "--quick")
+    def test_a_good_page_has_no_faults(self):
+        self.assert_page_is_good(self.good, "--quick")
 
     @night.of_the_night
     def test_in_all_windows(self):
-        self.assert_holds(self.good)
+        self.assert_page_is_good(self.good)
 
     @night.of_the_night
-    def test_a_page_of_a_night_that_goes_on_and_of_the_first(self):
+    def test_pages_of_running_and_first_runs(self):
         for name, more in (("running", {"state": "running", "findings": [], "series": []}),
                            ("stopped", {"state": "interrupted", "findings": [], "series": []}),
                            ("first", {"compared": 0, "findings": [], "baseline": 0})):
             with self.subTest(name):
-                self.assert_holds(self.built(name, {**page_data(), **more}), "--quick")
+                self.assert_page_is_good(self.built(name, {**page_data(), **more}), "--quick")
 
     @night.of_the_night
     def test_each_of_several_faults_is_found(self):

@@ -34,7 +34,7 @@ class Nightly(neph_case.NephCase):
     def accept(self, *arguments):
         return self.neph("baseline", "accept", "--why", "looked at", *arguments)
 
-    def kill_a_night(self):
+    def kill_a_run(self):
         child = self.start(*QUICK)
         logs = self.folder / "nightly/logs"  # the second step has begun
         self.wait_until(lambda: len(list(logs.glob("*.log"))) >= 2, child)
@@ -46,7 +46,7 @@ class Nightly(neph_case.NephCase):
         child.wait()
 
     @night.of_the_night
-    def test_an_interrupted_night_says_so(self):
+    def test_an_interrupted_run_is_reported(self):
         child = self.start(*QUICK)
         logs = self.folder / "nightly/logs"
         self.wait_until(lambda: len(list(logs.glob("*.log"))) >= 2, child)
@@ -54,8 +54,8 @@ class Nightly(neph_case.NephCase):
         page = json.loads((self.folder / "nightly/report/data.json").read_text())
         self.assertEqual(page["state"], "interrupted")
 
-    def test_a_killed_night_goes_on_is_accepted_and_the_next_is_compared(self):
-        self.kill_a_night()
+    def test_a_killed_run_resumes(self):
+        self.kill_a_run()
         first = self.neph(*QUICK, code=1)
         self.assertEqual((self.data()["night"], self.data()["resumed"]), (1, True))
         self.assertEqual([step["done"] for step in self.data()["steps"]], [True, True])
@@ -118,7 +118,7 @@ class Nightly(neph_case.NephCase):
                          [("",)])
         database.close()
 
-    def kill_what_works_in(self, folder):
+    def kill_processes_in(self, folder):
         """Returns whether there was such a process."""
         for process in pathlib.Path("/proc").glob("[0-9]*"):
             try:
@@ -131,7 +131,7 @@ class Nightly(neph_case.NephCase):
 
     def kill_the_second_run(self):
         child = self.start(*FOG[:-1], **LONELY)
-        self.wait_until(lambda: self.kill_what_works_in(self.folder / "nightly/again"), child)
+        self.wait_until(lambda: self.kill_processes_in(self.folder / "nightly/again"), child)
         said, _ = child.communicate(timeout=300)
         self.assertEqual(child.returncode, 1, said)
         self.assertIn("0 once more", said)
@@ -242,7 +242,7 @@ class Nightly(neph_case.NephCase):
         self.assertEqual([step["done"] for step in self.data()["steps"]],
                          [not it for it in done])
 
-    def test_what_is_asked_wrongly_is_refused(self):
+    def test_wrong_arguments_are_refused(self):
         for arguments in (["baseline", "accept"], ["baseline", "accept", "--why", " "],
                           ["baseline", "forget"], ["nightly", "--tier", "slow"],
                           ["nightly", "--only", "nothing"], ["store"], ["store", "mend"],

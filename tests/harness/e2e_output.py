@@ -36,7 +36,7 @@ class Output(neph_case.NephCase):
         self.neph(*arguments, code=64, said=(str(naming), "-o"))  # the message suggests it
         self.assertEqual(tree(self.folder), before)
 
-    def test_folders_of_the_user_are_left_alone(self):
+    def test_folders_of_the_user_are_unchanged(self):
         self.put("a/report/thesis.tex")
         self.assert_refused(*SMALL, "-o", self.folder / "a", naming=self.folder / "a/report")
         self.put("b/store/tmp/photo.jpg")
@@ -131,7 +131,7 @@ class Output(neph_case.NephCase):
                     self.assertTrue((report / frame["picture"]).exists())
             self.assertTrue((report / "index.html").exists())
 
-    def test_what_a_killed_run_left_is_swept_by_the_next(self):
+    def test_leftovers_of_a_kill_are_removed(self):
         command = [NEPH, "validate", "-e", "oracle", "voxel_grid", "--no-charts", "-q", "--size",
                    "640x360", "-o", str(self.folder)]
         child = subprocess.Popen(command, stderr=subprocess.DEVNULL)
@@ -197,7 +197,7 @@ class Output(neph_case.NephCase):
                   said="--depth")
         self.assertEqual(list(tree(self.folder).values()), list(before.values()))
 
-    def test_render_leaves_its_frame_alone_beside_the_users_files(self):
+    def test_render_adds_only_its_frame(self):
         self.put(".neph-scratch.1/log", "kept by an older version")
         self.put("notes.txt")
         before = tree(self.folder)

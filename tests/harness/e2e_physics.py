@@ -34,7 +34,7 @@ class Furnace(unittest.TestCase):
     def rows(self, participant):
         return [row for row in self.physics["rows"] if row["participant"] == participant]
 
-    def test_our_truth_holds_and_the_run_says_so(self):
+    def test_exact_satisfies_the_laws(self):
         self.assertEqual(self.done.returncode, 0, self.done.stderr)
         self.assertEqual(self.physics["verdict"], "pass")
         self.assertEqual([row["verdict"] for row in self.rows("exact") + self.rows("oracle")],
@@ -57,7 +57,7 @@ class Furnace(unittest.TestCase):
             self.assertGreaterEqual(high, row["deviation"])
             self.assertEqual(low <= 0.0 <= high, row["verdict"] == "agrees", row)
 
-    def test_what_was_not_measured_says_why(self):
+    def test_unmeasured_rows_have_a_reason(self):
         row, = self.rows("povray")
         self.assertEqual((row["deviation"], row["verdict"], row["pictures"]),
                          (None, "not_measured", []))
@@ -78,7 +78,7 @@ class Furnace(unittest.TestCase):
 
     @unittest.skipUnless(shutil.which("chromium"),
                          "chromium is not installed: the page is not looked at")
-    def test_the_page_holds_in_a_browser(self):
+    def test_the_page_in_a_browser(self):
         checked = subprocess.run(["node", ROOT / "scripts/report/check_report.mjs", "--quick",
                                   self.folder / "report"],
                                  capture_output=True, text=True, timeout=300)
@@ -96,7 +96,7 @@ class OtherRuns(StudyCase):
         self.assertEqual([len(row["pictures"]) for row in physics["rows"]], [2])
         self.assertEqual(len(set(physics["rows"][0]["pictures"])), 2)
 
-    def test_two_processes_find_what_one_finds(self):
+    def test_two_processes_equal_one(self):
         """And a resumed run does not render again."""
         documents = []
         for jobs in ("1", "2"):
@@ -123,7 +123,7 @@ class OtherRuns(StudyCase):
         self.assertEqual([line.split()[k] for k in (1, 2, -1)], ["exact", "rendered", "agrees"])
         self.assertIn("verdict: pass", done.stdout)
 
-    def test_what_exact_leaves_to_the_tracers_is_not_measured_and_no_pass(self):
+    def test_checks_without_tracers_do_not_pass(self):
         row, = self.suite("-e", "exact", "--only", "furnace_clouds", code=1)["rows"]
         self.assertEqual(row["verdict"], "not_measured")
         self.assertIn("cannot: clouds", row["reason"])
@@ -138,7 +138,7 @@ class OtherRuns(StudyCase):
         self.assertEqual(study["verdict"], "within")
         self.assertLessEqual(abs(chosen["bias"]) + 2 * chosen["bias_noise"], study["tolerance"])
 
-    def test_wrong_commands_are_usage_errors_that_say_what_is_wrong(self):
+    def test_wrong_commands_are_usage_errors(self):
         suite = ("validate", "--suite", "physics", "-e", "exact", "-q")
         self.check_refusals(
             (64, ("perpetuum", "furnace"), (*suite, "--only", "perpetuum")),

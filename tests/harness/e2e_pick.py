@@ -98,7 +98,7 @@ class Pick(NephCase):
         # If it marched through the air in eight steps, the error would be 1.
         self.assertLess(left["a ray for every pixel, every frame"]["error"], 0.1)
 
-    def test_the_shipped_preset_is_the_point_of_the_front_that_was_asked_for(self):
+    def test_the_chosen_preset_is_on_the_front(self):
         def pick(*arguments, code=0):
             return self.pick("gaussian_blob", "--preset", "fixed,ours", "--frames", "16",
                              *arguments, size="32x18", code=code)[0]
@@ -139,7 +139,7 @@ class Pick(NephCase):
         # `neph render` reads the file.
         self.render("gaussian_blob", "--config", "out/pick/pick.json", "--size", "16x9")
 
-    def test_a_cloud_at_rest(self):
+    def test_a_static_cloud(self):
         text = (ROOT / "scenes/catalog/gaussian_blob.yaml").read_text()
         words = ("--error", "0.5", "--flicker", "20")
         scene = self.put("small.yaml", re.sub(r"^name: .*$", "name: small", text, flags=re.M))
@@ -193,7 +193,7 @@ class Pick(NephCase):
                             before=("pick", "voxel_grid", "--error", "0.5", "-o", "none"))
         self.assertFalse(frames.exists() and any(frames.iterdir()))
 
-    def test_what_is_refused(self):
+    def test_refused_arguments(self):
         self.check_refusals(
             (64, "", ("voxel_grid",)), (64, "", ("voxel_grid", "--error", "-1")),
             (64, "--preset", ("voxel_grid", "--error", "1", "--suite", "tuning")),

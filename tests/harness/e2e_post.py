@@ -46,7 +46,7 @@ class Post(neph_case.NephCase):
         for word in [*names, *settings, *(preset["name"] for preset in listed["presets"])]:
             self.assertIn(word, text)
 
-    def test_a_picture_is_what_the_display_shows(self):
+    def test_output_equals_the_display(self):
         out = self.folder / "out"
         self.neph("post", self.frame, "-s", "tone=on", "-s", "tone_map=none", "--png", "-q", "-o",
                   out)
@@ -64,7 +64,7 @@ class Post(neph_case.NephCase):
                   code=65, said="display")
         self.neph("compare", self.frame, out / self.frame.name, code=65)
 
-    def test_sizes_and_times_are_told(self):
+    def test_sizes_and_times_are_reported(self):
         [result] = self.json("post", self.frame, "-s", "upscale=bilinear", "-s",
                              "screen_percent=50", "-o", "out")
         self.assertEqual((result["width_px"], result["height_px"]), (2 * WIDTH, 2 * HEIGHT))
@@ -72,7 +72,7 @@ class Post(neph_case.NephCase):
         self.assertEqual(len(reds(self.folder / "out" / self.frame.name)),
                          4 * WIDTH * HEIGHT)
 
-    def test_grain_follows_frame_and_seed_alone(self):
+    def test_grain_depends_on_frame_and_seed(self):
         self.write(self.folder / "in" / "frame.0004.exr", self.values)
         words = ["-p", "plain", "-s", "grain=16", "-q"]
         for name, seed in (("a", 1), ("b", 1), ("c", 2)):
@@ -107,7 +107,7 @@ class Post(neph_case.NephCase):
         self.assertAlmostEqual(sum(spread), 32.0, places=4)
         self.assertGreater(min(spread), 0.0)
 
-    def test_an_hdr_picture_is_light_of_its_display(self):
+    def test_hdr_output_is_light_of_its_display(self):
         values = [8.0 * v for v in self.values]  # up to 1573 cd/m^2, of which 1000 are shown
         self.write(self.frame, values)
         self.neph("post", self.frame, "-s", "tone=on", "-s", "tone_map=none", "-s", "encode=pq",
@@ -123,7 +123,7 @@ class Post(neph_case.NephCase):
         rolled = reds(self.folder / "hdr" / self.frame.name)
         self.assertTrue(all(a < b for a, b in zip(rolled, rolled[1:])))
 
-    def test_a_png_has_the_bits_asked_for(self):
+    def test_a_png_has_the_requested_bits(self):
         for bits in (8, 10, 16):
             self.neph("post", self.frame, "-p", "plain", "--png", "--bits", bits, "-q", "-o",
                       self.folder / str(bits))
@@ -256,7 +256,7 @@ volumes:
         self.assertEqual(stages[0], "shown_light_meter_gpu_ms")
         self.assertEqual(stages[-2:], ["shown_upscale_gpu_ms", "shown_sharpening_gpu_ms"])
 
-    def test_engines_with_passes_say_what_comes_behind_them(self):
+    def test_engines_list_the_passes_after_them(self):
         [listed] = json.loads(self.neph("engines", "realtime", "--json").stdout)
         stages = [stage["name"] for stage in listed["display_stages"]]
         chain = json.loads(self.neph("post", "--list", "--json").stdout)
@@ -276,7 +276,7 @@ volumes:
         for word in ("chain.yaml:1", "99", "0 to 64"):
             self.assertIn(word, done.stderr)
 
-    def test_a_crop_and_its_attributes_stay_what_they_are(self):
+    def test_a_crop_keeps_its_attributes(self):
         rational = struct.pack("<iI", 24000, 1001)
         further = [("framesPerSecond", "rational", rational),
                    ("colorInteropID", "string", b"lin_rec709_scene"),
@@ -328,7 +328,7 @@ volumes:
         self.neph("post", named, "-s", "tone=on", "-o", "no", code=65,
                   said="lin_ap1_scene")
 
-    def test_what_makes_no_sense_is_refused(self):
+    def test_contradictions_are_refused(self):
         for words, said in (
                 (["post", self.frame, "-s", "auto_exposure=on"], "tone is off"),
                 (["post", self.frame, "-p", "plain", "-s", "auto_exposure=on", "-s",

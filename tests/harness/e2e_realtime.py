@@ -290,7 +290,7 @@ class Realtime(neph_case.NephCase):
         self.assertFalse((self.folder / "refused").exists()
                          and list((self.folder / "refused").iterdir()))
 
-    def test_faults_that_are_asked_for_end_in_words(self):
+    def test_requested_faults_are_reported(self):
         """Without its guard, anti-aliasing makes NaN of black under black; no such frame is
         written."""
         dark = self.put("dark.yaml", MOVING.replace("moving", "dark")
@@ -335,7 +335,7 @@ class Realtime(neph_case.NephCase):
         for a, b in zip(own, given, strict=True):
             self.assertEqual(differing(a["channels"], b["channels"]), set(), a["frame"])
 
-    def test_one_given_depth_serves_all_frames_and_hides_what_is_behind(self):
+    def test_one_given_depth_serves_all_frames(self):
         wall = self.given("wall.exr", Z=5.0)
         results = self.render("wall", self.moving, "--frames", 3, "--depth", wall)
         sky = self.render("sky", self.moving, "--depth",
@@ -377,7 +377,7 @@ class Realtime(neph_case.NephCase):
         junk = self.put("junk.exr", "no picture")
         self.refuse(65, "junk.exr", options=("-e", "realtime", "--depth", junk))
 
-    def test_a_wrong_depth_in_the_middle_is_named_and_what_is_finished_stays(self):
+    def test_a_wrong_depth_keeps_finished_frames(self):
         for frame, depth_m in enumerate((5.0, 5.0, -5.0, 5.0)):
             self.given(f"depth.{frame}.exr", (16, 12), Z=depth_m)
         self.neph("render", self.moving, "-e", "realtime", "--size", "16x12", "--frames", 4, "-q",
@@ -444,7 +444,7 @@ class Realtime(neph_case.NephCase):
         self.assertEqual([int(result["texts"]["neph.frame"]) for result in warm],
                          [4, 5, 6, 7, 8])
 
-    def test_interrupted_sequences_keep_what_is_finished(self):
+    def test_interrupts_keep_finished_frames(self):
         folder = self.folder / "out"
         child = self.start("render", self.moving, "-e", "realtime", "--frames", "100000", "--size",
                            "96x54", "--json", "-q", "-o", folder)

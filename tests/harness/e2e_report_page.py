@@ -532,8 +532,8 @@ class Page(PageCase):
         change(folder)
         return self.check(folder, how)
 
-    def test_a_good_report_holds_together(self):
-        self.assert_holds(self.good)
+    def test_a_good_report_has_no_faults(self):
+        self.assert_page_is_good(self.good)
 
     def test_a_small_bias_does_not_hide_the_worst_engine(self):
         """An engine with a bias of -0.5 % and an RMSE of 70 % was once called "all agree", below
@@ -546,7 +546,7 @@ class Page(PageCase):
                                                                          row["value"])
         data["ranking"] = ranked(data["scenes"])
         folder = self.built("small_bias", data)
-        self.assert_holds(folder, "--quick")
+        self.assert_page_is_good(folder, "--quick")
         # A page that ranks by the bias names another engine.
         script = folder / "report.js"
         text = script.read_text()
@@ -563,10 +563,10 @@ class Page(PageCase):
         data.update(scenes=[], ranking=[], charts=[], engines=[],
                     counts={"expected": 0, "reported": 0, "compared": 0},
                     host={"cpu": None, "cores": None, "memory_bytes": None}, seconds=None)
-        self.assert_holds(self.built("empty", data), "--quick")
+        self.assert_page_is_good(self.built("empty", data), "--quick")
 
     @night.of_the_night
-    def test_physics_alone_reads_and_static_charts_need_no_bundle(self):
+    def test_physics_only_and_static_charts(self):
         folder = self.folder("static")
         shutil.copytree(self.good, folder)
         shutil.rmtree(folder / "vendor")
@@ -575,7 +575,7 @@ class Page(PageCase):
         data.update(scenes=[], ranking=[], interactive=False,
                     counts={"expected": rows, "reported": rows, "compared": 5})
         write_data(folder, "NEPH_REPORT", data)
-        self.assert_holds(folder, "--quick")
+        self.assert_page_is_good(folder, "--quick")
 
     def changed_data(self, name, change):
         """Data that are inconsistent, whatever a page displays."""
@@ -617,7 +617,7 @@ class Page(PageCase):
                         counts={"expected": 0, "reported": 0, "compared": 0})
         self.assertIn("nothing was compared", self.changed_data("nothing_compared", change))
 
-    def test_an_odd_one_out_that_agrees_with_somebody_is_found(self):
+    def test_a_wrong_odd_one_out_is_found(self):
         found = self.changed_data(
             "odd",
             lambda data: data["scenes"][0]["attribution"]["pairs"][1].update(verdict="agree"))

@@ -152,7 +152,7 @@ class SameMeasurements(unittest.TestCase):
         self.assertEqual(self.run_main("--record", self.before, "no_such_program")[0], 2)
         self.assertEqual(self.run_main("--list", "--only", "no_such_words")[0], 2)
 
-    def test_a_frame_that_is_rendered_anew_is_a_difference(self):
+    def test_a_re_rendered_frame_is_a_difference(self):
         (self.after / CASE / "rendered_anew.txt").write_text("out/store/frames/k/job.json\n")
         (self.before / CASE / "rendered_anew.txt").write_text("out/store/frames/k/job.json\n")
         code, said = self.run_main("--only", "^pick:", "--before-from", self.before, "--compare",
@@ -168,7 +168,7 @@ class SameMeasurements(unittest.TestCase):
         self.assertEqual(len(first), 4 + len(note) + 24)
         self.assertRaises(same.CannotCompare, same.with_same_build_id, b"no note")
 
-    def test_a_folder_of_the_user_is_left_alone(self):
+    def test_a_folder_of_the_user_is_unchanged(self):
         mine = self.after / "pick" / "00.command.txt"
         mine.unlink()
         self.assertRaises(same.CannotCompare, same.run_case, "no_program", "pick", [], self.after,

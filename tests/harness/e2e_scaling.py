@@ -61,7 +61,7 @@ class Scaling(NephCase):
         several = self.neph(*words, "-o", "other", "--jobs", "2")
         self.assertEqual(several.stdout, done.stdout)
 
-    def test_what_is_refused(self):
+    def test_refused_arguments(self):
         self.check_refusals((64, "", ()), (66, "", ("no_such_scene",)),
                             (64, "1..4096 pixels", ("voxel_grid", "--size", "5000x9")),
                             (64, "mine", ("voxel_grid", "--preset", "mine")))

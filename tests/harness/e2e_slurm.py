@@ -117,7 +117,7 @@ class Queue(Nights):
 
     SENT = ["nightly", "--only", "failure fog_none", "--once", "--executor", "slurm"]
 
-    def test_a_night_by_jobs_is_the_night_of_one_process(self):
+    def test_a_run_by_jobs_equals_one_process(self):
         self.neph(*self.SENT[:-2], "-q", code=1, output="local")
         done = self.neph(*self.SENT, code=1)
         self.assertIn("compared nothing", done.stdout)
@@ -139,7 +139,7 @@ class Queue(Nights):
             time.sleep(0.02)
         return child
 
-    def test_what_is_lost_is_told_and_what_is_cancelled_goes_on(self):
+    def test_lost_and_cancelled_jobs(self):
         child = self.send_and_leave_waiting(1)
         child.kill()
         child.wait()
@@ -160,7 +160,7 @@ class Queue(Nights):
         self.assertEqual((step["done"], step["outcome"]), (False, "failed"), done.stderr)
         self.assertIn("ended without a result", step["reason"])
 
-    def test_what_cannot_be_sent_is_refused(self):
+    def test_unsendable_runs_are_refused(self):
         sent = self.SENT
         self.assertIn("NEPH_STORE_INDEX=/", self.neph(*sent, code=64, NEPH_STORE_INDEX="").stderr)
         self.assertIn("NEPH_STORE_INDEX=/", self.neph(*sent, code=64, NEPH_STORE_INDEX="a").stderr)
@@ -343,7 +343,7 @@ class Loopback(Nights):
         self.interrupt(child)
         return self.done()
 
-    def test_a_night_survives_the_loss_of_a_node(self):
+    def test_a_run_survives_the_loss_of_a_node(self):
         self.neph(*self.STEPS, *self.SLURM[:2], "-q", code=1, output="local")
         done = self.lose_a_node()
         self.assertIn(len(done), (1, 2), self.logs("out"))  # on n2, which is still running

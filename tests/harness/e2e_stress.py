@@ -115,7 +115,7 @@ class Runs(unittest.TestCase):
             self.assertEqual(found["fog_none", "error", "all", preset]["value"], 0.0)
             self.assertEqual(found["fog_none", "bad_values", "all", preset]["value"], 0.0)
 
-    def test_what_is_compared_is_counted(self):
+    def test_comparisons_are_counted(self):
         document = json.loads(self.done.stdout)
         verdicts = [r["verdict"] for r in document["results"]]
         self.assertEqual(document["compared"], len(verdicts))
@@ -137,7 +137,7 @@ class Runs(unittest.TestCase):
         self.assertEqual(lines[-1], f"report: {self.folder}/report/index.html")
         self.assertTrue((self.folder / "report/index.html").exists())
 
-    def test_the_page_has_evidence_of_what_fails_and_commands_of_the_rest(self):
+    def test_the_page_has_evidence_and_commands(self):
         suite(self.folder, *self.words)
         page = page_of(self.folder)
         self.assertEqual((page["state"], page["verdict"]), ("finished", "fail"))
@@ -160,7 +160,7 @@ class Runs(unittest.TestCase):
         self.assertIn("neph render fog_none -e realtime --preset fixed ",
                       page["commands"]["fog_none"]["fixed"])
 
-    def test_pictures_are_chosen(self):
+    def test_evidence_images_are_selected(self):
         before = self.entries()
         for word, scenes in (("none", set()), ("changed", {("fence_tiles", FAULT)})):
             suite(self.folder, *self.words, "--pictures", word)
@@ -197,7 +197,7 @@ class Runs(unittest.TestCase):
         self.assertEqual(found["off"]["value"], 0.0)  # which has no images except its frame
         self.assertGreater(found["fixed+validity=off"]["value"], 0.0)
 
-    def test_what_is_not_kept_is_rendered_once(self):
+    def test_unstored_frames_are_rendered_once(self):
         """By any process: each prints one line for each of its results."""
         done = neph("validate", "--suite", "stress", "-o", self.folder, "--on-device", "--only",
                     "ray_bad", "--only", "fog_none", "--preset", "fixed", "--size", "32x18",
@@ -206,7 +206,7 @@ class Runs(unittest.TestCase):
         self.assertEqual(json.loads(done.stdout)["frames"], 64)
         self.assertEqual(done.stderr.count(": measured"), 2, done.stderr)
 
-    def test_at_another_size_bad_values_alone_are_judged(self):
+    def test_other_sizes_judge_only_bad_values(self):
         done = suite(self.folder, "--only", "fog_none", "--preset", "fixed", "--size", "32x18",
                      "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -217,7 +217,7 @@ class Runs(unittest.TestCase):
 class Engines(unittest.TestCase):
     """Engines next to presets, in the scenarios with fog."""
 
-    def test_an_engine_is_held_against_exact(self):
+    def test_an_engine_is_compared_with_exact(self):
         done = suite(TEMPORARY.name, "--only", "fog_none", "-e", "march", "--preset", "fixed",
                      "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -228,13 +228,13 @@ class Engines(unittest.TestCase):
         self.assertNotIn(("fog_none", "flicker", "all", "march"), found)
         self.assertIn(("fog_none", "flicker", "all", "fixed"), found)
 
-    def test_of_what_moves_three_frames(self):
+    def test_three_frames_of_moving_scenes(self):
         """The first, the middle and the last frame, each against its own moment."""
         done = suite(TEMPORARY.name, "--only", "elevator", "-e", "march", "--json")
         self.assertEqual((done.returncode, json.loads(done.stdout)["frames"]), (0, 3), done.stderr)
         self.assertLess(cells(done)["elevator", "error", "all", "march"]["value"], 1e-3)
 
-    def test_what_is_missing_is_said_and_is_no_verdict(self):
+    def test_a_missing_engine_has_no_verdict(self):
         done = suite(TEMPORARY.name, "--only", "fog_none", "-e", "povray", "--json",
                      PATH="/nowhere")
         self.assertEqual(done.returncode, 1, done.stderr)
@@ -243,7 +243,7 @@ class Engines(unittest.TestCase):
         self.assertEqual((found["verdict"], found["value"]), ("missing", None))
         self.assertIn("povray", found["why"])
 
-    def test_looks_of_fog(self):
+    def test_non_physical_fog(self):
         """Faults from their controls are found, and no others."""
         scenes = [f"fog_look_{name}" for name in ("below", "none", "start", "cutoff", "glow")]
         words = [word for scene in scenes for word in ("--only", scene)]
@@ -385,7 +385,7 @@ class Interrupted(NephCase):
         self.assertEqual(page_of(self.folder)["state"], "interrupted")
         self.assertIn("report so far", err)
 
-    def test_what_is_finished_is_not_rendered_again(self):
+    def test_finished_frames_are_reused(self):
         store = self.folder / "store/frames"
         self.interrupted(self.ONE, lambda: store.exists() and any(store.iterdir()))
         kept = self.stamps(store)
@@ -406,7 +406,7 @@ class Interrupted(NephCase):
 
 
 class Words(NephCase):
-    def test_wrong_commands_are_usage_errors_that_say_what_is_wrong(self):
+    def test_wrong_commands_are_usage_errors(self):
         self.check_refusals(
             (64, ("nobody", "neph scenes"), ("--suite", "stress", "--only", "nobody")),
             (64, ("nope", "off, seed"), ("--suite", "stress", "--preset", "nope")),
@@ -426,7 +426,7 @@ class Words(NephCase):
             (64, "jobs", ("--suite", "stress", "--jobs", "0")),
             before=("validate", "-q", "-o", self.folder))
 
-    def test_a_scene_shows_what_fails_in_it(self):
+    def test_a_scene_shows_its_planted_fault(self):
         done = neph("scenes", "fence_tiles")
         for word in ("fails ", "symptom ", "limit       period_4 over all <= 0.002", "pitch_m"):
             self.assertIn(word, done.stdout)
@@ -468,7 +468,7 @@ class Proofs(unittest.TestCase):
     """A scenario that no preset fails proves nothing; these scenarios are listed. An engine may
     fail for another reason."""
 
-    def test_each_scenario_fails_for_somebody_or_is_listed(self):
+    def test_each_scenario_fails_or_is_listed(self):
         listed = json.loads((ROOT / "scenes/studies/stress_expectations.json").read_text())
         engines = {"cycles", "povray"}  # witnesses; looks and the march are tested themselves
         proven = ({e["scene"] for e in listed["expectations"]
@@ -479,7 +479,7 @@ class Proofs(unittest.TestCase):
         scenarios = {path.stem for path in (ROOT / "scenes/stress").glob("*.yaml")}
         self.assertEqual(scenarios - proven, set(MUTATIONS["unproven"]))
 
-    def test_each_scenario_is_on_the_page_of_what_is_known_to_fail(self):
+    def test_each_scenario_is_documented(self):
         told = set(re.findall(r"`(\w+)`", (ROOT / "docs/stress.md").read_text()))
         scenarios = {path.stem for path in (ROOT / "scenes/stress").glob("*.yaml")}
         self.assertEqual(scenarios - told, set())

@@ -119,13 +119,13 @@ class Page(PageCase):
     NAME = "stress"
     build = staticmethod(build)
 
-    def test_a_page_holds_together(self):
-        self.assert_holds(self.good, "--quick")
+    def test_a_good_page_has_no_faults(self):
+        self.assert_page_is_good(self.good, "--quick")
 
     @night.of_the_night
     def test_in_all_windows(self):
         """In a narrow window with reduced motion, and in dark mode."""
-        self.assert_holds(self.good)
+        self.assert_page_is_good(self.good)
 
     @night.of_the_night
     def test_a_page_of_a_run_that_has_just_begun(self):
@@ -134,7 +134,7 @@ class Page(PageCase):
                     compared=0, news=0, state="running", verdict="fail", counts={"not_yet": 1})
         data["scenes"] = data["scenes"][-1:]
         data["pictures"]["left_out"] = 0
-        self.assert_holds(self.built("begun", data), "--quick")
+        self.assert_page_is_good(self.built("begun", data), "--quick")
 
     @night.of_the_night
     def test_each_of_several_faults_is_found(self):

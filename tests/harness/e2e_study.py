@@ -50,7 +50,7 @@ class Study(StudyCase):
     def study(self, *arguments, **options):
         return self.json(*self.command(*arguments, **options))
 
-    def test_rest_and_motion_have_the_same_policy(self):
+    def test_static_and_moving_scenes_are_alike(self):
         """`off` is the march through pixel centres: its error is zero against centres, and not zero
         against the reference."""
         found = self.study(self.rest, self.moves, self.multiple, "--preset", "off,fixed",
@@ -87,7 +87,7 @@ class Study(StudyCase):
         self.assertGreaterEqual(len(kept), 3)
         return kept
 
-    def test_tables_csv_and_plot_and_what_is_finished_is_not_rendered_again(self):
+    def test_output_files_and_reuse(self):
         arguments = (self.rest, "--preset", "fixed,fixed+taa=off", "--takes", "flicker,step")
         kept = self.interrupted(*arguments)
         done = self.neph(*self.command(*arguments, "--csv", "all.csv", "--markdown", "all.md",

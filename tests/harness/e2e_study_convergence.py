@@ -39,7 +39,7 @@ class StudyConvergence(StudyCase):
                                 "settled at frame 1, final error ")
         self.assertLessEqual(lines.count("\n"), 10)
 
-    def test_what_is_refused(self):
+    def test_refused_arguments(self):
         """Refused before anything is rendered."""
         self.check_refusals((66, "nonesuch", ("fence_sky", "nonesuch")), (64, "which scenes?", ()),
                             (64, "twice", ("fence_sky", "--preset", "ours,ours")),

@@ -38,7 +38,7 @@ class StudyFog(StudyCase):
             (2, "without the key fog_look", ("study", "fog", "height_fog_up")),
             (66, "nowhere", ("study", "fog", "nowhere")))
 
-    def test_a_control_alone_is_what_it_says(self):
+    def test_a_single_control(self):
         pictures = {}
         for controls in ("none", "max_opacity", "cutoff_distance"):
             self.neph("render", "fog_look_evening", "-e", "fog_look", "-s",
@@ -51,7 +51,7 @@ class StudyFog(StudyCase):
             if not 4000 <= depth_m <= 5500:
                 self.assertAlmostEqual(cut, 1 if depth_m > 5500 else plain, 6)
 
-    def test_a_scene_is_told_in_three_worlds(self):
+    def test_a_scene_in_three_engines(self):
         done = self.neph("scenes", "fog_look_ridge")
         for words in ("physical               Unreal                 Filament", "655.36",
                       "controls of the fog model without a counterpart",

@@ -86,7 +86,7 @@ class StudyLight(StudyCase):
         self.assertEqual(results(1), results(2))
 
     @night.of_the_night
-    def test_a_sun_that_sinks_is_seen_by_who_remembers(self):
+    def test_a_sinking_sun_affects_histories(self):
         bias = {}
         for speed in (0, 50):
             found = self.json("slab.yaml", "--model", "realtime+lighting=octaves,march_octaves",
@@ -110,7 +110,7 @@ class StudyLight(StudyCase):
             (64, "outside -0.999..0.999", ("slab.yaml", "--g", "1.5")),
             (66, "nowhere", ("nowhere",)))
 
-    def test_what_cannot_be_lit_is_left_out_and_laws_hold_of_models_alone(self):
+    def test_unlit_cells_and_laws(self):
         table = self.folder / "laws.md"
         done = self.neph("dark.yaml", "--model", "march_octaves_fitted,march_horizon", "--laws",
                          "--markdown", table, "--json", "--jobs", 2)

@@ -68,7 +68,7 @@ class StudyPost(StudyCase):
         self.assertNotEqual(first, other)
         self.assertLess(abs(first - other), 0.3 * first)
 
-    def test_what_makes_no_sense_is_refused(self):
+    def test_contradictions_are_refused(self):
         self.check_refusals(
             (64, "which scenes", ()),
             (64, "multiples of 4", ("railings", "--frames", "18")),

@@ -32,7 +32,7 @@ class StudyScreen(StudyCase):
         first, second = metal["models"].values()
         self.assertGreater(first["error"], 0.0)
         self.assertIsNone(second["error"])  # it has no reflections
-        self.look_at_the_page(found)
+        self.check_page(found)
         table = (self.folder / "a.md").read_text()
         self.assertIn("**ambient occlusion** [% of the hemisphere]", table)
         self.assertIn("| surface_rough | *no model can* |", table)
@@ -40,7 +40,7 @@ class StudyScreen(StudyCase):
         self.assertEqual((self.folder / "a.md").read_text(), table)
         self.assertIn(table, again.stdout)
 
-    def look_at_the_page(self, found):
+    def check_page(self, found):
         """Checks that the page has an image for each part of a scene, with as many squares of a
         colour as pixels lost for its reason, and no content from a network."""
         page = (self.folder / "out/study/screen/index.html").read_text()
@@ -80,7 +80,7 @@ class StudyScreen(StudyCase):
         self.assertGreater(truth["lost"], 40)
         self.assertLess(truth["lost_by"]["else"], 0.02 * truth["lost"])
 
-    def test_pictures_flicker_by_what_rays_leave(self):
+    def test_frames_flicker_by_ray_noise(self):
         """One ray without history gives different frames; a static scene has one truth."""
         calm, raw = "screen+gi=off", "screen+gi=off+ssr_rays=1+ssr_history=0+ssr_smooth=0"
         found = self.json("surface_rough", "--size", "24x14", "--samples", "32", "--model",
@@ -147,7 +147,7 @@ class StudyScreen(StudyCase):
                             (64, "16 frames", (*little, "--frames", "3")),
                             (66, "nowhere", (*little, "nowhere")))
 
-    def test_a_folder_with_other_files_is_left_alone(self):
+    def test_a_folder_with_other_files_stays(self):
         page = self.put("out/study/screen/index.html")
         self.neph("surface_step", "--size", "4x4", "--samples", "2", code=64,
                   said="name another folder with -o")

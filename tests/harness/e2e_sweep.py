@@ -178,7 +178,7 @@ class Sweep(NephCase):
                                   f"{100 * errors[0]:.3g} %")
         self.assertIn("front of error", self.sweep(*words, "--all").stdout)
 
-    def test_what_is_refused(self):
+    def test_refused_arguments(self):
         self.put("plan.yaml", PLAN.replace("engine: march,", "engine: marsh,"))
         self.assertRegex(self.sweep(code=65).stderr, r"plan\.yaml:11:\d+: .*no engine 'marsh'")
         self.put("plan.yaml", PLAN)

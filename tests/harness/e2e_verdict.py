@@ -56,7 +56,7 @@ class Verdict(NephCase):
         self.assertIn("a new one is built from its 2 frames", done.stderr)
 
     @unittest.skipUnless(shutil.which("povray"), "POV-Ray is not installed")
-    def test_what_did_not_fit_its_budget_is_in_the_verdict(self):
+    def test_over_budget_is_in_the_verdict(self):
         """It is not a failure, and the verdict states that this engine is missing."""
         program = self.put_program("povray", SLOW_POVRAY)
         words = ["exact", "oracle", "povray"]
@@ -87,7 +87,7 @@ class Verdict(NephCase):
         self.assertEqual(document["counts"]["reported"], document["counts"]["expected"])
         self.assertEqual(document["counts"]["reported"], len(document["physics"]["rows"]))
 
-    def test_an_engine_whose_probe_fails_is_broken_and_not_missing(self):
+    def test_a_failed_probe_means_broken(self):
         def script(text):
             return f"#!/bin/sh\n{text}\n"
 
@@ -107,7 +107,7 @@ class Verdict(NephCase):
             self.assertEqual(frames[engine]["status"], "failed", words)
             self.assertIn(words, frames[engine]["reason"])
 
-    def test_what_blender_leaves_is_limited_and_no_file_of_another_kind_is_read(self):
+    def test_output_of_blender_is_limited(self):
         """A program in place of Blender that fills the disk, or leaves a folder or a pipe as its
         image."""
         version = 'case "$1" in --version) echo "Blender 3.4.1"; exit 0;; esac\n'
@@ -150,7 +150,7 @@ class Verdict(NephCase):
             self.assertIn("nothing was compared", done.stderr)
             self.assertEqual(json.loads(done.stdout)["verdict"], "fail")
 
-    def test_a_gate_on_what_no_metric_is_called_is_refused_with_its_place(self):
+    def test_a_gate_on_an_unknown_metric(self):
         text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()
         for metric, words in (("sparkle", "'sparkle' is no metric"),
                               ("seen_share", "not among the numbers of every picture")):

@@ -146,7 +146,7 @@ class View(neph_case.NephCase):
         self.assertEqual([path.name for path in self.folder.iterdir()
                           if path.name.startswith(".neph")], [])
 
-    def test_what_cannot_be_shown_is_refused_and_leaves_nothing(self):
+    def test_refused_input_leaves_no_files(self):
         reference = self.folder / "reference.exr"
         frames.grey_exr(self.folder / "small.exr", 4, 4, [0.5] * 16)
         write(self.folder / "depth.exr", {"Z": [1.0] * PIXELS})
@@ -183,7 +183,7 @@ class View(neph_case.NephCase):
         self.refused(65, "larger than 0.02 MB: about 0.0", folder, "--page-limit", "0.02")
         self.refused(65, "frame.0011.exr", folder)
 
-    def test_a_table_with_a_hole_is_told(self):
+    def test_a_table_with_nan_is_reported(self):
         self.put("torn.cube", "LUT_3D_SIZE 2\n" + "0 1 0\n" * 7 + "nan 0 0\n")
         self.put("torn.ocio", OCIO.replace(
             "!<MatrixTransform> {matrix: [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1]}",
@@ -193,7 +193,7 @@ class View(neph_case.NephCase):
                   said="has 1 colours that are no numbers")
         self.assertEqual(json.loads((page / "data.json").read_text())["cube"]["not_numbers"], 1)
 
-    def test_pictures_for_a_display_are_linear_values_of_their_codes(self):
+    def test_display_images_are_decoded(self):
         codes = [(7 * i) % 256 for i in range(3 * PIXELS)]
         (self.folder / "codes.png").write_bytes(frames.png_bytes(WIDTH, HEIGHT, codes))
         page = self.folder / "png"

@@ -66,13 +66,13 @@ class Words(unittest.TestCase):
     def test_nothing_has_to_be_looked_up_by_a_code(self):
         self.refuse(C | SCRIPT | PAGE, CODE)
 
-    def test_nothing_refers_to_what_is_not_here(self):
+    def test_nothing_refers_to_missing_files(self):
         self.refuse(C | SCRIPT | PAGE, NOTE)
 
-    def test_comments_stand_alone(self):
+    def test_comments_are_self_contained(self):
         self.refuse(C, GOES_ON)
 
-    def test_pages_name_what_is_there(self):
+    def test_pages_name_existing_files(self):
         missing = []
         for name, text in files({".md"}):
             links = [(ROOT / name).parent / link for link in LINK.findall(text)]

@@ -90,7 +90,7 @@ class PageCase(unittest.TestCase):
     def check(self, folder, *options):
         return node(PAGE / f"check_{self.NAME}.mjs", *options, folder)
 
-    def assert_holds(self, folder, *options):
+    def assert_page_is_good(self, folder, *options):
         done = self.check(folder, *options)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 

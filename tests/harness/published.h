@@ -28,7 +28,7 @@ static inline const char *published_text(FILE *stream, const struct neph_publica
     return publication->kept[form].text;
 }
 
-static inline int count_of(const char *text, const char *part)
+static inline int count_parts(const char *text, const char *part)
 {
     int count = 0;
     for (text = strstr(text, part); text; text = strstr(text + 1, part))

@@ -19,20 +19,20 @@ static neph_ablation_set bit(const char *name)
     return (neph_ablation_set)1 << part;
 }
 
-static neph_ablation_set parts_of(const char *preset)
+static neph_ablation_set find_preset_parts(const char *preset)
 {
     neph_ablation_set parts = 0;
     struct neph_diag diag = {.line = 0};
-    neph_assert_ok(neph_ablation_parts_of(preset, &parts, &diag), &diag);
+    neph_assert_ok(neph_ablation_find_parts(preset, &parts, &diag), &diag);
     return parts;
 }
 
-static struct neph_settings settings_of(const char *words)
+static struct neph_settings parse_test_settings(const char *words)
 {
     struct neph_settings settings;
     struct neph_diag diag = {.line = 0};
     neph_assert_ok(
-        neph_settings_words(neph_engine_find("realtime"), words, "steps=8", &settings, &diag),
+        neph_settings_parse_words(neph_engine_find("realtime"), words, "steps=8", &settings, &diag),
         &diag);
     return settings;
 }
@@ -40,7 +40,8 @@ static struct neph_settings settings_of(const char *words)
 static struct neph_settings settings_without(const char *preset, neph_ablation_set without)
 {
     struct neph_arena arena = {.last = NULL};
-    const struct neph_settings settings = settings_of(neph_ablation_words(&arena, preset, without));
+    const struct neph_settings settings = parse_test_settings(
+        neph_ablation_words(&arena, preset, without));
     neph_arena_finish(&arena);
     return settings;
 }
@@ -101,27 +102,28 @@ static neph_ablation_set of_the_air(void)
 
 static void test_ours_has_every_part_but_the_dithered_upscale(void **state)
 {
-    assert_true(parts_of("ours1") ==
+    assert_true(find_preset_parts("ours1") ==
                 (every_part() & ~bit("upscale_dither") & ~second_generation() & ~of_the_air()));
-    assert_true((parts_of("ours") & second_generation()) == second_generation());
-    assert_true((parts_of("fixed") & bit("upscale_dither")) != 0);
-    assert_true((parts_of("fixed") & bit("gradients")) == 0);
-    assert_true((parts_of("ours+override=none") & bit("override")) == 0);
-    assert_true((parts_of("ours+box=none") & (bit("box") | bit("own_ray") | bit("gradients"))) ==
-                0);
+    assert_true((find_preset_parts("ours") & second_generation()) == second_generation());
+    assert_true((find_preset_parts("fixed") & bit("upscale_dither")) != 0);
+    assert_true((find_preset_parts("fixed") & bit("gradients")) == 0);
+    assert_true((find_preset_parts("ours+override=none") & bit("override")) == 0);
+    assert_true((find_preset_parts("ours+box=none") &
+                 (bit("box") | bit("own_ray") | bit("gradients"))) == 0);
     neph_ablation_set parts;
-    assert_int_equal(neph_ablation_parts_of("nope", &parts, NULL), NEPH_ERR_USAGE);
+    assert_int_equal(neph_ablation_find_parts("nope", &parts, NULL), NEPH_ERR_USAGE);
 }
 
 /* Froxels and cloud shadow maps are enabled by a setting, with all parts that need them. */
-static void test_parts_of_the_air_are_asked_for(void **state)
+static void test_parts_of_the_air_are_requested(void **state)
 {
     const neph_ablation_set froxels = bit("froxels") | bit("froxel_jitter") |
                                       bit("froxel_history") | bit("froxel_hold");
-    assert_true((parts_of("ours+froxels=on") & of_the_air()) == froxels);
-    assert_true((parts_of("ours+froxels=on+froxel_jitter=off") & of_the_air()) ==
+    assert_true((find_preset_parts("ours+froxels=on") & of_the_air()) == froxels);
+    assert_true((find_preset_parts("ours+froxels=on+froxel_jitter=off") & of_the_air()) ==
                 (froxels & ~bit("froxel_jitter")));
-    assert_true((parts_of("fixed+cloud_shadow=map") & of_the_air()) == (of_the_air() & ~froxels));
+    assert_true((find_preset_parts("fixed+cloud_shadow=map") & of_the_air()) ==
+                (of_the_air() & ~froxels));
     const struct neph_settings without = settings_without("ours+froxels=on", froxels);
     const int option = neph_option_find(neph_engine_find("realtime")->options, "froxels");
     assert_true(without.values[option] == 0.0);
@@ -136,7 +138,8 @@ static void test_the_plain_pipeline_has_no_part(void **state)
             stays |= (neph_ablation_set)1 << i;
     struct neph_arena arena = {.last = NULL};
     const char *plain = neph_ablation_words(&arena, "ours", every_part() & ~stays);
-    assert_true(parts_of(plain) == bit("split")); /* the clamp of the anti-aliasing needs it */
+    assert_true(find_preset_parts(plain) ==
+                bit("split")); /* the clamp of the anti-aliasing needs it */
     neph_arena_finish(&arena);
 }
 
@@ -154,10 +157,10 @@ static void test_no_setting_of_ours_is_forgotten(void **state)
 {
     static const char *const others[] = {"seed", "fixed", "ours1"};
     const struct neph_option *options = neph_engine_find("realtime")->options;
-    const struct neph_settings ours = settings_of("ours");
+    const struct neph_settings ours = parse_test_settings("ours");
     int difference_count = 0;
     for (size_t other = 0; other < COUNT(others); other++) {
-        const struct neph_settings theirs = settings_of(others[other]);
+        const struct neph_settings theirs = parse_test_settings(others[other]);
         const struct neph_settings a = settings_without("ours", every_part());
         const struct neph_settings b = settings_without(others[other], every_part());
         for (int i = 0; options[i].name; i++) {
@@ -205,7 +208,7 @@ static void test_a_plan_has_each_configuration_once(void **state)
     assert_int_equal(box->without, history->with);
     assert_string_equal(ablation.words[split->without], "ours+split=none");
     assert_null(neph_ablation_find(&ablation, split->part, NEPH_ABLATION_ALONE));
-    assert_true(parts_of(ablation.words[box->with]) ==
+    assert_true(find_preset_parts(ablation.words[box->with]) ==
                 (bit("split") | bit("history") | bit("box")));
     neph_ablation_finish(&ablation);
     plan(&ablation, NULL, 0);
@@ -259,8 +262,8 @@ static void make_study(struct neph_ablation *ablation)
 
 enum { ERROR, FLICKER, EDGE_FLICKER, FOUR_FRAME, HALF_LIFE, EVALUATIONS, TRAFFIC, GPU_MS };
 
-static struct neph_study_cell *cell_of(const struct neph_ablation *ablation, int scene, int preset,
-                                       int seed, int measure)
+static struct neph_study_cell *find_ablation_cell(const struct neph_ablation *ablation, int scene,
+                                                  int preset, int seed, int measure)
 {
     int metric = 0;
     while (strcmp(neph_study_metrics[metric].metric, neph_ablation_measures[measure].metric) != 0 ||
@@ -273,7 +276,7 @@ static void set(const struct neph_ablation *ablation, int scene, int preset, int
                 double value)
 {
     for (int seed = 0; seed < SEEDS; seed++) {
-        struct neph_study_cell *cell = cell_of(ablation, scene, preset, seed, measure);
+        struct neph_study_cell *cell = find_ablation_cell(ablation, scene, preset, seed, measure);
         cell->value = cell->displays[0] = value * (seed ? 10.0 : 0.1); /* their mean is `value` */
     }
 }
@@ -294,7 +297,7 @@ static void test_measures_are_metrics_of_a_flicker_study(void **state)
     planned(&ablation);
     assert_int_equal(neph_ablation_measure_count(), GPU_MS + 1);
     for (int m = 0; neph_ablation_measures[m].metric; m++)
-        assert_non_null(cell_of(&ablation, 0, 0, 0, m));
+        assert_non_null(find_ablation_cell(&ablation, 0, 0, 0, m));
     assert_true(neph_ablation_has_measure(&ablation, HALF_LIFE));
     struct neph_flicker_study_params params = *ablation.study.params;
     params.takes[NEPH_STUDY_STEP] = false;
@@ -374,8 +377,8 @@ static void test_scenes_without_a_number_are_left_out(void **state)
     const struct neph_ablation_comparison *of = planned(&ablation);
     for (int s = 0; s < SCENES; s++) {
         set(&ablation, s, of->with, ERROR, 0.5);
-        cell_of(&ablation, s, of->without, 1, ERROR)->counts = s == 2;
-        cell_of(&ablation, s, of->with, 0, FLICKER)->counts = false;
+        find_ablation_cell(&ablation, s, of->without, 1, ERROR)->counts = s == 2;
+        find_ablation_cell(&ablation, s, of->with, 0, FLICKER)->counts = false;
     }
     neph_assert_ok(neph_ablation_judge(&ablation, NULL), NULL);
     const struct neph_ablation_effect *error = &of->effects[ERROR];
@@ -398,7 +401,7 @@ static void test_advice(void **state)
     } cases[] = {
         {{NEPH_ABLATION_BUYS, NEPH_ABLATION_COSTS, NEPH_ABLATION_UNDECIDED}, NEPH_ABLATION_KEEP},
         {{NEPH_ABLATION_COSTS, NEPH_ABLATION_MAY_BUY, NEPH_ABLATION_SAME}, NEPH_ABLATION_PERHAPS},
-        {{NEPH_ABLATION_COSTS, NEPH_ABLATION_UNDECIDED}, NEPH_ABLATION_UNTOLD},
+        {{NEPH_ABLATION_COSTS, NEPH_ABLATION_UNDECIDED}, NEPH_ABLATION_UNCERTAIN},
         {{NEPH_ABLATION_MAY_COST, NEPH_ABLATION_NOTHING}, NEPH_ABLATION_LEAVE_OUT},
         {{NEPH_ABLATION_NOTHING, NEPH_ABLATION_SAME}, NEPH_ABLATION_LITTLE},
         {{NEPH_ABLATION_SAME, NEPH_ABLATION_SAME}, NEPH_ABLATION_IDLE},
@@ -435,7 +438,7 @@ static void list_parts(const void *ablation, FILE *out)
     neph_ablation_list(ablation, out);
 }
 
-static void test_output_holds_every_number(void **state)
+static void test_output_has_every_number(void **state)
 {
     struct neph_ablation ablation;
     struct neph_publication publication;
@@ -457,15 +460,15 @@ static void test_output_holds_every_number(void **state)
     assert_non_null(strstr(text, "not in this preset: upscale_dither"));
     const char *csv = published_text(publication.csv, &publication);
     /* three comparisons of seven measures in four scenes and their mean; there are no times */
-    assert_int_equal(count_of(csv, "\r\n"), 1 + 3 * 7 * (SCENES + 1));
+    assert_int_equal(count_parts(csv, "\r\n"), 1 + 3 * 7 * (SCENES + 1));
     const char *svg = published_text(publication.chart, &publication);
     /* One row, with bars of two measures in the preset; no bar where nothing changes. */
-    assert_int_equal(count_of(svg, ">override</text>"), 1);
-    assert_int_equal(count_of(svg, "height=\"7\" fill=\"#888\""), 1 + 2); /* the key, two bars */
-    assert_int_equal(count_of(svg, ">&#60;-99 %</text>"), 1); /* beyond the axis: labelled */
-    neph_assert_ok(neph_written(list_parts, &ablation, &list, NULL), NULL);
-    assert_int_equal(count_of(list, "without it: "), neph_ablation_part_count());
-    assert_int_equal(count_of(list, "not in this preset"), 7);
+    assert_int_equal(count_parts(svg, ">override</text>"), 1);
+    assert_int_equal(count_parts(svg, "height=\"7\" fill=\"#888\""), 1 + 2); /* the key, two bars */
+    assert_int_equal(count_parts(svg, ">&#60;-99 %</text>"), 1); /* beyond the axis: labelled */
+    neph_assert_ok(neph_write_to_text(list_parts, &ablation, &list, NULL), NULL);
+    assert_int_equal(count_parts(list, "without it: "), neph_ablation_part_count());
+    assert_int_equal(count_parts(list, "not in this preset"), 7);
     assert_int_equal(json_array_size(json_object_get(publication.json, "parts")),
                      neph_ablation_part_count());
     neph_publication_finish(&publication);

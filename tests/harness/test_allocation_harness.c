@@ -37,19 +37,19 @@ static void test_sequences(void **state)
         snprintf(name, sizeof(name), "f%d.exr", i);
         neph_assert_ok(neph_file_write(scratch_path(state, path, name), "", 0, NULL), NULL);
     }
-    assert_every_failure_is_told("a file", find, path);
+    assert_every_failure_is_reported("a file", find, path);
     scratch_path(state, path, "f%d.exr");
-    assert_every_failure_is_told("a pattern", find, path);
+    assert_every_failure_is_reported("a pattern", find, path);
     scratch_path(state, path, "f*.exr");
-    assert_every_failure_is_told("a glob", find, path);
+    assert_every_failure_is_reported("a glob", find, path);
     scratch_path(state, path, "");
-    assert_every_failure_is_told("a folder", find, path);
+    assert_every_failure_is_reported("a folder", find, path);
 }
 
 static void test_frames(void **state)
 {
-    assert_every_failure_is_told("an EXR", read_frame, CORPUS "exr/smooth_zip.exr");
-    assert_every_failure_is_told("a PNG", read_frame, CORPUS "png/rgb_8.png");
+    assert_every_failure_is_reported("an EXR", read_frame, CORPUS "exr/smooth_zip.exr");
+    assert_every_failure_is_reported("a PNG", read_frame, CORPUS "png/rgb_8.png");
 }
 
 int main(void)

@@ -28,12 +28,12 @@ static void print(const void *context, FILE *out)
 }
 
 /* For free(). */
-static char *text_of(const struct neph_answer *answer, const struct neph_answer_rest *rest,
-                     bool is_brief)
+static char *print_answer_text(const struct neph_answer *answer,
+                               const struct neph_answer_rest *rest, bool is_brief)
 {
     const struct printed printed = {answer, rest, is_brief};
     char *text = NULL;
-    assert_int_equal(neph_written(print, &printed, &text, NULL), NEPH_OK);
+    assert_int_equal(neph_write_to_text(print, &printed, &text, NULL), NEPH_OK);
     return text;
 }
 
@@ -44,14 +44,14 @@ static void test_an_answer_has_ten_lines_at_most(void **state)
     struct neph_answer answer = {.count = 0};
     for (int i = 0; i < 20; i++)
         neph_answer_add(&answer, "line %d\x1b[2J", i);
-    char *text = text_of(&answer, &rest, false);
+    char *text = print_answer_text(&answer, &rest, false);
     assert_string_equal(text,
                         "line 0\\x1b[2J\nline 1\\x1b[2J\nline 2\\x1b[2J\nline 3\\x1b[2J\n"
                         "line 4\\x1b[2J\nline 5\\x1b[2J\nline 6\\x1b[2J\nline 7\\x1b[2J\n"
                         "line 8\\x1b[2J\nall numbers: --all or --json; files in " NEPH_SOURCE_DIR
                         "/harness: document, compare\n");
     free(text);
-    text = text_of(&answer, &rest, true);
+    text = print_answer_text(&answer, &rest, true);
     assert_string_equal(text, "line 0\\x1b[2J\n");
     free(text);
     neph_answer_finish(&answer);

@@ -11,7 +11,7 @@
 static const char *const names[4] = {"a", "b", "c", "d"};
 
 /* Pairs in the order ab ac bc (ad bd cd). */
-static int odd_of(int count, const char *pairs, char sentence[400])
+static int find_odd_engine(int count, const char *pairs, char sentence[400])
 {
     static const int at[6][2] = {{0, 1}, {0, 2}, {1, 2}, {0, 3}, {1, 3}, {2, 3}};
     int verdicts[16] = {0};
@@ -47,7 +47,7 @@ static void test_rule(void **state)
     };
     for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]); i++) {
         char sentence[400];
-        const int odd = odd_of(rows[i].count, rows[i].pairs, sentence);
+        const int odd = find_odd_engine(rows[i].count, rows[i].pairs, sentence);
         if (odd != rows[i].odd || !strstr(sentence, rows[i].says))
             fail_msg("%s: odd %d, expected %d: '%s'", rows[i].pairs, odd, rows[i].odd, sentence);
     }

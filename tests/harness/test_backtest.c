@@ -78,7 +78,7 @@ static double duration(struct world *world, int i, double load)
     return world->base[i] * exp(0.03 * world->own[i] + 0.015 * world->drift + load * share + off);
 }
 
-static double error_of(struct world *world, int i, double *standard_error)
+static double draw_error(struct world *world, int i, double *standard_error)
 {
     *standard_error = NAN;
     if (sorts[i % PER_SCENE].kind == NEPH_SERIES_FIXED)
@@ -93,7 +93,7 @@ static bool is_planted(const struct plant *plant, int i)
     return plant->everywhere || i / PER_SCENE == 7;
 }
 
-static double factor_of(const struct plant *plant, enum neph_series_kind kind)
+static double plant_factor(const struct plant *plant, enum neph_series_kind kind)
 {
     return 1.0 + (kind == NEPH_SERIES_TIMED   ? plant->time
                   : kind == NEPH_SERIES_DRAWN ? plant->drawn
@@ -108,9 +108,9 @@ static void measure(struct world *world, int night, const struct plant *plant)
     for (int i = 0; i < SERIES; i++) {
         const bool is_time = sorts[i % PER_SCENE].kind == NEPH_SERIES_TIMED;
         world->past[i][night] = is_time ? duration(world, i, load)
-                                        : error_of(world, i, &world->errors[i][night]);
+                                        : draw_error(world, i, &world->errors[i][night]);
         if (plant && night >= PLANTED_AT && is_planted(plant, i))
-            world->past[i][night] *= factor_of(plant, sorts[i % PER_SCENE].kind);
+            world->past[i][night] *= plant_factor(plant, sorts[i % PER_SCENE].kind);
     }
 }
 
@@ -187,7 +187,7 @@ static void test_intervals_of_rates(void **state)
 
 /* --- runs without a change -------------------------------------------------------------------- */
 
-static void test_quiet_nights_are_quiet(void **state)
+static void test_unchanged_runs_give_no_alarm(void **state)
 {
     struct world *world = malloc(sizeof(*world));
     int nights = 0, false_alarms = 0;
@@ -215,7 +215,7 @@ static void test_quiet_nights_are_quiet(void **state)
 /* ---- planted changes ------------------------------------------------------------------------- */
 
 /* Number of runs until the first alarm, 1 for the run of the change; 0: none in three weeks. */
-static int delay_of(struct world *world, uint64_t seed, const struct plant *plant)
+static int measure_delay(struct world *world, uint64_t seed, const struct plant *plant)
 {
     enum { PATIENCE = 21 };
     begin_world(world, seed);
@@ -265,7 +265,7 @@ static void test_planted_changes_are_found(void **state)
     for (size_t p = 0; p < COUNT(plants); p++) {
         int found = 0;
         for (int run = 0; run < runs; run++) {
-            const int delay = delay_of(world, 5000 + (uint64_t)run, &plants[p].plant);
+            const int delay = measure_delay(world, 5000 + (uint64_t)run, &plants[p].plant);
             if (delay > 0)
                 delays[found++] = delay;
         }
@@ -293,7 +293,7 @@ struct sample {
 };
 
 /* NaN: not measured. `busy` durations were measured on a busy machine; a run does not use them. */
-static double value_of(const json_t *night, const char *series, bool with_busy)
+static double find_night_value(const json_t *night, const char *series, bool with_busy)
 {
     size_t i;
     const json_t *m;
@@ -314,7 +314,7 @@ static bool take_series(struct sample *sample, const json_t *nights, const char 
     double sum = 0.0, *level = sample->level[sample->series];
     int count = 0;
     for (int n = 0; n < sample->nights; n++) {
-        level[n] = log(value_of(json_array_get(nights, (size_t)n), series, with_busy));
+        level[n] = log(find_night_value(json_array_get(nights, (size_t)n), series, with_busy));
         sum += isfinite(level[n]) ? level[n] : 0.0;
         count += isfinite(level[n]);
     }
@@ -366,8 +366,8 @@ static void take_sample(struct sample *sample, const json_t *document, bool with
 
 /* Draws blocks of three consecutive runs with all their series, which keeps effects that last for
  * days or affect all series. */
-static void draw_nights(const struct sample *sample, uint64_t *random, double factor,
-                        double past[SAMPLE_SERIES][RESAMPLED])
+static void draw_runs(const struct sample *sample, uint64_t *random, double factor,
+                      double past[SAMPLE_SERIES][RESAMPLED])
 {
     for (int night = 0; night < RESAMPLED; night += BLOCK) {
         const int from = (int)neph_test_uniform(random, 0.0, sample->nights - BLOCK + 1);
@@ -413,7 +413,7 @@ static struct rehearsal resample(const struct sample *sample, int runs, double f
     uint64_t random = 77;
     for (int run = 0; run < runs; run++) {
         bool is_found = false;
-        draw_nights(sample, &random, factor, past);
+        draw_runs(sample, &random, factor, past);
         for (int night = 1; night < RESAMPLED; night++) {
             const bool alarm = alarms_resampled(sample, past, night);
             made.quiet += night < PLANTED_AT;
@@ -460,7 +460,7 @@ static int rehearse(const char *path)
 }
 
 /* A store export with simulated runs; draws from it have the same statistics. */
-static json_t *document_of(struct world *world, int nights)
+static json_t *make_document(struct world *world, int nights)
 {
     json_t *list = json_array();
     for (int night = 0; night < nights; night++) {
@@ -478,12 +478,12 @@ static json_t *document_of(struct world *world, int nights)
     return json_pack("{s:o}", "nights", list);
 }
 
-static void test_nights_are_drawn_from_a_store(void **state)
+static void test_runs_are_drawn_from_a_store(void **state)
 {
     static struct sample sample;
     struct world *world = malloc(sizeof(*world));
     begin_world(world, 5);
-    json_t *document = document_of(world, 30);
+    json_t *document = make_document(world, 30);
     take_sample(&sample, document, false);
     assert_int_equal(sample.nights, 30);
     assert_int_equal(sample.series, SERIES / 2);
@@ -502,7 +502,7 @@ static void test_nights_are_drawn_from_a_store(void **state)
 
 /* Real runs on two cores that a dozen other programs were using (tests/data/README.md): with the
  * usual durations only, and with those of the busy machine, which are off by factors. */
-static void test_nights_of_a_loaded_machine(void **state)
+static void test_runs_of_a_loaded_machine(void **state)
 {
     static struct sample sample;
     json_t *document = json_load_file(NEPH_SOURCE_DIR "/tests/data/nights.json", 0, NULL);

@@ -67,7 +67,7 @@ static void write_file(const struct bench *bench, const char *name, const char *
     free(path);
 }
 
-static struct neph_ray_light truth_of(const struct neph_scene *scene, int pixel)
+static struct neph_ray_light trace_pixel(const struct neph_scene *scene, int pixel)
 {
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, pixel % WIDTH,
@@ -129,7 +129,7 @@ static void write_images(const struct bench *bench, const struct fake *fake)
     scene.medium_count = fake->has_voxels ? 2 : 1;
     neph_assert_ok(neph_image_add_channel(depth, "pass.Depth.Z", &units, NULL), NULL);
     for (int i = 0; i < PIXELS; i++) {
-        const struct neph_ray_light light = truth_of(&scene, i);
+        const struct neph_ray_light light = trace_pixel(&scene, i);
         const struct neph_camera camera = neph_scene_camera(&scene, 0.0);
         const struct neph_vec3 ray =
             neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH, i / WIDTH).direction;
@@ -319,7 +319,7 @@ static void test_worse_after_its_trial(void **state)
     assert_says(diag.message, "Blender has left a medium out");
 }
 
-static void test_what_a_blender_lacks(void **state)
+static void test_missing_features_of_a_blender(void **state)
 {
     const struct bench *bench = *state;
     struct neph_diag diag = {0};
@@ -396,7 +396,7 @@ int main(void)
         TEST(test_version_9),
         TEST(test_no_volumes),
         TEST(test_worse_after_its_trial),
-        TEST(test_what_a_blender_lacks),
+        TEST(test_missing_features_of_a_blender),
         TEST(test_named_programs),
         cmocka_unit_test(test_versions),
     };

@@ -66,7 +66,7 @@ static enum neph_status hang(const struct neph_shot *shot, struct neph_image **f
 
 #define ENGINE(name_, render_, stochastic_)                                                        \
     {                                                                                              \
-        .name = name_, .summary = "made up", .rung = NEPH_RUNG_WITNESS, .options = options,        \
+        .name = name_, .summary = "made up", .rung = NEPH_LEVEL_EXTERNAL, .options = options,      \
         .version = 1, .stochastic = stochastic_, .probe = probe, .can_render = can_render,         \
         .render = render_                                                                          \
     }
@@ -114,7 +114,7 @@ static struct neph_job_result run(struct bench *bench, const struct neph_engine 
 static const double all_s = start_s + 64.0 * PIXELS, eighth_s = start_s + 8.0 * PIXELS,
                     least_s = start_s + 1.0 * PIXELS;
 
-static void test_what_fits_is_rendered_as_asked(void **state)
+static void test_fitting_frames_are_unchanged(void **state)
 {
     struct bench bench = open_bench(state);
     double samples;
@@ -153,7 +153,7 @@ static void test_the_first_step_gives_no_samples_up(void **state)
     neph_store_close(bench.store);
 }
 
-static void test_what_does_not_fit_gets_fewer_samples_and_says_so(void **state)
+static void test_large_frames_get_fewer_samples(void **state)
 {
     const struct {
         double budget_s, samples;
@@ -176,7 +176,7 @@ static void test_what_does_not_fit_gets_fewer_samples_and_says_so(void **state)
 }
 
 /* A larger budget still uses the store first; a frame with more samples is preferred. */
-static void test_what_is_there_is_taken(void **state)
+static void test_stored_frames_are_used(void **state)
 {
     struct bench bench = open_bench(state);
     double samples;
@@ -201,7 +201,7 @@ static double number_after(const char *text, const char *before)
 /* Not even one sample per pixel fits: a frame of a quarter of the side gives time and noise. A
  * uniform number of width 1 has a variance of 1/12. The noise is printed with two digits, from 144
  * * 3 * 2 values whose own scatter is sqrt(4/5 / 864), 3 %. */
-static void test_what_cannot_fit_is_told_with_its_noise(void **state)
+static void test_over_budget_frames_report_noise(void **state)
 {
     struct bench bench = open_bench(state);
     double samples;
@@ -230,7 +230,7 @@ static void test_nothing_is_given_up_without_chance(void **state)
 }
 
 /* An engine that never ends is broken, not slow: that fails a run. */
-static void test_what_hangs_is_no_question_of_budget(void **state)
+static void test_a_hanging_engine_is_a_timeout(void **state)
 {
     struct bench bench = open_bench(state);
     double samples;
@@ -243,13 +243,13 @@ static void test_what_hangs_is_no_question_of_budget(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        scratch_test(test_what_fits_is_rendered_as_asked),
+        scratch_test(test_fitting_frames_are_unchanged),
         scratch_test(test_the_first_step_gives_no_samples_up),
-        scratch_test(test_what_does_not_fit_gets_fewer_samples_and_says_so),
-        scratch_test(test_what_is_there_is_taken),
-        scratch_test(test_what_cannot_fit_is_told_with_its_noise),
+        scratch_test(test_large_frames_get_fewer_samples),
+        scratch_test(test_stored_frames_are_used),
+        scratch_test(test_over_budget_frames_report_noise),
         scratch_test(test_nothing_is_given_up_without_chance),
-        scratch_test(test_what_hangs_is_no_question_of_budget),
+        scratch_test(test_a_hanging_engine_is_a_timeout),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

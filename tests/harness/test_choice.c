@@ -29,7 +29,7 @@ static const double some[][NEPH_CHOICE_NUMBERS] = {
     {3, 3, 4, 0.04, 0.50, 9}, /* more expensive */
 };
 
-static void test_the_front_and_who_beats_the_rest(void **state)
+static void test_the_front_and_its_best_points(void **state)
 {
     struct neph_choice choice = make_choice(4, some);
     neph_choice_judge(&choice);
@@ -64,7 +64,7 @@ static void test_budgets_and_the_least(void **state)
 }
 
 /* Measures that are not requested, or that no scene has, do not count. */
-static void test_time_is_weighed_when_it_is_asked_for(void **state)
+static void test_time_is_weighed_on_request(void **state)
 {
     static const double two[][NEPH_CHOICE_NUMBERS] = {{1, 1, 1, 1, 1, 9}, {1, 1, 1, 2, 1, 1}};
     struct neph_choice choice = make_choice(2, two);
@@ -142,17 +142,18 @@ static void test_presets_and_guests_in_words(void **state)
     const struct neph_engine *engine = NULL;
     struct neph_settings settings;
     struct neph_diag diag = {.line = 0};
-    neph_assert_ok(neph_engine_words("fixed+taa=off", "steps=9", &engine, &settings, &diag), &diag);
+    neph_assert_ok(neph_engine_parse_words("fixed+taa=off", "steps=9", &engine, &settings, &diag),
+                   &diag);
     assert_string_equal(engine->name, "realtime");
     assert_true(neph_setting(engine, &settings, "steps") == 9.0);
-    neph_assert_ok(neph_engine_words("command+a=0.5+b=2", "steps=9", &engine, &settings, &diag),
-                   &diag);
+    neph_assert_ok(
+        neph_engine_parse_words("command+a=0.5+b=2", "steps=9", &engine, &settings, &diag), &diag);
     assert_string_equal(engine->name, "command");
     assert_true(neph_setting(engine, &settings, "a") == 0.5);
     assert_true(neph_setting(engine, &settings, "b") == 2.0);
-    assert_int_equal(neph_engine_words("command+e=1", NULL, &engine, &settings, &diag),
+    assert_int_equal(neph_engine_parse_words("command+e=1", NULL, &engine, &settings, &diag),
                      NEPH_ERR_USAGE);
-    assert_int_equal(neph_engine_words("commander", NULL, &engine, &settings, &diag),
+    assert_int_equal(neph_engine_parse_words("commander", NULL, &engine, &settings, &diag),
                      NEPH_ERR_USAGE);
 }
 

@@ -88,12 +88,12 @@ static void assert_same_bits(const struct neph_measurement *a, const struct neph
 }
 
 /* Every requested value of `all` follows in `some`, in order. */
-static void assert_wanted_alone(const struct neph_measurements *all,
-                                const struct neph_measurements *some)
+static void assert_wanted_separately(const struct neph_measurements *all,
+                                     const struct neph_measurements *some)
 {
     int next = 0;
     for (int i = 0; i < all->count; i++) {
-        if (!neph_meter_wants(wanted, all->list[i].metric->name, all->list[i].mask))
+        if (!neph_meter_is_wanted(wanted, all->list[i].metric->name, all->list[i].mask))
             continue;
         assert_true(next < some->count);
         assert_true(is_same_number(&all->list[i], &some->list[next]));
@@ -106,7 +106,7 @@ static void assert_wanted_alone(const struct neph_measurements *all,
 /* ---- tests ----------------------------------------------------------------------------------- */
 
 /* Moving and static references; several displays; every third frame is only in a file. */
-static void test_together_and_from_memory_as_alone_and_from_files(void **state)
+static void test_joint_and_separate_runs_are_equal(void **state)
 {
     struct neph_sequence moving = make_files(state, "moving", FRAMES, false);
     struct neph_sequence still = make_files(state, "still", 1, false);
@@ -135,7 +135,7 @@ static void test_together_and_from_memory_as_alone_and_from_files(void **state)
     }
     neph_assert_ok(neph_comparisons_run(comparisons, TOGETHER, false, together, NULL), NULL);
     for (int i = 0; i < TOGETHER; i++) {
-        assert_wanted_alone(&alone[i].numbers, &together[i].numbers);
+        assert_wanted_separately(&alone[i].numbers, &together[i].numbers);
         assert_int_equal(alone[i].frozen_count, together[i].frozen_count);
         assert_int_equal(together[i].frame_count, FRAMES);
         neph_compared_finish(&alone[i]);
@@ -149,7 +149,7 @@ static void test_together_and_from_memory_as_alone_and_from_files(void **state)
 }
 
 /* A missing frame ends all comparisons, without results. */
-static void test_what_one_cannot_read_ends_all(void **state)
+static void test_one_unreadable_file_ends_all(void **state)
 {
     struct neph_sequence moving = make_files(state, "moving", FRAMES, false);
     struct neph_sequence test = make_files(state, "test", FRAMES, true);
@@ -177,8 +177,8 @@ static void test_what_one_cannot_read_ends_all(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        scratch_test(test_together_and_from_memory_as_alone_and_from_files),
-        scratch_test(test_what_one_cannot_read_ends_all),
+        scratch_test(test_joint_and_separate_runs_are_equal),
+        scratch_test(test_one_unreadable_file_ends_all),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,13 +12,13 @@
 
 /* --- counting ----------------------------------------------------------------------------- */
 
-static json_t *report_of(const char *outcome, int non_finite, int negative)
+static json_t *make_conform_report(const char *outcome, int non_finite, int negative)
 {
     return json_pack("[{s:[{s:s, s:i, s:i}]}]", "pictures", "outcome", outcome, "non_finite",
                      non_finite, "negative", negative);
 }
 
-static void test_what_counts(void **state)
+static void test_counted_cases(void **state)
 {
     static const struct {
         const char *outcome;
@@ -29,7 +29,8 @@ static void test_what_counts(void **state)
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         int expected = -1, sound = -1;
-        json_t *report = report_of(cases[i].outcome, cases[i].non_finite, cases[i].negative);
+        json_t *report = make_conform_report(cases[i].outcome, cases[i].non_finite,
+                                             cases[i].negative);
         neph_conform_count(report, &expected, &sound);
         assert_int_equal(expected, cases[i].expected);
         assert_int_equal(sound, cases[i].sound);
@@ -48,7 +49,7 @@ struct device {
     double mean, variance;
 };
 
-static struct device device_of(const char *engine, const char *channel)
+static struct device make_conform_device(const char *engine, const char *channel)
 {
     struct device device = {.engine = engine, .channel = channel, .mean = 0.5, .variance = -1.0};
     for (int i = 0; i < PIXELS; i++)
@@ -110,7 +111,7 @@ static bool agree(void **state, const struct device *a, const struct device *b)
  */
 static void test_pixels_of_a_march(void **state)
 {
-    const struct device a = device_of("march", "R");
+    const struct device a = make_conform_device("march", "R");
     struct device b = a;
     assert_true(agree(state, &a, &b));
     for (int i = 0; i < PIXELS; i++)
@@ -131,7 +132,7 @@ static void test_pixels_of_a_march(void **state)
 /* The mean over all pixels shows a difference that the sparse pixels do not. */
 static void test_means(void **state)
 {
-    const struct device a = device_of("march", "R");
+    const struct device a = make_conform_device("march", "R");
     struct device b = a;
     b.mean = a.mean + 1.5e-5;
     assert_true(agree(state, &a, &b));
@@ -142,7 +143,7 @@ static void test_means(void **state)
 /* Half precision and thresholds: more pixels may differ, the mean may not. */
 static void test_pixels_of_realtime(void **state)
 {
-    const struct device a = device_of("realtime", "R");
+    const struct device a = make_conform_device("realtime", "R");
     struct device b = a;
     for (int i = 0; i < PIXELS / 25; i++)
         b.pixels[i] = 1.0f;
@@ -158,7 +159,7 @@ static void test_pixels_of_realtime(void **state)
 /* A few other paths with an equal mean are valid. Estimated variances are not compared. */
 static void test_light_of_the_tracer(void **state)
 {
-    struct device a = device_of("tracer", "R");
+    struct device a = make_conform_device("tracer", "R");
     a.variance = 0.02;
     struct device b = a;
     b.variance = 0.03;
@@ -176,7 +177,7 @@ static void test_light_of_the_tracer(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_counts),
+        cmocka_unit_test(test_counted_cases),
         cmocka_unit_test_setup_teardown(test_pixels_of_a_march, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(test_means, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(test_pixels_of_realtime, scratch_setup, scratch_teardown),

@@ -146,15 +146,15 @@ static struct neph_image *render(const struct stage *stage, unsigned layers)
     return frame;
 }
 
-static struct neph_pixel_ray ray_of(const struct stage *stage, int pixel)
+static struct neph_pixel_ray make_pixel_ray(const struct stage *stage, int pixel)
 {
     const struct neph_camera camera = neph_scene_camera(&stage->scene, 0.0);
     return neph_camera_ray(&camera, WIDTH, HEIGHT, pixel % WIDTH, pixel / WIDTH);
 }
 
-static struct neph_ray_light truth_of(const struct stage *stage, int pixel)
+static struct neph_ray_light trace_pixel(const struct stage *stage, int pixel)
 {
-    const struct neph_pixel_ray ray = ray_of(stage, pixel);
+    const struct neph_pixel_ray ray = make_pixel_ray(stage, pixel);
     return neph_transport_ray(&stage->scene, ray.origin_m, ray.direction);
 }
 
@@ -163,7 +163,7 @@ static double component(struct neph_rgb color, int channel)
     return channel == 0 ? color.r : channel == 1 ? color.g : color.b;
 }
 
-static double mean_of(const struct neph_image *frame, const char *channel)
+static double average_channel(const struct neph_image *frame, const char *channel)
 {
     const float *samples = neph_image_channel(frame, channel);
     assert_non_null(samples);
@@ -177,7 +177,7 @@ static double truth_mean(const struct stage *stage, bool volume_only, int channe
 {
     double sum = 0.0;
     for (int i = 0; i < PIXELS; i++) {
-        const struct neph_ray_light light = truth_of(stage, i);
+        const struct neph_ray_light light = trace_pixel(stage, i);
         sum += component(volume_only ? light.volume : light.radiance, channel);
     }
     return sum / PIXELS;
@@ -209,7 +209,7 @@ static void assert_cannot(const struct stage *stage, const char *word)
         fail_msg("'%s' does not say '%s'", reason, word);
 }
 
-static void test_what_it_can_render(void **state)
+static void test_supported_scenes(void **state)
 {
     char reason[256] = "";
     struct stage stage;
@@ -243,7 +243,8 @@ static void test_tiny_frames_are_refused(void **state)
     assert_null(frame);
 }
 
-static enum neph_status spec_of(const struct stage *stage, json_t **spec, double *sphere_error_px)
+static enum neph_status make_cycles_spec(const struct stage *stage, json_t **spec,
+                                         double *sphere_error_px)
 {
     struct neph_diag diag = {0};
     struct neph_cycles_world world;
@@ -259,7 +260,7 @@ static void test_spec_is_data(void **state)
     double error_px = 0.0;
     struct stage stage;
     set_full_stage(&stage);
-    assert_int_equal(spec_of(&stage, &spec, &error_px), NEPH_OK);
+    assert_int_equal(make_cycles_spec(&stage, &spec, &error_px), NEPH_OK);
     assert_string_equal(json_string_value(json_object_get(spec, "scene")), hostile_name);
     assert_int_equal(json_array_size(json_object_get(spec, "solids")), 3);
     assert_int_equal(json_array_size(json_object_get(spec, "passes")), 3);
@@ -283,7 +284,7 @@ static void test_spec_of_emission(void **state)
     struct stage stage;
     set_full_stage(&stage);
     stage.scene.media[0].emission_w_per_m2_sr = make_grey(4.0);
-    assert_int_equal(spec_of(&stage, &spec, &error_px), NEPH_OK);
+    assert_int_equal(make_cycles_spec(&stage, &spec, &error_px), NEPH_OK);
     const json_t *medium = json_array_get(json_object_get(spec, "media"), 0);
     const json_t *glow = json_object_get(medium, "glow_w_per_m2_sr");
     for (size_t j = 0; j < 3; j++) /* albedos 0.9, 0.5, 0.2 */
@@ -293,30 +294,30 @@ static void test_spec_of_emission(void **state)
     assert_string_equal(pass_kind(spec, 1), "emission");
     json_decref(spec);
     stage.scene.scattering = NEPH_SCATTERING_MULTIPLE;
-    assert_int_equal(spec_of(&stage, &spec, &error_px), NEPH_OK);
+    assert_int_equal(make_cycles_spec(&stage, &spec, &error_px), NEPH_OK);
     assert_int_equal(json_array_size(json_object_get(spec, "passes")), 3);
     json_decref(spec);
     stage.scene.media[0].emission_w_per_m2_sr = make_grey(0.0);
-    assert_int_equal(spec_of(&stage, &spec, &error_px), NEPH_OK);
+    assert_int_equal(make_cycles_spec(&stage, &spec, &error_px), NEPH_OK);
     medium = json_array_get(json_object_get(spec, "media"), 0);
     assert_null(json_object_get(medium, "glow_w_per_m2_sr"));
     json_decref(spec);
 }
 
-static void test_spec_refuses_what_is_not_a_number(void **state)
+static void test_spec_refuses_nan(void **state)
 {
     json_t *spec = NULL;
     double error_px;
     struct stage stage;
     set_full_stage(&stage);
     stage.scene.sun.irradiance_w_per_m2.g = NAN;
-    assert_int_equal(spec_of(&stage, &spec, &error_px), NEPH_ERR_UNSUPPORTED);
+    assert_int_equal(make_cycles_spec(&stage, &spec, &error_px), NEPH_ERR_UNSUPPORTED);
     set_full_stage(&stage);
     stage.solids[1].box.max_m.y = INFINITY;
-    assert_int_equal(spec_of(&stage, &spec, &error_px), NEPH_ERR_UNSUPPORTED);
+    assert_int_equal(make_cycles_spec(&stage, &spec, &error_px), NEPH_ERR_UNSUPPORTED);
     set_full_stage(&stage);
     stage.scene.name = "\xff";
-    assert_int_equal(spec_of(&stage, &spec, &error_px), NEPH_ERR_UNSUPPORTED);
+    assert_int_equal(make_cycles_spec(&stage, &spec, &error_px), NEPH_ERR_UNSUPPORTED);
     assert_null(spec);
 }
 
@@ -332,7 +333,7 @@ static void transmittance_errors(const struct stage *stage, double floor, double
     double thickest = 0.0;
     *absolute = *relative = 0.0;
     for (int i = 0; i < PIXELS; i++) {
-        const struct neph_pixel_ray ray = ray_of(stage, i);
+        const struct neph_pixel_ray ray = make_pixel_ray(stage, i);
         const double tau =
             neph_scene_optical_depth(&stage->scene, ray.origin_m, ray.direction, 0.0, INFINITY).r;
         const double off = fabs(samples[i] - exp(-tau));
@@ -361,7 +362,7 @@ static void test_transmittance_of_parallel_rays_is_cut(void **state)
     const float *samples = neph_image_channel(frame, "transmittance.R");
     int above = 0, below = 0;
     for (int i = 0; i < PIXELS; i++) {
-        const struct neph_pixel_ray ray = ray_of(&stage, i);
+        const struct neph_pixel_ray ray = make_pixel_ray(&stage, i);
         const double tau =
             neph_scene_optical_depth(&stage.scene, ray.origin_m, ray.direction, 0.0, INFINITY).r;
         if (tau < 13.7)
@@ -402,8 +403,8 @@ static void test_depth_behind_media(void **state)
     assert_non_null(depth_m);
     int sky = 0;
     for (int i = 0; i < PIXELS; i++) {
-        const struct neph_pixel_ray ray = ray_of(&stage, i);
-        const struct neph_ray_light truth = truth_of(&stage, i);
+        const struct neph_pixel_ray ray = make_pixel_ray(&stage, i);
+        const struct neph_ray_light truth = trace_pixel(&stage, i);
         const double expected_m = truth.hit_m * neph_vec3_dot(ray.direction, camera.forward);
         /* The mesh deviates from the sphere by 1.2e-4 m, more along a grazing ray. */
         const struct neph_hit hit = neph_scene_hit(&stage.scene, ray.origin_m, ray.direction);
@@ -423,13 +424,13 @@ static void check_single_scattering(const struct stage *stage, double relative)
 {
     struct neph_image *frame = render(stage, NEPH_LAYER_RADIANCE);
     for (int channel = 0; channel < 3; channel++) {
-        const double measured = mean_of(frame, volume_colors[channel]);
+        const double measured = average_channel(frame, volume_colors[channel]);
         const double truth = truth_mean(stage, true, channel);
         print_message("  %s mean %.6g, off by %+.2e\n", volume_colors[channel], truth,
                       measured / truth - 1.0);
         neph_assert_close(measured, truth, relative, 0.0);
         /* black sky and no solids: no other light */
-        neph_assert_close(mean_of(frame, colors[channel]), measured, 1e-6, 0.0);
+        neph_assert_close(average_channel(frame, colors[channel]), measured, 1e-6, 0.0);
     }
     neph_image_destroy(frame);
 }
@@ -464,12 +465,12 @@ static void check_full_stage(struct stage *stage)
     struct neph_image *frame = render(stage, NEPH_LAYERS_ALL);
     for (int channel = 0; channel < 3; channel++) {
         const double truth = truth_mean(stage, false, channel);
-        const double measured = mean_of(frame, colors[channel]);
+        const double measured = average_channel(frame, colors[channel]);
         print_message("  %s mean %.6g, off by %+.2e\n", colors[channel], truth,
                       measured / truth - 1.0);
         neph_assert_close(measured, truth, 3e-3, 0.0);
-        neph_assert_close(mean_of(frame, volume_colors[channel]), truth_mean(stage, true, channel),
-                          3e-3, 0.0);
+        neph_assert_close(average_channel(frame, volume_colors[channel]),
+                          truth_mean(stage, true, channel), 3e-3, 0.0);
     }
     neph_image_destroy(frame);
 }
@@ -484,11 +485,11 @@ static void test_single_scattering_in_a_box(void **state)
     stage.scene.background_w_per_m2_sr = (struct neph_rgb){1.0, 2.0, 0.5};
     stage.samples = 512;
     struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE | NEPH_LAYER_TRANSMITTANCE);
-    const double transmittance = mean_of(frame, "transmittance.R");
+    const double transmittance = average_channel(frame, "transmittance.R");
     for (int channel = 0; channel < 3; channel++) {
-        const double volume = mean_of(frame, volume_colors[channel]);
+        const double volume = average_channel(frame, volume_colors[channel]);
         neph_assert_close(volume, truth_mean(&stage, true, channel), 1e-3, 0.0);
-        neph_assert_close(mean_of(frame, colors[channel]) - volume,
+        neph_assert_close(average_channel(frame, colors[channel]) - volume,
                           transmittance * component(stage.scene.background_w_per_m2_sr, channel),
                           1e-3, 0.0);
     }
@@ -510,9 +511,9 @@ static void test_no_scattering(void **state)
     for (int channel = 0; channel < 3; channel++) {
         const float *samples = neph_image_channel(frame, colors[channel]);
         for (int i = 0; i < PIXELS; i++)
-            neph_assert_close(samples[i], component(truth_of(&stage, i).radiance, channel), 1e-4,
+            neph_assert_close(samples[i], component(trace_pixel(&stage, i).radiance, channel), 1e-4,
                               0.0);
-        assert_true(mean_of(frame, volume_colors[channel]) == 0.0);
+        assert_true(average_channel(frame, volume_colors[channel]) == 0.0);
     }
     neph_image_destroy(frame);
 }
@@ -536,7 +537,7 @@ static void test_white_furnace(void **state)
     struct stage stage;
     set_furnace(&stage, -4.0)->albedo = make_grey(1.0);
     struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE);
-    const double mean = mean_of(frame, "G");
+    const double mean = average_channel(frame, "G");
     print_message("  furnace %.6f\n", mean);
     neph_assert_close(mean, 1.0, 2e-3, 0.0);
     neph_image_destroy(frame);
@@ -557,7 +558,7 @@ static void test_emission_of_a_box(void **state)
     struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE);
     for (int channel = 0; channel < 3; channel++)
         for (int i = 0; i < PIXELS; i++) {
-            const double truth = component(truth_of(&stage, i).radiance, channel);
+            const double truth = component(trace_pixel(&stage, i).radiance, channel);
             neph_assert_close(neph_image_channel(frame, colors[channel])[i], truth, 1e-5, 5e-6);
             neph_assert_close(neph_image_channel(frame, volume_colors[channel])[i], truth, 1e-5,
                               5e-6);
@@ -583,11 +584,11 @@ static void test_kirchhoff_furnace(void **state)
     set_furnace(&stage, -2.0)->emission_w_per_m2_sr = make_grey(1.0);
     struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE);
     for (int channel = 0; channel < 3; channel++) {
-        const double mean = mean_of(frame, colors[channel]);
+        const double mean = average_channel(frame, colors[channel]);
         print_message("  furnace %.6f\n", mean);
         neph_assert_close(mean, 1.0, 2e-3, 0.0);
-        neph_assert_close(mean_of(frame, volume_colors[channel]), truth_mean(&stage, true, channel),
-                          2e-3, 0.0);
+        neph_assert_close(average_channel(frame, volume_colors[channel]),
+                          truth_mean(&stage, true, channel), 2e-3, 0.0);
     }
     neph_image_destroy(frame);
 }
@@ -604,7 +605,7 @@ static void test_background_that_is_only_seen(void **state)
     const float *radiance = neph_image_channel(frame, "G");
     const float *depth_m = neph_image_channel(frame, "Z");
     double seen = 0.0;
-    assert_true(mean_of(frame, "volume.G") == 0.0);
+    assert_true(average_channel(frame, "volume.G") == 0.0);
     for (int i = 0; i < PIXELS; i++) {
         if (isinf(depth_m[i]))
             seen += radiance[i];
@@ -714,11 +715,11 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_probe_without_blender),
         cmocka_unit_test(test_probe_refuses_an_old_version),
-        cmocka_unit_test(test_what_it_can_render),
+        cmocka_unit_test(test_supported_scenes),
         cmocka_unit_test(test_tiny_frames_are_refused),
         cmocka_unit_test(test_spec_is_data),
         cmocka_unit_test(test_spec_of_emission),
-        cmocka_unit_test(test_spec_refuses_what_is_not_a_number),
+        cmocka_unit_test(test_spec_refuses_nan),
     };
     const struct CMUnitTest engine_tests[] = {
         cmocka_unit_test(test_transmittance_of_parallel_rays_is_cut),

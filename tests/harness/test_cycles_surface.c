@@ -21,14 +21,14 @@ static const double edges = 1e-3; /* one sample in a thousand is off by up to ha
 
 /* ---- without Blender ------------------------------------------------------------------------- */
 
-static void test_plain_solids_are_told_as_before(void **state)
+static void test_specs_of_plain_solids_are_unchanged(void **state)
 {
     json_t *plain = neph_cycles_surface(&(struct neph_surface){0});
     assert_true(json_is_null(plain));
     json_decref(plain);
 }
 
-static void test_a_texture_is_a_picture(void **state)
+static void test_a_texture_is_an_image(void **state)
 {
     struct neph_surface surface = {
         .metalness = 0.5,
@@ -285,8 +285,8 @@ static void test_layers_against_the_truth(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plain_solids_are_told_as_before),
-        cmocka_unit_test(test_a_texture_is_a_picture),
+        cmocka_unit_test(test_specs_of_plain_solids_are_unchanged),
+        cmocka_unit_test(test_a_texture_is_an_image),
         cmocka_unit_test(test_light_of_mirrors_is_refused),
         cmocka_unit_test(test_layers_get_their_names),
     };

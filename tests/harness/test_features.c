@@ -64,34 +64,34 @@ static void set_stage(struct stage *stage, enum neph_medium_kind kind,
     change_medium(stage, kind);
 }
 
-static struct neph_medium *medium_of(struct stage *stage)
+static struct neph_medium *first_medium(struct stage *stage)
 {
     return &stage->test.scene.media[0];
 }
 
 static void endless(struct stage *stage)
 {
-    medium_of(stage)->bounds = everywhere;
+    first_medium(stage)->bounds = everywhere;
 }
 
 static void coloured(struct stage *stage)
 {
-    medium_of(stage)->extinction_color = (struct neph_rgb){0.5, 1, 2};
+    first_medium(stage)->extinction_color = (struct neph_rgb){0.5, 1, 2};
 }
 
 static void henyey_greenstein(struct stage *stage)
 {
-    medium_of(stage)->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.8};
+    first_medium(stage)->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.8};
 }
 
 static void rayleigh(struct stage *stage)
 {
-    medium_of(stage)->phase = (struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0};
+    first_medium(stage)->phase = (struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0};
 }
 
 static void two_phases(struct stage *stage)
 {
-    stage->test.scene.media[1] = *medium_of(stage);
+    stage->test.scene.media[1] = *first_medium(stage);
     stage->test.scene.medium_count = 2;
     henyey_greenstein(stage);
 }
@@ -99,21 +99,21 @@ static void two_phases(struct stage *stage)
 /* Non-physical fog; other engines ignore its settings. */
 static void look(struct stage *stage)
 {
-    medium_of(stage)->bounds = everywhere;
+    first_medium(stage)->bounds = everywhere;
     stage->test.scene.fog_look = (struct neph_fog_look){.present = true, .max_opacity = 1.0};
 }
 
 /* Only the ground and its air, for engines of skies. */
 static void planet(struct stage *stage)
 {
-    medium_of(stage)->bounds = (struct neph_bounds){{-1e4, -1e4, -1e4}, {1e4, 1e4, 1e4}};
+    first_medium(stage)->bounds = (struct neph_bounds){{-1e4, -1e4, -1e4}, {1e4, 1e4, 1e4}};
     stage->test.scene.background_w_per_m2_sr = (struct neph_rgb){0, 0, 0};
-    test_add_sphere(&stage->test, medium_of(stage)->shell.center_m, 1000.0);
+    test_add_sphere(&stage->test, first_medium(stage)->shell.center_m, 1000.0);
 }
 
 static void emission(struct stage *stage)
 {
-    medium_of(stage)->emission_w_per_m2_sr = white;
+    first_medium(stage)->emission_w_per_m2_sr = white;
 }
 
 static void solids(struct stage *stage)
@@ -122,7 +122,7 @@ static void solids(struct stage *stage)
     test_add_sphere(&stage->test, (struct neph_vec3){0, 100, -10}, 0.3);
 }
 
-static void solids_alone(struct stage *stage)
+static void add_only_solids(struct stage *stage)
 {
     solids(stage);
     stage->test.scene.medium_count = 0;
@@ -130,14 +130,14 @@ static void solids_alone(struct stage *stage)
 
 static void textured(struct stage *stage)
 {
-    solids_alone(stage);
+    add_only_solids(stage);
     stage->test.solids[0].surface.texture = (struct neph_paint){
         .cell_m = 1, .pattern = NEPH_PATTERN_CHECKER, .other = white};
 }
 
 static void metal(struct stage *stage)
 {
-    solids_alone(stage);
+    add_only_solids(stage);
     stage->test.solids[0].surface = (struct neph_surface){.metalness = 1, .roughness = 0.5};
 }
 
@@ -248,8 +248,8 @@ static const struct feature {
     {"`environment_light`", ANY_KIND, ANY_LIGHT, environment},
     {"`lights`", ANY_KIND, ANY_LIGHT, lights},
     {"`solids`", ANY_KIND, ANY_LIGHT, solids},
-    {"`solids` in clear air", ANY_KIND, ANY_LIGHT, solids_alone},
-    {"`solids` in clear air, and light between them", ANY_KIND, LIGHT(MULTIPLE), solids_alone},
+    {"`solids` in clear air", ANY_KIND, ANY_LIGHT, add_only_solids},
+    {"`solids` in clear air, and light between them", ANY_KIND, LIGHT(MULTIPLE), add_only_solids},
     {"`solids[].*.texture`", ANY_KIND, ANY_LIGHT, textured},
     {"`solids[].*.metalness`", ANY_KIND, LIGHT(MULTIPLE), metal},
     {"`solids[].*.metalness`, `roughness: 0`", ANY_KIND, LIGHT(MULTIPLE), mirror},
@@ -293,7 +293,7 @@ static int ask(const struct neph_engine *engine, const struct neph_scene *scene,
                char answer[ANSWER_SIZE])
 {
     const struct neph_settings settings = neph_settings_default(engine);
-    const bool is_look = engine->rung == NEPH_RUNG_MODEL &&
+    const bool is_look = engine->rung == NEPH_LEVEL_MODEL &&
                          scene->scattering == NEPH_SCATTERING_MULTIPLE;
     const int worth = is_look ? 2 : 3;
     if (best < worth && accepts(engine, scene, &settings)) {
@@ -352,7 +352,7 @@ static void print_features(FILE *file)
 
 /* ---- the file -------------------------------------------------------------------------------- */
 
-static void test_readme_holds_the_features(void **state)
+static void test_readme_has_the_features(void **state)
 {
     const struct printed_table table = {NEPH_SOURCE_DIR "/scenes/README.md",
                                         "<!-- written by tests/test_features --write -->\n",
@@ -363,7 +363,7 @@ static void test_readme_holds_the_features(void **state)
 int main(int count, char **arguments)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_prestate(test_readme_holds_the_features, writes_readme(count, arguments)),
+        cmocka_unit_test_prestate(test_readme_has_the_features, writes_readme(count, arguments)),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

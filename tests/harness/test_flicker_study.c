@@ -29,7 +29,7 @@ static void test_metrics_are_of_the_extractors_of_their_takes(void **state)
     assert_true(neph_study_metric_count() > 0);
     for (int m = 0; neph_study_metrics[m].title; m++) {
         const struct neph_study_metric *metric = &neph_study_metrics[m];
-        const struct neph_study_take *take = &neph_study_takes[metric->take];
+        const struct neph_study_capture *take = &neph_study_captures[metric->take];
         const char *const names[] = {metric->metric, metric->alone, metric->never_share,
                                      metric->at_most};
         for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
@@ -45,21 +45,21 @@ static void test_metrics_are_of_the_extractors_of_their_takes(void **state)
         assert_true(!metric->of_the_eye || metric->take == NEPH_STUDY_FLICKER);
         assert_true(metric->floor > 0.0 && metric->scale > 0.0);
     }
-    assert_true(neph_study_metrics[neph_study_headline()].of_the_eye);
-    assert_int_equal(neph_study_metrics[neph_study_lag()].take, NEPH_STUDY_STEP);
+    assert_true(neph_study_metrics[neph_study_find_headline()].of_the_eye);
+    assert_int_equal(neph_study_metrics[neph_study_find_lag()].take, NEPH_STUDY_STEP);
 }
 
 /* Settings of extractors are texts; they must contain the numbers that the variants use. */
-static void test_settings_say_what_the_variants_do(void **state)
+static void test_settings_match_the_variants(void **state)
 {
     char words[64];
     snprintf(words, sizeof(words), "lag.step_frame=%d", NEPH_STUDY_EVENT_FRAME);
-    assert_true(is_listed(neph_study_takes[NEPH_STUDY_STEP].settings, words));
-    assert_true(is_listed(neph_study_takes[NEPH_STUDY_CUT].settings, words));
+    assert_true(is_listed(neph_study_captures[NEPH_STUDY_STEP].settings, words));
+    assert_true(is_listed(neph_study_captures[NEPH_STUDY_CUT].settings, words));
     for (int i = 0; i < NEPH_VARIANT_PERIOD_COUNT; i++) {
         snprintf(words, sizeof(words), "follow.period_%d=%d", i + 1, neph_variant_periods[i]);
-        assert_true(is_listed(neph_study_takes[NEPH_STUDY_SINE].settings, words));
-        assert_int_equal(neph_study_takes[NEPH_STUDY_SINE].frame_count % neph_variant_periods[i],
+        assert_true(is_listed(neph_study_captures[NEPH_STUDY_SINE].settings, words));
+        assert_int_equal(neph_study_captures[NEPH_STUDY_SINE].frame_count % neph_variant_periods[i],
                          0);
     }
 }
@@ -73,8 +73,8 @@ static void test_a_reference_has_no_shadow_map(void **state)
     struct neph_scene *scene = NULL;
     neph_assert_ok(neph_data_load_scene("cloud_gaps", &scene, NULL), NULL);
     test.shot.scene = scene;
-    neph_assert_ok(neph_settings_words(test.engine, "fixed+cloud_shadow=map+sun=marched", "steps=8",
-                                       &test.shot.settings, NULL),
+    neph_assert_ok(neph_settings_parse_words(test.engine, "fixed+cloud_shadow=map+sun=marched",
+                                             "steps=8", &test.shot.settings, NULL),
                    NULL);
     neph_assert_ok(neph_reference_job(&test, NEPH_REFERENCE_AVERAGED, &info, &march, NULL), NULL);
     assert_string_equal(march.engine->name, "march");
@@ -206,7 +206,7 @@ static void test_a_pair_is_students_interval_over_scenes(void **state)
     struct neph_flicker_study study;
     struct neph_study_pair pair;
     make_study(&study);
-    const int metric = neph_study_headline();
+    const int metric = neph_study_find_headline();
     for (int s = 0; s < SCENES; s++)
         for (int seed = 0; seed < SEEDS; seed++) {
             set(&study, s, 0, seed, metric, pow(10.0, 0.1 * (s + 1)) * (seed ? 10.0 : 0.1));
@@ -228,12 +228,12 @@ static void test_a_pair_is_students_interval_over_scenes(void **state)
 }
 
 /* Two values below the floor are equal; a seed that does not count removes its scene. */
-static void test_what_takes_no_part(void **state)
+static void test_skipped_configurations(void **state)
 {
     struct neph_flicker_study study;
     struct neph_study_pair pair;
     make_study(&study);
-    const int metric = neph_study_headline();
+    const int metric = neph_study_find_headline();
     const double floor = neph_study_metrics[metric].floor;
     set(&study, 0, 0, 0, metric, 0.0);
     set(&study, 0, 0, 1, metric, 0.9 * floor);
@@ -256,7 +256,7 @@ static void test_a_bound_keeps_its_scene(void **state)
     struct neph_flicker_study study;
     struct neph_study_pair pair;
     make_study(&study);
-    const int metric = neph_study_headline();
+    const int metric = neph_study_find_headline();
     for (int seed = 0; seed < SEEDS; seed++) {
         set(&study, 0, 0, seed, metric, seed ? 0.5 : 0.3);
         set(&study, 0, 1, seed, metric, 0.2);
@@ -280,7 +280,7 @@ static void test_few_scenes_have_no_interval(void **state)
     struct neph_study_pair pair;
     make_study(&study);
     for (int s = 0; s < SCENES; s++) {
-        const int metric = neph_study_headline();
+        const int metric = neph_study_find_headline();
         neph_study_cell_at(&study, s, 0, 0, metric)->counts = s == 3;
         neph_assert_ok(neph_study_pair(&study, metric, 0, 0, 1, &pair, NULL), NULL);
         if (s < SCENES - 1)
@@ -306,7 +306,7 @@ static void test_a_ranking_that_turns_with_the_display_is_none(void **state)
     struct neph_study_level levels[PRESETS];
     int order[PRESETS];
     make_study(&study);
-    const int metric = neph_study_headline();
+    const int metric = neph_study_find_headline();
     for (int s = 0; s < SCENES; s++)
         for (int preset = 0; preset < PRESETS; preset++)
             for (int seed = 0; seed < SEEDS; seed++)
@@ -330,12 +330,12 @@ static void test_a_ranking_that_turns_with_the_display_is_none(void **state)
 
 /* ---- output ---------------------------------------------------------------------------------- */
 
-static void test_output_holds_every_number_and_says_why_some_do_not_count(void **state)
+static void test_output_has_numbers_and_reasons(void **state)
 {
     struct neph_flicker_study study;
     struct neph_publication publication;
     make_study(&study);
-    const int metric = neph_study_headline(),
+    const int metric = neph_study_find_headline(),
               count = SCENES * PRESETS * SEEDS * neph_study_metric_count();
     struct neph_study_cell *cell = neph_study_cell_at(&study, 2, 1, 0, metric);
     cell->counts = false;
@@ -347,10 +347,10 @@ static void test_output_holds_every_number_and_says_why_some_do_not_count(void *
     assert_non_null(strstr(text, "| three | 1 (1) | *1 (1) | 1 (1) |"));
     assert_non_null(strstr(text, "64 frames resolve periods of 2 to 8 frames"));
     const char *csv = published_text(publication.csv, &publication);
-    assert_int_equal(count_of(csv, "\r\n"), 1 + count);
+    assert_int_equal(count_parts(csv, "\r\n"), 1 + count);
     assert_non_null(strstr(csv, "three,\"b+\"\"x\"\"=1\",1,"));
     const char *svg = published_text(publication.chart, &publication);
-    assert_int_equal(count_of(svg, "<circle"), PRESETS);
+    assert_int_equal(count_parts(svg, "<circle"), PRESETS);
     assert_non_null(strstr(svg, "c&#60;d"));
     assert_non_null(publication.json);
     assert_int_equal(json_array_size(json_object_get(publication.json, "results")), count);

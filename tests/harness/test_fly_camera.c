@@ -30,12 +30,12 @@ static void assert_vector(struct neph_vec3 actual, double x, double y, double z)
 
 static const struct neph_fly_motion at_rest = {.speed_factor = 1.0, .time_s = 0.5};
 
-static void test_it_begins_with_the_scenes_own_bits_and_keeps_them_at_rest(void **state)
+static void test_a_static_camera_keeps_its_bits(void **state)
 {
     struct neph_scene scene = make_scene();
     struct neph_camera_key odd = {.position_m = {0.1, 0.2, 0.3}, .look_at_m = {1e3, 0.7, -1e-3}};
     scene.camera_keys = &odd;
-    struct neph_fly_camera camera = neph_fly_camera_of(&scene);
+    struct neph_fly_camera camera = neph_fly_camera_from_scene(&scene);
     assert_true(neph_fly_is_same_view(&camera.key, &odd));
     neph_fly_camera_move(&camera, &scene, &at_rest);
     assert_true(neph_fly_is_same_view(&camera.key, &odd));
@@ -51,7 +51,7 @@ static void test_each_way_is_an_axis_of_the_view(void **state)
                  {4, 0, 0, 10, 2, 0}};
     const struct neph_scene scene = make_scene();
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct neph_fly_camera camera = neph_fly_camera_of(&scene);
+        struct neph_fly_camera camera = neph_fly_camera_from_scene(&scene);
         struct neph_fly_motion motion = at_rest;
         motion.right = cases[i].right;
         motion.up = cases[i].up;
@@ -65,7 +65,7 @@ static void test_each_way_is_an_axis_of_the_view(void **state)
 static void test_it_turns_right_and_up_about_where_it_stands(void **state)
 {
     const struct neph_scene scene = make_scene();
-    struct neph_fly_camera camera = neph_fly_camera_of(&scene);
+    struct neph_fly_camera camera = neph_fly_camera_from_scene(&scene);
     struct neph_fly_motion motion = at_rest;
     motion.turn_right_rad = 0.5 * M_PI;
     neph_fly_camera_move(&camera, &scene, &motion);
@@ -77,10 +77,10 @@ static void test_it_turns_right_and_up_about_where_it_stands(void **state)
     assert_vector(camera.key.look_at_m, 10.0 * cos(M_PI / 6.0), 2.0 + 10.0 * sin(M_PI / 6.0), 0);
 }
 
-static void test_it_never_looks_straight_up(void **state)
+static void test_pitch_is_limited(void **state)
 {
     const struct neph_scene scene = make_scene();
-    struct neph_fly_camera camera = neph_fly_camera_of(&scene);
+    struct neph_fly_camera camera = neph_fly_camera_from_scene(&scene);
     struct neph_fly_motion motion = at_rest;
     motion.turn_up_rad = 3.0;
     neph_fly_camera_move(&camera, &scene, &motion);
@@ -97,7 +97,7 @@ static void test_solids_are_not_entered(void **state)
     struct neph_scene scene = make_scene();
     scene.solids = solids;
     scene.solid_count = 2;
-    struct neph_fly_camera camera = neph_fly_camera_of(&scene);
+    struct neph_fly_camera camera = neph_fly_camera_from_scene(&scene);
     struct neph_fly_motion motion = at_rest;
     motion.forward = 1.0; /* to z = -2.5, in the box */
     neph_fly_camera_move(&camera, &scene, &motion);
@@ -113,7 +113,7 @@ static void test_solids_are_not_entered(void **state)
 static void test_it_stays_where_a_scene_file_may_put_it(void **state)
 {
     const struct neph_scene scene = make_scene();
-    struct neph_fly_camera camera = neph_fly_camera_of(&scene);
+    struct neph_fly_camera camera = neph_fly_camera_from_scene(&scene);
     struct neph_fly_motion motion = at_rest;
     motion.forward = 1.0;
     motion.speed_factor = 1e9;
@@ -129,13 +129,13 @@ static void test_speed_follows_the_scene(void **state)
     scene.medium_count = 1;
     scene.media[0].bounds = (struct neph_bounds){{-INFINITY, -INFINITY, -INFINITY},
                                                  {INFINITY, INFINITY, INFINITY}};
-    neph_assert_close(neph_fly_camera_of(&scene).speed_m_per_s, 5.0, ROUNDING, 0.0);
+    neph_assert_close(neph_fly_camera_from_scene(&scene).speed_m_per_s, 5.0, ROUNDING, 0.0);
     scene.media[0].bounds = (struct neph_bounds){{-1e4, 80, -1e4}, {1e4, 360, 1e4}}; /* above it */
-    neph_assert_close(neph_fly_camera_of(&scene).speed_m_per_s, 39.0, ROUNDING, 0.0);
+    neph_assert_close(neph_fly_camera_from_scene(&scene).speed_m_per_s, 39.0, ROUNDING, 0.0);
     scene.media[0].bounds = (struct neph_bounds){{-1e4, 0, -1e4}, {1e4, 280, 1e4}}; /* around it */
-    neph_assert_close(neph_fly_camera_of(&scene).speed_m_per_s, 140.0, ROUNDING, 0.0);
+    neph_assert_close(neph_fly_camera_from_scene(&scene).speed_m_per_s, 140.0, ROUNDING, 0.0);
     scene.media[0].bounds = (struct neph_bounds){{-1, 0, -4}, {1, 4, -2}}; /* before the target */
-    neph_assert_close(neph_fly_camera_of(&scene).speed_m_per_s, 5.0, ROUNDING, 0.0);
+    neph_assert_close(neph_fly_camera_from_scene(&scene).speed_m_per_s, 5.0, ROUNDING, 0.0);
 }
 
 #include "tests/main.h"

@@ -10,7 +10,7 @@
 
 static void key(struct neph_controls *controls, int which, bool is_down)
 {
-    neph_controls_take(
+    neph_controls_add_event(
         controls, &(struct neph_fly_event){.kind = is_down ? NEPH_FLY_KEY_DOWN : NEPH_FLY_KEY_UP,
                                            .key = which});
 }
@@ -18,63 +18,64 @@ static void key(struct neph_controls *controls, int which, bool is_down)
 static void button(struct neph_controls *controls, enum neph_fly_button which, bool is_down,
                    double x_share)
 {
-    neph_controls_take(controls, &(struct neph_fly_event){.kind = is_down ? NEPH_FLY_BUTTON_DOWN
-                                                                          : NEPH_FLY_BUTTON_UP,
-                                                          .button = which,
-                                                          .x_share = x_share});
+    neph_controls_add_event(
+        controls,
+        &(struct neph_fly_event){.kind = is_down ? NEPH_FLY_BUTTON_DOWN : NEPH_FLY_BUTTON_UP,
+                                 .button = which,
+                                 .x_share = x_share});
 }
 
 static void mouse(struct neph_controls *controls, double x_share, double dx_share, double dy_share)
 {
-    neph_controls_take(controls, &(struct neph_fly_event){.kind = NEPH_FLY_MOUSE_MOVED,
-                                                          .x_share = x_share,
-                                                          .dx_share = dx_share,
-                                                          .dy_share = dy_share});
+    neph_controls_add_event(controls, &(struct neph_fly_event){.kind = NEPH_FLY_MOUSE_MOVED,
+                                                               .x_share = x_share,
+                                                               .dx_share = dx_share,
+                                                               .dy_share = dy_share});
 }
 
-static void test_held_keys_fly_until_they_are_let_go(void **state)
+static void test_pressed_keys_fly_until_released(void **state)
 {
     struct neph_controls controls = {.split_share = 0.5};
     key(&controls, 'w', true);
     key(&controls, 'a', true);
     key(&controls, 'e', true);
-    struct neph_fly_motion motion = neph_controls_motion(&controls, 0.25, 1.0);
+    struct neph_fly_motion motion = neph_controls_read_motion(&controls, 0.25, 1.0);
     assert_true(motion.forward == 1.0 && motion.right == -1.0 && motion.up == 1.0);
     assert_true(motion.time_s == 0.25 && motion.speed_factor == 1.0);
     key(&controls, 'd', true); /* opposite to A */
     key(&controls, NEPH_FLY_KEY_SHIFT, true);
-    motion = neph_controls_motion(&controls, 0.25, 1.0);
+    motion = neph_controls_read_motion(&controls, 0.25, 1.0);
     assert_true(motion.forward == 4.0 && motion.right == 0.0);
     key(&controls, 'w', false);
-    assert_true(neph_controls_motion(&controls, 0.25, 1.0).forward == 0.0);
+    assert_true(neph_controls_read_motion(&controls, 0.25, 1.0).forward == 0.0);
 }
 
 /* A window without the focus gets no key-up events. */
-static void test_nothing_is_held_without_the_focus(void **state)
+static void test_keys_are_released_without_focus(void **state)
 {
     struct neph_controls controls = {.split_share = 0.5};
     key(&controls, 's', true);
-    neph_controls_take(&controls, &(struct neph_fly_event){.kind = NEPH_FLY_FOCUS_LOST});
-    assert_true(neph_controls_motion(&controls, 0.25, 1.0).forward == 0.0);
+    neph_controls_add_event(&controls, &(struct neph_fly_event){.kind = NEPH_FLY_FOCUS_LOST});
+    assert_true(neph_controls_read_motion(&controls, 0.25, 1.0).forward == 0.0);
 }
 
 static void test_the_mouse_turns_with_the_right_button_or_captured(void **state)
 {
     struct neph_controls controls = {.split_share = 0.5};
     mouse(&controls, 0.5, 0.25, 0.5);
-    struct neph_fly_motion motion = neph_controls_motion(&controls, 0.1, 2.0);
+    struct neph_fly_motion motion = neph_controls_read_motion(&controls, 0.1, 2.0);
     assert_true(motion.turn_right_rad == 0.0 && motion.turn_up_rad == 0.0);
     button(&controls, NEPH_FLY_BUTTON_RIGHT, true, 0.5);
     mouse(&controls, 0.5, 0.25, 0.5);
     mouse(&controls, 0.5, 0.25, 0.25);
-    motion = neph_controls_motion(&controls, 0.1, 2.0);
+    motion = neph_controls_read_motion(&controls, 0.1, 2.0);
     assert_true(motion.turn_right_rad == 1.0 && motion.turn_up_rad == -1.5);
-    motion = neph_controls_motion(&controls, 0.1, 2.0);
+    motion = neph_controls_read_motion(&controls, 0.1, 2.0);
     assert_true(motion.turn_right_rad == 0.0 && motion.turn_up_rad == 0.0);
     button(&controls, NEPH_FLY_BUTTON_RIGHT, false, 0.5);
     controls.is_captured = true;
     mouse(&controls, 0.5, -0.5, 0.0);
-    assert_true(neph_controls_motion(&controls, 0.1, 2.0).turn_right_rad == -1.0);
+    assert_true(neph_controls_read_motion(&controls, 0.1, 2.0).turn_right_rad == -1.0);
 }
 
 static void test_the_line_of_the_wipe_is_dragged(void **state)
@@ -97,10 +98,10 @@ static void test_the_wheel_changes_the_speed(void **state)
 {
     struct neph_controls controls = {.split_share = 0.5};
     const struct neph_fly_event notch = {.kind = NEPH_FLY_WHEEL, .wheel = 1.0};
-    neph_controls_take(&controls, &notch);
-    neph_controls_take(&controls, &notch);
-    assert_true(neph_controls_motion(&controls, 0.1, 1.0).speed_factor == 1.25 * 1.25);
-    assert_true(neph_controls_motion(&controls, 0.1, 1.0).speed_factor == 1.0);
+    neph_controls_add_event(&controls, &notch);
+    neph_controls_add_event(&controls, &notch);
+    assert_true(neph_controls_read_motion(&controls, 0.1, 1.0).speed_factor == 1.25 * 1.25);
+    assert_true(neph_controls_read_motion(&controls, 0.1, 1.0).speed_factor == 1.0);
 }
 
 static void test_orders_come_in_their_order_and_not_without_end(void **state)
@@ -109,12 +110,12 @@ static void test_orders_come_in_their_order_and_not_without_end(void **state)
     key(&controls, '3', true);
     key(&controls, 'x', true);
     key(&controls, 'w', true); /* not a command */
-    neph_controls_take(&controls, &(struct neph_fly_event){.kind = NEPH_FLY_CLOSED});
-    const struct neph_fly_order first = neph_controls_next(&controls);
+    neph_controls_add_event(&controls, &(struct neph_fly_event){.kind = NEPH_FLY_CLOSED});
+    const struct neph_fly_command_event first = neph_controls_take_command(&controls);
     assert_true(first.command == NEPH_FLY_PRESET && first.number == 3);
-    assert_int_equal(neph_controls_next(&controls).command, NEPH_FLY_ERROR);
-    assert_int_equal(neph_controls_next(&controls).command, NEPH_FLY_LEAVE);
-    assert_int_equal(neph_controls_next(&controls).command, NEPH_FLY_NOTHING);
+    assert_int_equal(neph_controls_take_command(&controls).command, NEPH_FLY_ERROR);
+    assert_int_equal(neph_controls_take_command(&controls).command, NEPH_FLY_LEAVE);
+    assert_int_equal(neph_controls_take_command(&controls).command, NEPH_FLY_NOTHING);
     for (int i = 0; i < 2 * NEPH_FLY_ORDERS_MAX; i++)
         key(&controls, 'p', true);
     assert_int_equal(controls.order_count, NEPH_FLY_ORDERS_MAX);
@@ -126,7 +127,7 @@ static void test_each_preset_has_a_key(void **state)
     for (int i = 0; neph_engine_realtime.presets[i].name; i++) {
         struct neph_controls controls = {.split_share = 0.5};
         key(&controls, '0' + i, true);
-        const struct neph_fly_order order = neph_controls_next(&controls);
+        const struct neph_fly_command_event order = neph_controls_take_command(&controls);
         assert_true(order.command == NEPH_FLY_PRESET && order.number == i);
     }
 }
@@ -144,7 +145,7 @@ static void test_a_script_presses_keys_frame_by_frame(void **state)
     }
 }
 
-static void test_what_is_no_script_is_refused_by_its_word(void **state)
+static void test_invalid_scripts_name_the_word(void **state)
 {
     static const char *const wrong[] = {"w60",    "w*0", "w*",   "w*-3",
                                         "p w*1x", "up",  "w**2", "shift"};

@@ -52,7 +52,7 @@ static struct neph_scene *write_and_load(void **state, const struct neph_fly_pat
     return load(expected);
 }
 
-static struct neph_camera_key key_of(double x)
+static struct neph_camera_key make_key_at(double x)
 {
     return (struct neph_camera_key){.position_m = {x, 2.0 + x / 3.0, 0.1},
                                     .look_at_m = {x, 2.0, -10.0 / 3.0}};
@@ -69,7 +69,7 @@ static void test_read_back_it_is_the_same_camera_in_every_frame(void **state)
     struct neph_scene *scene = make_scene(state);
     struct neph_fly_path *path = calloc(1, sizeof(*path));
     for (int frame = 0; frame < 15; frame++) {
-        const struct neph_camera_key key = key_of(place(frame));
+        const struct neph_camera_key key = make_key_at(place(frame));
         assert_true(neph_fly_path_add(path, &key));
     }
     struct neph_scene *flown = write_and_load(state, path, scene, "valley_path.yaml");
@@ -79,7 +79,7 @@ static void test_read_back_it_is_the_same_camera_in_every_frame(void **state)
     assert_true(flown->frame_rate_hz == 25.0);
     assert_int_equal(flown->wind_key_count, 1);
     for (int frame = 0; frame < 15; frame++) {
-        const struct neph_camera_key key = key_of(place(frame));
+        const struct neph_camera_key key = make_key_at(place(frame));
         struct neph_scene *still = NULL;
         neph_assert_ok(neph_scene_at(flown, frame, &still, NULL), NULL);
         assert_true(neph_fly_is_same_view(&still->camera_keys[0], &key));
@@ -94,7 +94,7 @@ static void test_no_file_is_replaced(void **state)
 {
     struct neph_scene *scene = make_scene(state);
     struct neph_fly_path *path = calloc(1, sizeof(*path));
-    const struct neph_camera_key key = key_of(0.0);
+    const struct neph_camera_key key = make_key_at(0.0);
     neph_fly_path_add(path, &key);
     neph_scene_destroy(write_and_load(state, path, scene, "valley_path.yaml"));
     neph_scene_destroy(write_and_load(state, path, scene, "valley_path_2.yaml"));
@@ -124,7 +124,7 @@ static void test_a_long_title_is_cut_between_characters(void **state)
 {
     struct neph_scene *scene = make_scene(state);
     struct neph_fly_path *path = calloc(1, sizeof(*path));
-    const struct neph_camera_key key = key_of(0.0);
+    const struct neph_camera_key key = make_key_at(0.0);
     char title[121] = "";
     while (strlen(title) < 95)
         strcat(title, "v");
@@ -145,8 +145,8 @@ static void test_a_scene_file_has_no_room_for_more_keys(void **state)
     struct neph_scene *scene = make_scene(state);
     struct neph_fly_path *path = calloc(1, sizeof(*path));
     int count = 0;
-    for (struct neph_camera_key key = key_of(0.0); neph_fly_path_add(path, &key); count++)
-        key = key_of(0.001 * (count + 1));
+    for (struct neph_camera_key key = make_key_at(0.0); neph_fly_path_add(path, &key); count++)
+        key = make_key_at(0.001 * (count + 1));
     assert_int_equal(count, NEPH_SCENE_KEYS_MAX);
     struct neph_scene *flown = write_and_load(state, path, scene, "valley_path.yaml");
     assert_int_equal(flown->frame_count, NEPH_SCENE_KEYS_MAX);

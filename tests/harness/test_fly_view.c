@@ -178,7 +178,7 @@ static void test_an_error_is_that_of_all_channels(void **state)
 }
 
 /* Code values 128 -+ 8 as linear radiance. */
-static float linear_of(double code)
+static float linear_from_code(double code)
 {
     return (float)pow((code / 255.0 + 0.055) / 1.055, 2.4);
 }
@@ -199,7 +199,7 @@ static void test_flicker_is_that_of_the_metric(void **state)
         struct neph_image *image = grey_image(4, 4, 0.0f);
         for (int c = 0; c < 3; c++)
             for (int i = 0; i < 16; i++)
-                image->channels[c].samples[i] = linear_of(codes[i / 4]);
+                image->channels[c].samples[i] = linear_from_code(codes[i / 4]);
         assert_false(frame < NEPH_HEAT_FRAMES_MIN && frame % 4 == 0 &&
                      neph_heat_flicker_show(flicker, &a4, rgb));
         neph_assert_ok(neph_heat_flicker_add(flicker, image, 0.0, NULL), NULL);
@@ -219,7 +219,7 @@ static void test_flicker_is_that_of_the_metric(void **state)
 }
 
 /* In large frames only every third pixel of a row is sampled; the map still covers all pixels. */
-static void test_large_pictures_are_looked_at_in_steps(void **state)
+static void test_large_frames_are_sampled_in_steps(void **state)
 {
     enum { WIDTH_PX = 301, HEIGHT_PX = 200 };
     struct neph_heat_flicker *flicker = NULL;
@@ -228,7 +228,7 @@ static void test_large_pictures_are_looked_at_in_steps(void **state)
     neph_assert_ok(neph_heat_flicker_create(WIDTH_PX, HEIGHT_PX, &flicker, NULL), NULL);
     for (int frame = 0; frame < 16; frame++) {
         struct neph_image *image = grey_image(WIDTH_PX, HEIGHT_PX,
-                                              linear_of(frame % 4 == 0 ? 144.0 : 128.0));
+                                              linear_from_code(frame % 4 == 0 ? 144.0 : 128.0));
         neph_assert_ok(neph_heat_flicker_add(flicker, image, 0.0, NULL), NULL);
         neph_image_destroy(image);
     }
@@ -244,7 +244,7 @@ static void test_large_pictures_are_looked_at_in_steps(void **state)
 
 /* ---- times ----------------------------------------------------------------------------------- */
 
-static void test_a_median_is_of_what_was_measured(void **state)
+static void test_a_median_uses_measured_frames(void **state)
 {
     static struct neph_fly_times times;
     assert_true(isnan(neph_fly_times_median_s(&times)));
@@ -266,9 +266,9 @@ static void test_passes_are_those_of_the_frame(void **state)
     neph_assert_ok(neph_frame_stats_set(image, "rays", 7.0, NULL), NULL);
     neph_assert_ok(neph_frame_stats_set(image, "gpu_ms", 9.0, NULL), NULL);
     neph_assert_ok(neph_frame_stats_set(image, "depth_map_gpu_ms", 4.0, NULL), NULL);
-    neph_fly_passes_take(&passes, image);
+    neph_fly_passes_add_frame(&passes, image);
     neph_assert_ok(neph_frame_stats_set(image, "depth_map_gpu_ms", 12.0, NULL), NULL);
-    neph_fly_passes_take(&passes, image);
+    neph_fly_passes_add_frame(&passes, image);
     assert_int_equal(passes.count, 1);
     assert_string_equal(passes.passes[0].name, "depth map");
     neph_assert_close(passes.passes[0].mean_s, 0.005, 1e-15, 0.0); /* 4 + (12 - 4) / 8 ms */

@@ -23,7 +23,7 @@ static void set_stage(struct test_scene *test, double extinction_per_m, double f
     test->key.look_at_m = (struct neph_vec3){0, 10, -10};
     const struct neph_fog_look none = {
         .present = true, .inscattering_w_per_m2_sr = white, .directional_exponent = 3.0};
-    test->scene.fog_look = neph_fog_look_only(&none, 0);
+    test->scene.fog_look = neph_fog_look_mask_controls(&none, 0);
 }
 
 static void run(const struct test_scene *test)
@@ -46,7 +46,7 @@ static const struct neph_fog_row *row(enum neph_fog_model model, const char *nam
 }
 
 /* Without controls the error is 0, and so it is with the physical parameters. */
-static void test_what_is_physics_is_off_by_nothing(void **state)
+static void test_physical_fog_has_no_error(void **state)
 {
     struct test_scene test;
     set_stage(&test, 0.01, 0.02);

@@ -63,7 +63,7 @@ static void test_a_step_spans_its_part_of_the_depth(void **state)
     }
 }
 
-static void test_long_steps_are_warned_of(void **state)
+static void test_long_steps_give_a_warning(void **state)
 {
     struct stage stage;
     const struct neph_engine *march = neph_engine_find("march");
@@ -78,8 +78,8 @@ static void test_long_steps_are_warned_of(void **state)
 }
 
 /* With the estimate's own steps; the frame has only light of the media, or half of it. */
-static double step_bias_of(const struct neph_shot *shot, const struct neph_engine *engine,
-                           float behind)
+static double find_step_bias(const struct neph_shot *shot, const struct neph_engine *engine,
+                             float behind)
 {
     struct neph_image *frame = NULL;
     struct neph_diag diag = {0};
@@ -103,7 +103,7 @@ static double step_bias(const struct stage *stage, const char *engine_name, floa
                                    .settings = neph_settings_default(engine),
                                    .width_px = 64,
                                    .height_px = 36};
-    return step_bias_of(&shot, engine, behind);
+    return find_step_bias(&shot, engine, behind);
 }
 
 /* With the sun behind the camera both path lengths are equal, and a marcher gets 1 / cosh(x / 2) of
@@ -146,10 +146,10 @@ static void test_of_many_steps_no_bias_is_estimated(void **state)
                              .height_px = 36};
     double *steps = &shot.settings.values[neph_option_find(march->options, "steps")];
     *steps = 8333;
-    assert_false(isnan(step_bias_of(&shot, march, 0.0f)));
+    assert_false(isnan(find_step_bias(&shot, march, 0.0f)));
     assert_null(neph_step_bias_omission(&shot, march));
     *steps = 8334;
-    assert_true(isnan(step_bias_of(&shot, march, 0.0f)));
+    assert_true(isnan(find_step_bias(&shot, march, 0.0f)));
     char *omission = neph_step_bias_omission(&shot, march);
     assert_string_equal(omission,
                         "step bias not estimated: 8334 steps, at most 8333 are marched again");
@@ -159,11 +159,11 @@ static void test_of_many_steps_no_bias_is_estimated(void **state)
 static void test_scenes_have_seeds_of_their_own(void **state)
 {
     struct neph_scene a = {.hash = "0a"}, b = {.hash = "0b"};
-    assert_true(neph_seed_of(&a, 1) == neph_seed_of(&a, 1));
-    assert_true(neph_seed_of(&a, 1) != neph_seed_of(&a, 2));
-    assert_true(neph_seed_of(&a, 1) != neph_seed_of(&b, 1));
+    assert_true(neph_seed_for_scene(&a, 1) == neph_seed_for_scene(&a, 1));
+    assert_true(neph_seed_for_scene(&a, 1) != neph_seed_for_scene(&a, 2));
+    assert_true(neph_seed_for_scene(&a, 1) != neph_seed_for_scene(&b, 1));
     for (int i = 1; i < 1000; i++)
-        assert_true(neph_seed_of(&a, i) >= 1 && neph_seed_of(&a, i) <= 0x7fffffff);
+        assert_true(neph_seed_for_scene(&a, i) >= 1 && neph_seed_for_scene(&a, i) <= 0x7fffffff);
 }
 
 static struct neph_image *noisy(uint64_t seed, double noise)
@@ -188,9 +188,9 @@ static struct neph_image *noisy(uint64_t seed, double noise)
 static void test_noise_is_known(void **state)
 {
     struct neph_image *a = noisy(1, 0.02), *b = noisy(2, 0.02);
-    neph_assert_close(neph_noise_of_frame(a), 0.01, 0.01, 0.0);
-    neph_assert_close(neph_noise_of_two(a, b), 0.01, 4.0 * sqrt(2.0 / 12288.0), 0.0);
-    assert_true(neph_noise_of_two(a, a) == 0.0);
+    neph_assert_close(neph_noise_from_variance(a), 0.01, 0.01, 0.0);
+    neph_assert_close(neph_noise_from_two_seeds(a, b), 0.01, 4.0 * sqrt(2.0 / 12288.0), 0.0);
+    assert_true(neph_noise_from_two_seeds(a, a) == 0.0);
     neph_image_destroy(a);
     neph_image_destroy(b);
 }

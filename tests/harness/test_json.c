@@ -34,7 +34,7 @@ static void test_a_list_without_one_of_its_rows_is_none(void **state)
     }
 }
 
-static void test_somebody_elses_list_stays_and_the_caller_hears(void **state)
+static void test_foreign_lists_stay_with_an_error(void **state)
 {
     json_t *list = json_array(), *object = json_object();
     for (int which = 0; which < 3; which++) {

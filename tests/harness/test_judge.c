@@ -159,7 +159,7 @@ static void test_durations(void **state)
 }
 
 /* A change just above the floor is found, one just below is not. */
-static void test_the_floor_is_what_can_be_seen(void **state)
+static void test_the_floor_is_the_visible_change(void **state)
 {
     uint64_t random = 11;
     double past[40];
@@ -205,7 +205,7 @@ static void test_an_engine_over_all_scenes(void **state)
 
 /* A scene without a duration in one run, for example on a busy machine, stays in the mean. A scene
  * without a value in the accepted run, or in other runs, does not and is not counted. */
-static void test_one_busy_night_switches_no_mean_off(void **state)
+static void test_one_busy_run_disables_no_mean(void **state)
 {
     enum { SCENES = 6, NIGHTS = 40 };
     static double past[SCENES][NIGHTS];
@@ -267,8 +267,8 @@ static void test_a_stale_truth(void **state)
 static void test_words(void **state)
 {
     for (int kind = 0; kind < NEPH_SERIES_KINDS; kind++)
-        assert_int_equal(neph_series_kind_of(neph_series_rule(kind)->word), kind);
-    assert_int_equal(neph_series_kind_of("slow"), NEPH_SERIES_KINDS);
+        assert_int_equal(neph_find_series_kind(neph_series_rule(kind)->word), kind);
+    assert_int_equal(neph_find_series_kind("slow"), NEPH_SERIES_KINDS);
 }
 
 #include "tests/main.h"

@@ -97,7 +97,7 @@ static void test_view_of_a_slab(void **state)
     const struct neph_scene scene = make_slab();
     for (double cosine = 0.1; cosine < 1.0; cosine += 0.2) {
         const struct neph_pixel_ray ray = look_down(cosine);
-        const struct neph_light_view view = neph_light_view_of(&scene, &ray, true);
+        const struct neph_light_view view = neph_light_view_compute(&scene, &ray, true);
         const double depth = 6.0 / cosine;
         const double half = log(2.0 / (1.0 + exp(-depth)));
         neph_assert_close(view.eye_depth, depth, 1e-9, 0.0);
@@ -116,7 +116,7 @@ static void test_view_past_media(void **state)
 {
     const struct neph_scene scene = make_slab();
     const struct neph_pixel_ray up = {{0.0, 5.0, 0.0}, {0.0, 1.0, 0.0}};
-    const struct neph_light_view view = neph_light_view_of(&scene, &up, true);
+    const struct neph_light_view view = neph_light_view_compute(&scene, &up, true);
     assert_true(view.eye_depth == 0.0 && isnan(view.sun_depth));
     for (int s = 0; s < NEPH_LIGHT_SCALES; s++)
         assert_true(view.lit[s] == 0.0);
@@ -128,9 +128,10 @@ static void test_lit_between_scales(void **state)
     for (int s = 0; s < NEPH_LIGHT_SCALES; s++)
         lit[s] = slab_lit(30.0, 1.0, neph_light_scale(s));
     for (int s = 0; s < NEPH_LIGHT_SCALES; s++)
-        neph_assert_close(neph_light_lit_at(lit, neph_light_scale(s)), lit[s], 1e-12, 0.0);
+        neph_assert_close(neph_light_interpolate_lit(lit, neph_light_scale(s)), lit[s], 1e-12, 0.0);
     for (double scale = 1.0; scale > 1e-7; scale *= 0.9)
-        worst = fmax(worst, fabs(neph_light_lit_at(lit, scale) / slab_lit(30.0, 1.0, scale) - 1.0));
+        worst = fmax(
+            worst, fabs(neph_light_interpolate_lit(lit, scale) / slab_lit(30.0, 1.0, scale) - 1.0));
     print_message("worst between scales: %g\n", worst);
     /* (ln 2)^2 / 8 of the second derivative of ln((1 - e^-x) / x) over ln x, 0.4 at most. */
     assert_true(worst < 0.025);
@@ -141,7 +142,7 @@ static void test_octaves_of_a_slab(void **state)
     const struct neph_octaves octaves = {8, 0.7, 0.25, 0.5}; /* scales of 2^-2i are known */
     const struct neph_scene scene = make_slab();
     const struct neph_pixel_ray ray = look_down(0.5);
-    const struct neph_light_view view = neph_light_view_of(&scene, &ray, true);
+    const struct neph_light_view view = neph_light_view_compute(&scene, &ray, true);
     double sum = 0.0;
     for (int i = 0; i < 8; i++) {
         const struct neph_phase phase = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.8 * pow(0.5, i)};
@@ -164,11 +165,12 @@ static void make_cell(const struct neph_octaves_fit *truth, int index,
     *cell = (struct neph_light_cell){.pixels = pixels, .pixel_count = PIXELS};
     cell->light.g = 0.3 * (index % 4);
     cell->light.albedo = 1.0 - 0.05 * (index / 4);
-    const struct neph_octaves octaves = neph_octaves_of(truth, cell->light.g, cell->light.albedo);
+    const struct neph_octaves octaves = neph_octaves_compute(truth, cell->light.g,
+                                                             cell->light.albedo);
     const struct neph_scene scene = make_slab();
     for (int p = 0; p < PIXELS; p++) {
         const struct neph_pixel_ray ray = look_down(0.1 + 0.8 * p / PIXELS);
-        pixels[p].view = neph_light_view_of(&scene, &ray, true);
+        pixels[p].view = neph_light_view_compute(&scene, &ray, true);
         pixels[p].first = pixels[p].second = neph_light_octaves(&pixels[p].view, &octaves,
                                                                 cell->light.g, cell->light.albedo);
     }
@@ -204,13 +206,14 @@ static void test_fit_finds_its_truth(void **state)
 static void test_octaves_of_a_medium(void **state)
 {
     static const struct neph_octaves_fit halves = {.contribution = {0.0}};
-    const struct neph_octaves half = neph_octaves_of(&halves, 0.7, 1.0);
+    const struct neph_octaves half = neph_octaves_compute(&halves, 0.7, 1.0);
     assert_true(half.count == 8 && half.contribution == 0.5 && half.attenuation == 0.5 &&
                 half.eccentricity == 0.5);
-    assert_true(neph_octaves_of(&halves, 0.7, 0.0).contribution == 0.0); /* black stays black */
+    assert_true(neph_octaves_compute(&halves, 0.7, 0.0).contribution ==
+                0.0); /* black stays black */
     for (double g = -0.9; g <= 0.99; g += 0.1)
         for (double albedo = 0.0; albedo <= 1.0; albedo += 0.05) {
-            const struct neph_octaves made = neph_octaves_of(&neph_octaves_fitted, g, albedo);
+            const struct neph_octaves made = neph_octaves_compute(&neph_octaves_fitted, g, albedo);
             assert_true(made.contribution >= 0.0 && made.contribution <= 1.0);
             assert_true(made.attenuation > 0.0 && made.attenuation < 1.0);
             assert_true(made.eccentricity > 0.0 && made.eccentricity < 1.0);
@@ -297,12 +300,12 @@ static void test_verdicts_of_parts(void **state)
         cells[i].gaps[0].all = off_by(whole[i], 40);
     cells[0].gaps[0].dense = off_by(-0.5, NEPH_LIGHT_PIXELS_MIN);
     cells[1].gaps[0].dense = off_by(-0.9, NEPH_LIGHT_PIXELS_MIN - 1);
-    const struct neph_light_verdict of_dense = neph_light_verdict_of(&study, 0, NEPH_LIGHT_DENSE,
-                                                                     NULL, NULL);
+    const struct neph_light_verdict of_dense = neph_light_find_verdict(&study, 0, NEPH_LIGHT_DENSE,
+                                                                       NULL, NULL);
     assert_int_equal(of_dense.cell_count, 1);
     neph_assert_close(of_dense.worst_bias, 0.5, 1e-12, 0.0);
-    const struct neph_light_verdict of_whole = neph_light_verdict_of(&study, 0, NEPH_LIGHT_WHOLE,
-                                                                     NULL, NULL);
+    const struct neph_light_verdict of_whole = neph_light_find_verdict(&study, 0, NEPH_LIGHT_WHOLE,
+                                                                       NULL, NULL);
     assert_int_equal(of_whole.cell_count, 3);
     neph_assert_close(of_whole.mean_bias, 0.44 / 3.0, 1e-12, 0.0);
     neph_assert_close(of_whole.share_within, 1.0 / 3.0, 1e-15, 0.0);
@@ -314,7 +317,7 @@ static void test_verdicts_of_parts(void **state)
 
 static void test_models_offered(void **state)
 {
-    char *words = neph_light_models_offered(), *rest = words;
+    char *words = neph_light_models_list(), *rest = words;
     assert_non_null(words);
     int count = 0, singles = 0;
     while (rest) {
@@ -340,12 +343,12 @@ static void test_models_by_name(void **state)
         &diag);
     assert_true(neph_setting(model.engine, &model.settings, "steps") == 77.0);
     assert_true(neph_setting(model.engine, &model.settings, "warm_up") == NEPH_LIGHT_WARM_UP);
-    assert_true(neph_light_model_is_look(&model));
+    assert_true(neph_light_model_is_non_physical(&model));
     neph_assert_ok(neph_light_model_parse("realtime+steps=5+warm_up=2", 77, NULL, &model, &diag),
                    &diag);
     assert_true(neph_setting(model.engine, &model.settings, "steps") == 5.0);
     assert_true(neph_setting(model.engine, &model.settings, "warm_up") == 2.0);
-    assert_false(neph_light_model_is_look(&model));
+    assert_false(neph_light_model_is_non_physical(&model));
     static const char *const refused[] = {
         "tracer", "nothing", "", "march+preset=ours", "realtime+preset=none", "march+light=1"};
     for (size_t i = 0; i < sizeof(refused) / sizeof(refused[0]); i++)

@@ -14,7 +14,7 @@ static const struct neph_engine *engine_named(const char *name)
     return engine;
 }
 
-static void test_what_a_look_is(void **state)
+static void test_which_engines_are_non_physical(void **state)
 {
     static const struct {
         const char *engine, *setting;
@@ -40,8 +40,8 @@ static void test_what_a_look_is(void **state)
         struct neph_diag diag = {0};
         if (cases[i].setting)
             neph_assert_ok(neph_settings_set(engine, &settings, cases[i].setting, &diag), &diag);
-        const char *words = neph_look_of_fog(engine, &settings);
-        assert_int_equal(neph_is_look(engine, &settings), cases[i].is_look);
+        const char *words = neph_fog_model_note(engine, &settings);
+        assert_int_equal(neph_is_non_physical(engine, &settings), cases[i].is_look);
         assert_int_equal(words != NULL, cases[i].fog != NULL);
         if (words)
             assert_non_null(strstr(words, cases[i].fog));
@@ -51,7 +51,7 @@ static void test_what_a_look_is(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_a_look_is),
+        cmocka_unit_test(test_which_engines_are_non_physical),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

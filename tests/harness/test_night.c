@@ -55,7 +55,7 @@ static bool has_series(const struct neph_sweep_plan *plan, const char *name)
 }
 
 /* Presets, plans and series that steps name exist. */
-static void test_what_steps_name_is_there(void **state)
+static void test_names_in_steps_exist(void **state)
 {
     struct neph_arena arena = {NULL};
     struct neph_night_plan plan;
@@ -69,8 +69,8 @@ static void test_what_steps_name_is_there(void **state)
         for (int w = 1; words[w]; w++) {
             file = strcmp(words[w - 1], "--plan") == 0 ? words[w] : file;
             if (strcmp(words[w - 1], "--preset") == 0 && ++presets)
-                neph_assert_ok(neph_engine_words(words[w], "steps=8", &engine, &settings, NULL),
-                               NULL);
+                neph_assert_ok(
+                    neph_engine_parse_words(words[w], "steps=8", &engine, &settings, NULL), NULL);
         }
         if (plan.steps[i].suite != NEPH_NIGHT_SWEEP)
             continue;
@@ -91,7 +91,7 @@ static void test_what_steps_name_is_there(void **state)
 }
 
 /* One scene each for froxels, point lights, cloud shadow maps, sheets, fog models and the sky. */
-static void test_a_quick_night_looks_at_the_air(void **state)
+static void test_the_quick_tier_covers_the_air(void **state)
 {
     static const char *const wanted[] = {"failure froxel_leak",       "sweep spot_fence",
                                          "sweep cloud_gaps",          "sweep cirrus",
@@ -130,7 +130,7 @@ static void test_the_stress_tests_keep_their_word_in_names(void **state)
 }
 
 /* `neph benchmark` refuses a scene that one of its engines cannot render. */
-static void test_what_is_timed_can_be_rendered(void **state)
+static void test_timed_scenes_can_be_rendered(void **state)
 {
     static const char *const timed[] = {"march", "realtime"};
     struct neph_arena arena = {NULL};
@@ -156,7 +156,7 @@ static void test_what_is_timed_can_be_rendered(void **state)
 }
 
 /* Requested engines and seeds apply to the catalogue only. */
-static void test_what_is_asked_for_goes_to_the_catalogue(void **state)
+static void test_requests_apply_to_the_catalogue(void **state)
 {
     const char *const engines[] = {"command"};
     const struct neph_night_plan_params params = {
@@ -177,7 +177,7 @@ static void test_what_is_asked_for_goes_to_the_catalogue(void **state)
     neph_arena_finish(&arena);
 }
 
-static void test_plans_that_differ_are_told_apart(void **state)
+static void test_different_plans_have_different_keys(void **state)
 {
     struct neph_arena arena = {NULL};
     struct neph_night_plan all, some, none;
@@ -200,7 +200,7 @@ static void test_plans_that_differ_are_told_apart(void **state)
     neph_arena_finish(&arena);
 }
 
-static void test_what_tells_most_a_second_comes_first(void **state)
+static void test_most_series_per_second_come_first(void **state)
 {
     struct neph_night_step steps[4] = {{.guess_s = 10, .guess_series = 10},
                                        {.guess_s = 10, .guess_series = 10},
@@ -225,7 +225,7 @@ static void test_what_tells_most_a_second_comes_first(void **state)
 
 /* ---- results --------------------------------------------------------------------------------- */
 
-static double number_of(const struct neph_night_numbers *numbers, const char *series)
+static double find_series_number(const struct neph_night_numbers *numbers, const char *series)
 {
     for (int i = 0; i < numbers->count; i++)
         if (strcmp(numbers->list[i].series, series) == 0)
@@ -245,7 +245,7 @@ static void read_text(enum neph_night_suite suite, const char *text, double cali
 }
 
 /* Two pixels, the second of which is 3. */
-static void write_picture(const char *path, float first)
+static void write_frame_image(const char *path, float first)
 {
     struct neph_image *image = grey_image(2, 1, 3.0);
     set_grey(image, 0, first);
@@ -257,7 +257,7 @@ static void test_results_of_the_catalogue(void **state)
     char path[SCRATCH_PATH_MAX], text[4096];
     struct neph_arena arena = {NULL};
     struct neph_night_numbers numbers;
-    write_picture(scratch_path(state, path, "a.exr"), 1.0f);
+    write_frame_image(scratch_path(state, path, "a.exr"), 1.0f);
     snprintf(text, sizeof(text),
              "{\"size_px\": [96, 54], \"engines\": ["
              "{\"name\": \"exact\", \"version\": \"2\", \"device\": \"CPU\"},"
@@ -279,9 +279,11 @@ static void test_results_of_the_catalogue(void **state)
     assert_int_equal(numbers.count, 3);
     assert_string_equal(numbers.size, "96x54");
     const char *series = "catalog/fog@01234567/tracer/radiance rel_rmse/exact";
-    neph_assert_close(number_of(&numbers, series), 0.25, 0.0, 0.0);
-    neph_assert_close(number_of(&numbers, "catalog/fog@01234567/tracer/contrast"), 1.0, 1e-6, 0.0);
-    neph_assert_close(number_of(&numbers, "catalog/fog@01234567/all/gates failed"), 1.0, 0.0, 0.0);
+    neph_assert_close(find_series_number(&numbers, series), 0.25, 0.0, 0.0);
+    neph_assert_close(find_series_number(&numbers, "catalog/fog@01234567/tracer/contrast"), 1.0,
+                      1e-6, 0.0);
+    neph_assert_close(find_series_number(&numbers, "catalog/fog@01234567/all/gates failed"), 1.0,
+                      0.0, 0.0);
     for (int i = 0; i < numbers.count; i++) {
         if (strcmp(numbers.list[i].series, series) != 0)
             continue;
@@ -289,9 +291,9 @@ static void test_results_of_the_catalogue(void **state)
         assert_string_equal(numbers.list[i].environment, "V, D; less; against 2, CPU");
         neph_assert_close(numbers.list[i].standard_error, 0.05 / 1.95996398454, 1e-9, 0.0);
     }
-    write_picture(path, NAN);
+    write_frame_image(path, NAN);
     read_text(NEPH_NIGHT_CATALOG, text, NAN, &arena, &numbers);
-    neph_assert_close(number_of(&numbers, "catalog/fog@01234567/tracer/contrast"),
+    neph_assert_close(find_series_number(&numbers, "catalog/fog@01234567/tracer/contrast"),
                       NEPH_NIGHT_BROKEN_PICTURE, 0.0, 0.0);
     neph_arena_finish(&arena);
 }
@@ -304,7 +306,8 @@ static void test_results_of_the_other_suites(void **state)
               "{\"physics\": {\"rows\": [{\"check\": \"slab\", \"participant\": \"march\", "
               "\"engine\": \"march\", \"deviation\": -0.01, \"standard_error\": null}]}}",
               NAN, &arena, &numbers);
-    neph_assert_close(number_of(&numbers, "physics/slab/march/deviation/theory"), -0.01, 0.0, 0.0);
+    neph_assert_close(find_series_number(&numbers, "physics/slab/march/deviation/theory"), -0.01,
+                      0.0, 0.0);
     read_text(NEPH_NIGHT_STRESS,
               "{\"device\": \"D\", \"results\": [{\"scene\": \"none\", \"point\": \"\", "
               "\"measure\": \"error\", \"over\": \"solid\", \"column\": \"ours\", \"value\": 0.5}, "
@@ -312,15 +315,18 @@ static void test_results_of_the_other_suites(void **state)
               "\"column\": \"ours\", \"value\": null}]}",
               NAN, &arena, &numbers);
     assert_int_equal(numbers.count, 1);
-    neph_assert_close(number_of(&numbers, "failure/none/ours/error over solid"), 0.5, 0.0, 0.0);
+    neph_assert_close(find_series_number(&numbers, "failure/none/ours/error over solid"), 0.5, 0.0,
+                      0.0);
     static const char speed[] =
         "{\"scene\": \"fog\", \"scene_hash\": \"0123456789\", \"size_px\": [8, 6], \"engines\": "
         "[{\"engine\": \"march\", \"version\": \"V\", \"device\": \"llvmpipe\", \"frame_s\": "
         "{\"median\": "
         "0.02}, \"passes\": [{\"density_evaluations\": 30.0}, {\"density_evaluations\": 12.0}]}]}";
     read_text(NEPH_NIGHT_SPEED, speed, 0.1, &arena, &numbers);
-    neph_assert_close(number_of(&numbers, "speed/fog@01234567/march/time"), 0.2, 1e-12, 0.0);
-    neph_assert_close(number_of(&numbers, "speed/fog@01234567/march/evaluations"), 42.0, 0.0, 0.0);
+    neph_assert_close(find_series_number(&numbers, "speed/fog@01234567/march/time"), 0.2, 1e-12,
+                      0.0);
+    neph_assert_close(find_series_number(&numbers, "speed/fog@01234567/march/evaluations"), 42.0,
+                      0.0, 0.0);
     read_text(NEPH_NIGHT_SPEED, speed, NAN, &arena, &numbers); /* on a busy machine */
     assert_int_equal(numbers.count, 1);
     read_text(
@@ -329,7 +335,8 @@ static void test_results_of_the_other_suites(void **state)
         "\"ceilings\": {\"buffer_samples_per_s\": 1e9}, \"engines\": [{\"engine\": \"march\", "
         "\"version\": \"V\", \"device\": \"card\", \"frame_s\": {\"median\": 0.002}}]}",
         0.1, &arena, &numbers);
-    neph_assert_close(number_of(&numbers, "speed/fog@01234567/march/time"), 2000.0, 1e-9, 0.0);
+    neph_assert_close(find_series_number(&numbers, "speed/fog@01234567/march/time"), 2000.0, 1e-9,
+                      0.0);
     json_t *other = json_pack("{s:i}", "scenes", 1);
     assert_int_equal(neph_night_read(NEPH_NIGHT_CATALOG, other, NAN, "", &arena, &numbers, NULL),
                      NEPH_ERR_ENGINE);
@@ -436,12 +443,12 @@ static void compare(struct bench *bench, int64_t night, int64_t against)
 }
 
 /* Compares a run with only this value of the fog. */
-static void compare_fog_of(struct bench *bench, const struct neph_measurement *number)
+static void compare_fog_value(struct bench *bench, const struct neph_measurement *number)
 {
     compare(bench, add_night(bench, &fog_step, number, 1, true), 0);
 }
 
-static void test_a_night_without_a_baseline_compares_nothing(void **state)
+static void test_a_run_without_a_baseline(void **state)
 {
     struct bench *bench = *state;
     const int64_t first = add_night(bench, &fog_step, &fog, 1, true);
@@ -458,7 +465,7 @@ static void test_a_night_without_a_baseline_compares_nothing(void **state)
 }
 
 /* One finding of each kind. */
-static void test_what_is_found_in_a_night(void **state)
+static void test_findings_of_a_run(void **state)
 {
     const struct neph_measurement before[] = {
         {FOG("1", "radiance rel_rmse/exact"), "fixed", 0.25, NAN, "D", ""},
@@ -520,7 +527,7 @@ static void test_another_size_and_a_broken_step(void **state)
 }
 
 /* Durations of a step without calibration are not missing; its other missing values are. */
-static void test_a_busy_machine_fails_no_night(void **state)
+static void test_a_busy_machine_fails_no_run(void **state)
 {
     const struct neph_measurement numbers[] = {
         {"speed/fog@1/march/evaluations", "fixed", 42.0, NAN, "D", ""},
@@ -567,7 +574,7 @@ static void test_acceptances_of_a_series(void **state)
 }
 
 /* A value that was accepted by itself is missed until a run without it is accepted. */
-static void test_what_was_accepted_by_itself_is_missed(void **state)
+static void test_a_value_accepted_alone_is_missed(void **state)
 {
     const char *const a = FOG("1", "radiance rel_rmse/exact"), *const b = FOG("1", "radiance "
                                                                                    "p99/exact");
@@ -636,7 +643,7 @@ static void test_a_step_that_was_not_run_and_one_that_is_gone(void **state)
 }
 
 /* An accepted run without time for the sea: the sea is still compared with the first run. */
-static void test_an_accepted_night_loses_no_step_that_it_had_no_time_for(void **state)
+static void test_untimed_steps_stay_expected(void **state)
 {
     static const char *const planned[] = {"catalog fog", "catalog sea"};
     const struct neph_measurement sea = {SEA, "fixed", 0.26, NAN, "D", ""};
@@ -729,14 +736,14 @@ static void test_a_fixed_number_that_is_called_drawn_is_judged_as_before(void **
 }
 
 /* Small changes in every run: each is compared with the accepted run. */
-static void test_a_little_worse_each_night_is_found(void **state)
+static void test_slow_drift_is_found(void **state)
 {
     struct neph_measurement number = fog;
     struct bench *bench = *state;
     accept(bench, "*", add_night(bench, &fog_step, &number, 1, true));
     for (int i = 1; i <= 2; i++) {
         number.value = 0.25 * (1.0 + 0.004 * i);
-        compare_fog_of(bench, &number);
+        compare_fog_value(bench, &number);
         assert_int_equal(bench->c.findings[0].found, i == 1 ? NEPH_FOUND_MOVED : NEPH_FOUND_WORSE);
     }
 }
@@ -758,7 +765,7 @@ static void test_a_clock_that_was_set_back_changes_no_verdict(void **state)
 }
 
 /* Runs in which a series was worse are not used for later comparisons. */
-static void test_nights_that_were_worse_are_set_aside(void **state)
+static void test_worse_runs_are_excluded(void **state)
 {
     struct bench *bench = *state;
     struct neph_measurement number = {
@@ -785,28 +792,28 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_full_tier_goes_on_with_the_series_of_the_quick_one),
-        cmocka_unit_test(test_what_is_timed_can_be_rendered),
-        cmocka_unit_test(test_what_is_asked_for_goes_to_the_catalogue),
-        cmocka_unit_test(test_what_steps_name_is_there),
-        cmocka_unit_test(test_a_quick_night_looks_at_the_air),
+        cmocka_unit_test(test_timed_scenes_can_be_rendered),
+        cmocka_unit_test(test_requests_apply_to_the_catalogue),
+        cmocka_unit_test(test_names_in_steps_exist),
+        cmocka_unit_test(test_the_quick_tier_covers_the_air),
         cmocka_unit_test(test_the_stress_tests_keep_their_word_in_names),
-        cmocka_unit_test(test_plans_that_differ_are_told_apart),
-        cmocka_unit_test(test_what_tells_most_a_second_comes_first),
+        cmocka_unit_test(test_different_plans_have_different_keys),
+        cmocka_unit_test(test_most_series_per_second_come_first),
         scratch_test(test_results_of_the_catalogue),
         cmocka_unit_test(test_results_of_the_other_suites),
         cmocka_unit_test(test_results_between_warnings),
-        bench_test(test_a_night_without_a_baseline_compares_nothing),
-        bench_test(test_what_is_found_in_a_night),
+        bench_test(test_a_run_without_a_baseline),
+        bench_test(test_findings_of_a_run),
         bench_test(test_another_size_and_a_broken_step),
-        bench_test(test_a_busy_machine_fails_no_night),
+        bench_test(test_a_busy_machine_fails_no_run),
         bench_test(test_acceptances_of_a_series),
-        bench_test(test_what_was_accepted_by_itself_is_missed),
-        bench_test(test_nights_that_were_worse_are_set_aside),
+        bench_test(test_a_value_accepted_alone_is_missed),
+        bench_test(test_worse_runs_are_excluded),
         bench_test(test_a_step_that_was_not_run_and_one_that_is_gone),
-        bench_test(test_an_accepted_night_loses_no_step_that_it_had_no_time_for),
+        bench_test(test_untimed_steps_stay_expected),
         bench_test(test_numbers_of_another_environment),
         bench_test(test_a_fixed_number_that_is_called_drawn_is_judged_as_before),
-        bench_test(test_a_little_worse_each_night_is_found),
+        bench_test(test_slow_drift_is_found),
         bench_test(test_a_clock_that_was_set_back_changes_no_verdict),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -38,11 +38,11 @@ static bool look(const struct neph_night_jobs *jobs, struct neph_history_step *r
                  struct neph_night_numbers *numbers)
 {
     bool found = false;
-    neph_assert_ok(neph_night_jobs_look(jobs, &step, &found, record, numbers, NULL), NULL);
+    neph_assert_ok(neph_night_jobs_load(jobs, &step, &found, record, numbers, NULL), NULL);
     return found;
 }
 
-static void test_what_a_host_leaves_another_finds_to_the_last_bit(void **state)
+static void test_results_are_exact_across_hosts(void **state)
 {
     struct neph_arena arena = {NULL};
     struct neph_night_jobs here, there;
@@ -52,10 +52,10 @@ static void test_what_a_host_leaves_another_finds_to_the_last_bit(void **state)
     struct neph_night_numbers numbers = {list, 2, "96x54"}, found;
     begin(state, &arena, 7, &here, INFINITY);
     read_jobs(state, &arena, &there);
-    assert_true(there.night == 7 && neph_night_jobs_is_of(&there, &who));
+    assert_true(there.night == 7 && neph_night_jobs_match(&there, &who));
     assert_string_equal(there.name, here.name);
     assert_false(look(&there, &record, &found));
-    neph_assert_ok(neph_night_jobs_keep(&here, &step, &record, &numbers, NULL), NULL);
+    neph_assert_ok(neph_night_jobs_store(&here, &step, &record, &numbers, NULL), NULL);
     struct neph_history_step read_back = {NULL};
     assert_true(look(&there, &read_back, &found));
     assert_string_equal(read_back.outcome, "done");
@@ -72,7 +72,7 @@ static void test_what_a_host_leaves_another_finds_to_the_last_bit(void **state)
     neph_arena_finish(&arena);
 }
 
-static void test_what_is_of_another_night_or_torn_is_not_found(void **state)
+static void test_foreign_or_torn_results_are_ignored(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     struct neph_arena arena = {NULL};
@@ -82,16 +82,17 @@ static void test_what_is_of_another_night_or_torn_is_not_found(void **state)
     begin(state, &arena, 7, &old, INFINITY);
     begin(state, &arena, 8, &young, INFINITY);
     assert_string_not_equal(old.name, young.name);
-    neph_assert_ok(neph_night_jobs_keep(&old, &step, &record, &numbers, NULL), NULL); /* too late */
+    neph_assert_ok(neph_night_jobs_store(&old, &step, &record, &numbers, NULL),
+                   NULL); /* too late */
     assert_false(look(&young, &record, &numbers));
-    neph_assert_ok(neph_night_jobs_keep(&young, &step, &record, &numbers, NULL), NULL);
+    neph_assert_ok(neph_night_jobs_store(&young, &step, &record, &numbers, NULL), NULL);
     assert_true(look(&young, &record, &numbers));
     scratch_write(scratch_path(state, path, "nightly/jobs/failure_fog.json"), "{\"format", 8);
     assert_false(look(&young, &record, &numbers));
     for (int i = 0; i < 3; i++) { /* another plan, revision or program; hosts may differ */
         struct neph_history_night other = who;
         *(i == 0 ? &other.plan : i == 1 ? &other.revision : &other.program) = "x";
-        assert_false(neph_night_jobs_is_of(&young, &other));
+        assert_false(neph_night_jobs_match(&young, &other));
     }
     neph_night_jobs_finish(&young);
     neph_night_jobs_finish(&old);
@@ -131,8 +132,8 @@ static void test_a_job_that_is_too_late_does_not_begin(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        scratch_test(test_what_a_host_leaves_another_finds_to_the_last_bit),
-        scratch_test(test_what_is_of_another_night_or_torn_is_not_found),
+        scratch_test(test_results_are_exact_across_hosts),
+        scratch_test(test_foreign_or_torn_results_are_ignored),
         scratch_test(test_a_job_that_is_too_late_does_not_begin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

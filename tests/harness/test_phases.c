@@ -16,7 +16,7 @@ static void test_all_kinds_pass(void **state)
 }
 
 /* Beyond g = 1 the formula integrates to -1 / g. */
-static void test_what_is_no_density_is_off(void **state)
+static void test_invalid_densities_are_detected(void **state)
 {
     const struct neph_phase_finding found = neph_phase_check(
         &(struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 1.25});

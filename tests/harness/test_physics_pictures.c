@@ -84,7 +84,7 @@ static bool same_bytes(const struct scratch *scratch, const char *a, const char 
     return same;
 }
 
-static void test_view_says_what_it_needs(void **state)
+static void test_view_has_its_requirements(void **state)
 {
     double truth[PIXELS];
     struct neph_physics_view described;
@@ -121,7 +121,7 @@ static void test_every_frame_is_drawn(void **state)
     struct suite suite;
     const struct neph_physics_row *rows = suite.rows;
     fill_suite(&suite, names, frames, 4);
-    neph_assert_ok(neph_physics_pictures(&suite.physics, scratch->folder, &diag), &diag);
+    neph_assert_ok(neph_physics_images(&suite.physics, scratch->folder, &diag), &diag);
 
     const char *truth = suite.check.views[0].picture;
     assert_string_equal(truth, "images/physics/probe/truth_0.png");
@@ -134,7 +134,7 @@ static void test_every_frame_is_drawn(void **state)
 
     /* Publishing a report again draws nothing twice. */
     suite.rows[0].paths[0] = "/nowhere.exr";
-    neph_assert_ok(neph_physics_pictures(&suite.physics, scratch->folder, &diag), &diag);
+    neph_assert_ok(neph_physics_images(&suite.physics, scratch->folder, &diag), &diag);
     neph_physics_finish(&suite.physics);
 }
 
@@ -149,7 +149,7 @@ static void test_frame_of_another_size_is_refused(void **state)
     write_frame(path, WIDTH - 1, 1.0);
     struct suite suite;
     fill_suite(&suite, names, frames, 1);
-    assert_int_equal(neph_physics_pictures(&suite.physics, scratch->folder, &diag), NEPH_ERR_INPUT);
+    assert_int_equal(neph_physics_images(&suite.physics, scratch->folder, &diag), NEPH_ERR_INPUT);
     assert_non_null(strstr(diag.message, "probe"));
     neph_physics_finish(&suite.physics);
 }
@@ -157,7 +157,7 @@ static void test_frame_of_another_size_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_view_says_what_it_needs),
+        cmocka_unit_test(test_view_has_its_requirements),
         cmocka_unit_test(test_black_view_has_a_scale),
         scratch_test(test_every_frame_is_drawn),
         scratch_test(test_frame_of_another_size_is_refused),

@@ -11,7 +11,7 @@
 
 enum { width = 24, height = 16, pixels = width * height, frames = 24, warm_up = 8 };
 
-static struct neph_settings settings_of(const char *text)
+static struct neph_settings parse_test_settings(const char *text)
 {
     struct neph_settings settings = neph_options_default(neph_post_options);
     char *copy = strdup(text), *rest = copy;
@@ -28,7 +28,7 @@ static struct neph_settings settings_of(const char *text)
 static void test_the_chains_make_sense(void **state)
 {
     for (const struct neph_post_row *row = neph_post_rows; row->name; row++) {
-        struct neph_settings settings = settings_of(row->settings);
+        struct neph_settings settings = parse_test_settings(row->settings);
         struct neph_diag diag = {0};
         settings.values[POST_TONE] = 1.0;
         neph_assert_ok(neph_post_check(&settings, &diag), &diag);
@@ -69,7 +69,7 @@ static void test_marks_differ_without_their_colours(void **state)
 struct film {
     struct neph_vulkan *vulkan;
     struct neph_image *tests[frames], *reference;
-    struct neph_post_film film;
+    struct neph_post_sequence_pair film;
 };
 
 /* A reference of 0.2, and a test with alternating errors. */
@@ -80,13 +80,14 @@ static void open_film(struct film *f, double even, double odd)
     for (int i = 0; i < frames; i++)
         f->tests[i] = grey_image(width, height, i % 2 ? odd : even);
     neph_assert_ok(neph_vulkan_open(&f->vulkan, &diag), &diag);
-    f->film = (struct neph_post_film){.tests = (const struct neph_image *const *)f->tests,
-                                      .references = (const struct neph_image *const *)&f->reference,
-                                      .count = frames,
-                                      .reference_count = 1,
-                                      .warm_up = warm_up,
-                                      .frame_rate_hz = 30.0,
-                                      .seed = 3};
+    f->film = (struct neph_post_sequence_pair){
+        .tests = (const struct neph_image *const *)f->tests,
+        .references = (const struct neph_image *const *)&f->reference,
+        .count = frames,
+        .reference_count = 1,
+        .warm_up = warm_up,
+        .frame_rate_hz = 30.0,
+        .seed = 3};
 }
 
 static void close_film(struct film *f)
@@ -99,7 +100,7 @@ static void close_film(struct film *f)
 
 static struct neph_post_numbers measured(struct film *f, const char *text)
 {
-    const struct neph_settings settings = settings_of(text);
+    const struct neph_settings settings = parse_test_settings(text);
     struct neph_post_numbers numbers;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_post_measure(f->vulkan, &f->film, &settings, &numbers, &diag), &diag);
@@ -108,7 +109,7 @@ static struct neph_post_numbers measured(struct film *f, const char *text)
 
 /* An error of 10 % with alternating sign: an rms of 10 % with a change of 20 % from frame to frame.
  */
-static void test_what_is_known_is_measured(void **state)
+static void test_known_values_are_measured(void **state)
 {
     struct film f;
     open_film(&f, 0.22, 0.18);
@@ -126,7 +127,7 @@ static void test_what_is_known_is_measured(void **state)
     close_film(&f);
 }
 
-static void test_what_is_true_has_no_error_but_of_grain(void **state)
+static void test_a_true_sequence_has_only_grain(void **state)
 {
     struct film f;
     open_film(&f, 0.2, 0.2);
@@ -140,7 +141,7 @@ static void test_what_is_true_has_no_error_but_of_grain(void **state)
 }
 
 /* A frame brighter than the reference is displayed equally bright once the exposure has adapted. */
-static void test_the_eye_forgives_what_is_brighter(void **state)
+static void test_adaptation_removes_a_gain(void **state)
 {
     struct film f;
     open_film(&f, 0.3, 0.3);
@@ -157,9 +158,9 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_marks_differ_without_their_colours),
     };
     const struct CMUnitTest engines[] = {
-        cmocka_unit_test(test_what_is_known_is_measured),
-        cmocka_unit_test(test_what_is_true_has_no_error_but_of_grain),
-        cmocka_unit_test(test_the_eye_forgives_what_is_brighter),
+        cmocka_unit_test(test_known_values_are_measured),
+        cmocka_unit_test(test_a_true_sequence_has_only_grain),
+        cmocka_unit_test(test_adaptation_removes_a_gain),
     };
     return neph_test_wants_engines(argc, argv) ? cmocka_run_group_tests(engines, NULL, NULL)
                                                : cmocka_run_group_tests(tests, NULL, NULL);

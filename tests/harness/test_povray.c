@@ -98,7 +98,8 @@ static int expose_simulated(const double *values, size_t count, double gain,
         for (size_t i = 0; i < count; i++) {
             uint16_t codes[3];
             write_codes(values[i], gain, codes);
-            readings[i] = neph_povray_better(readings[i], neph_povray_read_brackets(codes, gain));
+            readings[i] = neph_povray_finer_reading(readings[i],
+                                                    neph_povray_read_brackets(codes, gain));
         }
         gain = neph_povray_next_gain(readings, count, gain, target);
     }
@@ -140,7 +141,7 @@ static void test_one_bright_pixel_leaves_the_others(void **state)
         neph_assert_close(readings[i].value, values[i], 2e-4, 0.0);
 }
 
-static void test_black_pictures_end(void **state)
+static void test_black_frames_end(void **state)
 {
     static const double values[4] = {0.0, 0.0, 0.0, 0.0};
     struct neph_povray_reading readings[4];
@@ -209,7 +210,7 @@ static void set_full_stage(struct test_scene *stage)
     stage->scene.background_w_per_m2_sr = (struct neph_rgb){0.1, 0.2, 0.3};
 }
 
-static struct neph_povray_world world_of(const struct test_scene *stage)
+static struct neph_povray_world make_povray_world(const struct test_scene *stage)
 {
     struct neph_diag diag = {0};
     struct neph_povray_world world;
@@ -217,7 +218,7 @@ static struct neph_povray_world world_of(const struct test_scene *stage)
     return world;
 }
 
-static char *text_of(const struct neph_povray_world *world, int kind)
+static char *write_povray_text(const struct neph_povray_world *world, int kind)
 {
     struct neph_diag diag = {0};
     const struct neph_povray_pass pass = {.kind = (enum neph_povray_kind)kind, .gain = 1.0};
@@ -269,7 +270,7 @@ static void assert_plain(const char *text)
     }
 }
 
-static void test_text_holds_no_string_of_the_scene(void **state)
+static void test_text_has_no_string_of_the_scene(void **state)
 {
     struct test_scene plain, hostile;
     set_full_stage(&plain);
@@ -277,8 +278,10 @@ static void test_text_holds_no_string_of_the_scene(void **state)
     hostile.scene.name = "x\n#include \"/etc/passwd\"\n#fopen F \"owned\" write";
     hostile.scene.title = hostile.scene.description = hostile.scene.path = hostile.scene.name;
     for (int kind = 0; kind <= NEPH_POVRAY_DEPTH; kind++) {
-        const struct neph_povray_world world = world_of(&plain), hostile_world = world_of(&hostile);
-        char *text = text_of(&world, kind), *other = text_of(&hostile_world, kind);
+        const struct neph_povray_world world = make_povray_world(&plain),
+                                       hostile_world = make_povray_world(&hostile);
+        char *text = write_povray_text(&world, kind),
+             *other = write_povray_text(&hostile_world, kind);
         assert_string_equal(text, other);
         assert_plain(text);
         free(text);
@@ -304,7 +307,7 @@ static void test_text_near_eyes_and_lights(void **state)
                                                 .outer_cosine = 0.8};
     stage.scene.lights[1] = (struct neph_light){.position_m = {0.1, 1.4, -6.0},
                                                 .intensity_w_per_sr = make_grey(1.0)};
-    world = world_of(&stage);
+    world = make_povray_world(&stage);
     assert_true(world.containers[0].is_near_an_eye[2][1]);
     assert_false(world.containers[0].is_near_an_eye[2][0] ||
                  world.containers[0].is_near_an_eye[0][1]);
@@ -314,7 +317,7 @@ static void test_text_near_eyes_and_lights(void **state)
     world.lamps[0].is_masked = true;
     for (int kind = 0; kind <= NEPH_POVRAY_DEPTH; kind++) {
         const bool scatters = kind == NEPH_POVRAY_BEAUTY || kind == NEPH_POVRAY_VOLUME;
-        char *text = text_of(&world, kind);
+        char *text = write_povray_text(&world, kind);
         assert_plain(text);
         assert_int_equal(strstr(text, "union {") != NULL, scatters);
         assert_int_equal(strstr(text, "no_image") != NULL, scatters);
@@ -344,11 +347,11 @@ static void test_text_of_surfaces(void **state)
     struct test_scene stage;
     struct neph_povray_world world;
     set_surfaces(&stage);
-    world = world_of(&stage);
+    world = make_povray_world(&stage);
     world.radiosity = (struct neph_povray_radiosity){100, 0.25, 5000};
     for (int kind = 0; kind <= NEPH_POVRAY_DEPTH; kind++) {
         const bool is_lit = kind == NEPH_POVRAY_BEAUTY || kind == NEPH_POVRAY_SURFACE;
-        char *text = text_of(&world, kind);
+        char *text = write_povray_text(&world, kind);
         assert_plain(text);
         const char *noise = strstr(text, "#declare Noise5 = ");
         assert_int_equal(noise != NULL, is_lit);
@@ -375,7 +378,7 @@ static void test_noise_s_file(void **state)
     neph_grid_destroy(grid);
 }
 
-static void test_text_refuses_what_is_not_a_number(void **state)
+static void test_text_refuses_nan(void **state)
 {
     struct test_scene stage;
     set_full_stage(&stage);
@@ -383,16 +386,16 @@ static void test_text_refuses_what_is_not_a_number(void **state)
     struct neph_povray_world world;
     char *text = NULL;
     struct neph_povray_pass pass = {.kind = NEPH_POVRAY_BEAUTY, .gain = 1.0};
-    world = world_of(&stage);
+    world = make_povray_world(&stage);
     assert_int_equal(neph_povray_text(&world, &pass, &text, NULL), NEPH_ERR_UNSUPPORTED);
     assert_null(text);
 }
 
-static void test_faces_of_containers_stand_alone(void **state)
+static void test_faces_of_containers_are_separate(void **state)
 {
     struct test_scene stage;
     set_full_stage(&stage); /* both media share all faces and touch the ground at y = 0 */
-    struct neph_povray_world world = world_of(&stage);
+    struct neph_povray_world world = make_povray_world(&stage);
     const struct neph_bounds *a = &world.containers[0].bounds, *b = &world.containers[1].bounds;
     double gap_m = 1e-3 / world.units_per_m;
     assert_true(a->min_m.y < -gap_m && a->min_m.y > -1e-4);
@@ -415,7 +418,7 @@ static void test_faces_keep_off_the_eye(void **state)
                    (struct neph_vec3){0.0, 1.0, -8.0});
         add_medium(&stage, room, 0.2, 0.0, 0.8);
         add_medium(&stage, room, 0.2, 0.0, 0.8);
-        world = world_of(&stage);
+        world = make_povray_world(&stage);
         for (int i = 0; i < 2; i++) {
             const double moved = (world.containers[i].bounds.max_m.z - room.max_m.z) *
                                  world.units_per_m;
@@ -437,7 +440,7 @@ static void test_crowds_of_origins_are_refused(void **state)
     add_medium(&stage, (struct neph_bounds){{-1e5, -1e5, -1e5}, {1e5, 0.0, 1e5}}, 0.2, 0.0, 0.8);
     stage.scene.vertical_fov_rad = 0.0;
     stage.scene.orthographic_height_m = 0.5;
-    world = world_of(&stage);
+    world = make_povray_world(&stage);
     stage.scene.orthographic_height_m = 4.0;
     assert_int_equal(neph_povray_world(&stage.scene, 0, 4000, 40000, 50, &world, &diag),
                      NEPH_ERR_UNSUPPORTED);
@@ -452,7 +455,7 @@ static void test_eye_on_a_solid_is_refused(void **state)
     struct neph_povray_world world;
     test_stage(&stage, (struct neph_vec3){0.0, 1e-10, 0.0}, (struct neph_vec3){0.0, 2.0, -3.0});
     add_box(&stage, (struct neph_bounds){{-5.0, -1.0, -5.0}, {5.0, 0.0, 5.0}}, 0.5);
-    world = world_of(&stage);
+    world = make_povray_world(&stage);
     stage.key.look_at_m.y = -2.0;
     assert_int_equal(neph_povray_world(&stage.scene, 0, WIDTH, HEIGHT, 50, &world, &diag),
                      NEPH_ERR_UNSUPPORTED);
@@ -472,14 +475,14 @@ static void test_lights_on_rays_are_refused(void **state)
     struct neph_light *light = &stage.scene.lights[stage.scene.light_count++];
     *light = (struct neph_light){.position_m = neph_vec3_along(ray.origin_m, ray.direction, 12.0),
                                  .intensity_w_per_sr = make_grey(1.0)};
-    world = world_of(&stage);
+    world = make_povray_world(&stage);
     assert_int_equal(neph_povray_cut_rays(&world, &diag), NEPH_ERR_UNSUPPORTED);
     assert_non_null(strstr(diag.message, "the ray of pixel (20, 7) passes light 1"));
     light->is_spot = true;
     light->axis = (struct neph_vec3){0.0, 1.0, 0.0};
     light->inner_cosine = 0.9;
     light->outer_cosine = 0.8;
-    world = world_of(&stage);
+    world = make_povray_world(&stage);
     neph_assert_ok(neph_povray_cut_rays(&world, &diag), &diag);
 }
 
@@ -521,7 +524,7 @@ static void test_which_surfaces_it_can_render(void **state)
     assert_non_null(strstr(reason, "radiosity_rays"));
 }
 
-static void test_what_it_can_render(void **state)
+static void test_supported_scenes(void **state)
 {
     char reason[128] = "";
     struct test_scene stage;
@@ -585,7 +588,7 @@ struct difference {
     double mean, truth_mean, largest, largest_relative;
 };
 
-static double value_of(struct neph_rgb colour, int channel)
+static double read_component(struct neph_rgb colour, int channel)
 {
     return neph_povray_component(colour, channel);
 }
@@ -609,13 +612,13 @@ static struct neph_ray_light *trace(const struct test_scene *stage, enum neph_sc
     return lights;
 }
 
-static double truth_of(const struct neph_ray_light *light, enum quantity quantity, int channel)
+static double true_quantity(const struct neph_ray_light *light, enum quantity quantity, int channel)
 {
     switch (quantity) {
     case RADIANCE:
-        return value_of(light->radiance, channel);
+        return read_component(light->radiance, channel);
     case VOLUME:
-        return value_of(light->volume, channel);
+        return read_component(light->volume, channel);
     case TRANSMITTANCE:
         return light->transmittance.r;
     case DEPTH:
@@ -633,7 +636,7 @@ static struct difference compare_with(const struct neph_ray_light *lights,
     assert_non_null(samples);
     for (int j = 0; j < HEIGHT; j++) {
         for (int i = 0; i < WIDTH; i++) {
-            double truth = truth_of(&lights[j * WIDTH + i], quantity, channel);
+            double truth = true_quantity(&lights[j * WIDTH + i], quantity, channel);
             double measured = samples[j * WIDTH + i];
             if (isinf(truth) && isinf(measured))
                 continue;
@@ -1053,7 +1056,7 @@ static enum neph_status render_with(const char *script, double time_limit_s, cha
     return status;
 }
 
-static void test_failures_are_told(void **state)
+static void test_failures_are_reported(void **state)
 {
     char message[1024];
     assert_int_equal(render_with("#!/bin/sh\nexit 0\n", 10.0, message), NEPH_ERR_ENGINE);
@@ -1086,24 +1089,24 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_brackets_recover_values),
         cmocka_unit_test(test_exposures_meet_the_target),
-        cmocka_unit_test(test_black_pictures_end),
+        cmocka_unit_test(test_black_frames_end),
         cmocka_unit_test(test_one_bright_pixel_leaves_the_others),
         cmocka_unit_test(test_depth_digits_recover_depth),
         cmocka_unit_test(test_phase_constants),
-        cmocka_unit_test(test_text_holds_no_string_of_the_scene),
-        cmocka_unit_test(test_text_refuses_what_is_not_a_number),
+        cmocka_unit_test(test_text_has_no_string_of_the_scene),
+        cmocka_unit_test(test_text_refuses_nan),
         cmocka_unit_test(test_text_of_surfaces),
         cmocka_unit_test(test_noise_s_file),
-        cmocka_unit_test(test_faces_of_containers_stand_alone),
+        cmocka_unit_test(test_faces_of_containers_are_separate),
         cmocka_unit_test(test_faces_keep_off_the_eye),
         cmocka_unit_test(test_crowds_of_origins_are_refused),
         cmocka_unit_test(test_lights_on_rays_are_refused),
         cmocka_unit_test(test_eye_on_a_solid_is_refused),
         cmocka_unit_test(test_text_near_eyes_and_lights),
-        cmocka_unit_test(test_what_it_can_render),
+        cmocka_unit_test(test_supported_scenes),
         cmocka_unit_test(test_which_surfaces_it_can_render),
         cmocka_unit_test(test_probe_without_povray),
-        cmocka_unit_test(test_failures_are_told),
+        cmocka_unit_test(test_failures_are_reported),
         cmocka_unit_test(test_probe_tries_it),
     };
     const struct CMUnitTest engine_tests[] = {

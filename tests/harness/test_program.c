@@ -61,7 +61,8 @@ static void ask(const char *expected_text, char build[NEPH_BUILD_SIZE])
 {
     char *text = NULL;
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_program_ask("witness", "Witness ", 10.0, &text, build, &diag), &diag);
+    neph_assert_ok(neph_program_query_version("witness", "Witness ", 10.0, &text, build, &diag),
+                   &diag);
     assert_string_equal(text, expected_text);
     assert_int_equal(strspn(build, "0123456789abcdef"), NEPH_BUILD_SIZE - 1);
     free(text);
@@ -117,7 +118,7 @@ static void test_a_killed_probe_is_swept(void **state)
     const pid_t neph = fork();
     if (neph == 0) {
         char *text = NULL;
-        neph_program_ask("witness", "Witness ", 60.0, &text, build, NULL);
+        neph_program_query_version("witness", "Witness ", 60.0, &text, build, NULL);
         _exit(0);
     }
     while (count_entries(place->folder) < 3) /* the program, the folder, its lock */
@@ -137,11 +138,11 @@ static void test_failures(void **state)
     char *text = NULL, build[NEPH_BUILD_SIZE] = "";
     struct neph_diag diag = {0};
     install(place, "#!/bin/sh\necho broken; exit 3\n");
-    assert_int_equal(neph_program_ask("witness", "Witness ", 10.0, &text, build, &diag),
+    assert_int_equal(neph_program_query_version("witness", "Witness ", 10.0, &text, build, &diag),
                      NEPH_ERR_ENGINE);
     assert_non_null(strstr(diag.message, "broken"));
     setenv("TMPDIR", "/nonexistent", 1);
-    assert_int_equal(neph_program_ask("witness", "Witness ", 10.0, &text, build, &diag),
+    assert_int_equal(neph_program_query_version("witness", "Witness ", 10.0, &text, build, &diag),
                      NEPH_ERR_IO);
     assert_non_null(strstr(diag.message, "TMPDIR"));
     assert_null(text);

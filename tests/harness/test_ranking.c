@@ -36,7 +36,7 @@ static double at_step(int x, int y)
 }
 
 /* Grey 1 plus an error; `step`: the right half is twice as bright. */
-static struct neph_image *image_of(double (*error)(int x, int y), bool step)
+static struct neph_image *make_error_image(double (*error)(int x, int y), bool step)
 {
     struct neph_image *image = grey_image(SIDE, SIDE, 1.0);
     for (int y = 0; y < SIDE; y++)
@@ -48,8 +48,9 @@ static struct neph_image *image_of(double (*error)(int x, int y), bool step)
 
 /* ---- parts of the error ---------------------------------------------------------------------- */
 
-static struct neph_error_parts parts_of(struct neph_image *reference, struct neph_image *test,
-                                        struct neph_image *second)
+static struct neph_error_parts measure_error_parts(struct neph_image *reference,
+                                                   struct neph_image *test,
+                                                   struct neph_image *second)
 {
     struct neph_error_parts parts;
     struct neph_diag diag = {0};
@@ -65,8 +66,9 @@ static struct neph_error_parts parts_of(struct neph_image *reference, struct nep
 static void test_an_offset_is_all_of_its_error(void **state)
 {
     (void)state;
-    struct neph_image *test = image_of(offset, false);
-    const struct neph_error_parts parts = parts_of(image_of(none, false), test, test);
+    struct neph_image *test = make_error_image(offset, false);
+    const struct neph_error_parts parts = measure_error_parts(make_error_image(none, false), test,
+                                                              test);
     neph_assert_close(parts.offset_share, 1.0, 1e-5,
                       0.0); /* float32 frames: 6e-8 / 0.02, squared */
     neph_assert_close(parts.noise_share, 0.0, 0.0, 0.0);
@@ -76,23 +78,26 @@ static void test_an_offset_is_all_of_its_error(void **state)
 
 /* Two frames with errors +e and -e differ by 2 e: half of its square is twice the squared error of
  * one frame. */
-static void test_noise_is_what_two_seeds_differ_by(void **state)
+static void test_noise_from_two_seeds(void **state)
 {
     (void)state;
-    struct neph_image *test = image_of(alternating, false), *second = image_of(none, false);
-    const struct neph_error_parts parts = parts_of(image_of(none, false), test, second);
+    struct neph_image *test = make_error_image(alternating, false),
+                      *second = make_error_image(none, false);
+    const struct neph_error_parts parts = measure_error_parts(make_error_image(none, false), test,
+                                                              second);
     neph_assert_close(parts.noise_share, 0.5, 1e-5, 0.0);
     neph_assert_close(parts.offset_share, 0.0, 0.0, 1e-9);
-    struct neph_image *lone = image_of(alternating, false);
-    assert_true(isnan(parts_of(image_of(none, false), lone, NULL).noise_share));
+    struct neph_image *lone = make_error_image(alternating, false);
+    assert_true(isnan(measure_error_parts(make_error_image(none, false), lone, NULL).noise_share));
 }
 
 /* Columns 31 - 2 to 32 + 2 are at the step: 6 of 64. */
 static void test_edges_are_those_of_the_reference(void **state)
 {
     (void)state;
-    struct neph_image *test = image_of(at_step, true);
-    const struct neph_error_parts parts = parts_of(image_of(none, true), test, test);
+    struct neph_image *test = make_error_image(at_step, true);
+    const struct neph_error_parts parts = measure_error_parts(make_error_image(none, true), test,
+                                                              test);
     neph_assert_close(parts.edge_share, 1.0, 1e-12, 0.0);
     neph_assert_close(parts.edge_pixel_share, 6.0 / SIDE, 1e-12, 0.0);
 }
@@ -100,8 +105,8 @@ static void test_edges_are_those_of_the_reference(void **state)
 static void test_frames_without_a_difference_have_no_parts(void **state)
 {
     (void)state;
-    struct neph_image *test = image_of(none, false);
-    assert_true(isnan(parts_of(image_of(none, false), test, test).offset_share));
+    struct neph_image *test = make_error_image(none, false);
+    assert_true(isnan(measure_error_parts(make_error_image(none, false), test, test).offset_share));
 }
 
 /* ---- order ----------------------------------------------------------------------------------- */
@@ -111,7 +116,8 @@ static void measure(struct neph_frame_result *frame, const char *engine,
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     struct neph_diag diag = {0};
-    struct neph_image *reference = image_of(none, step), *test = image_of(error, step);
+    struct neph_image *reference = make_error_image(none, step),
+                      *test = make_error_image(error, step);
     const struct neph_error_frames frames = {reference, reference, test, test};
     *frame = (struct neph_frame_result){
         .engine = neph_engine_find(engine), .reason = "", .note = "", .settings = ""};
@@ -183,7 +189,7 @@ static void test_a_failed_gate_comes_first(void **state)
     end(&run);
 }
 
-static void test_the_cause_is_what_was_measured(void **state)
+static void test_the_cause_follows_the_measures(void **state)
 {
     (void)state;
     struct run run;
@@ -211,12 +217,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_an_offset_is_all_of_its_error),
-        cmocka_unit_test(test_noise_is_what_two_seeds_differ_by),
+        cmocka_unit_test(test_noise_from_two_seeds),
         cmocka_unit_test(test_edges_are_those_of_the_reference),
         cmocka_unit_test(test_frames_without_a_difference_have_no_parts),
         cmocka_unit_test(test_a_small_bias_does_not_hide_a_large_rmse),
         cmocka_unit_test(test_a_failed_gate_comes_first),
-        cmocka_unit_test(test_the_cause_is_what_was_measured),
+        cmocka_unit_test(test_the_cause_follows_the_measures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

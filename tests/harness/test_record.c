@@ -74,7 +74,7 @@ static void test_records_that_differ_in_any_field(void **state)
         assert_false(neph_record_is_equal(&form, &one, &others[i]));
 }
 
-static void test_what_json_lacks_is_nothing(void **state)
+static void test_missing_json_keys_are_empty(void **state)
 {
     struct sample read;
     neph_record_read(&form, NULL, NULL, &read);
@@ -87,7 +87,7 @@ static void test_what_json_lacks_is_nothing(void **state)
 }
 
 /* The order of keys does not matter. */
-static void test_a_digest_is_of_what_json_says(void **state)
+static void test_a_digest_depends_on_json_content(void **state)
 {
     char path[SCRATCH_PATH_MAX], a[NEPH_HASH_HEX_SIZE], b[NEPH_HASH_HEX_SIZE];
     json_t *one = json_pack("{s:i, s:f}", "a", 1, "b", 0.1), *read = NULL;
@@ -110,8 +110,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         scratch_test(test_a_record_survives_json_and_the_database),
         cmocka_unit_test(test_records_that_differ_in_any_field),
-        cmocka_unit_test(test_what_json_lacks_is_nothing),
-        scratch_test(test_a_digest_is_of_what_json_says),
+        cmocka_unit_test(test_missing_json_keys_are_empty),
+        scratch_test(test_a_digest_depends_on_json_content),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

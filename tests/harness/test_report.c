@@ -68,7 +68,8 @@ static int chart_runs(void **state)
     return (int)info.st_size / (int)strlen("run\n");
 }
 
-static struct neph_frame_result frame_of(void **state, struct neph_arena *arena, const char *engine)
+static struct neph_frame_result make_frame_result(void **state, struct neph_arena *arena,
+                                                  const char *engine)
 {
     char path[SCRATCH_PATH_MAX], name[64];
     snprintf(name, sizeof(name), "%s.exr", engine);
@@ -77,16 +78,16 @@ static struct neph_frame_result frame_of(void **state, struct neph_arena *arena,
         .reason = "",
         .note = "",
         .settings = "",
-        .path = neph_arena_text(arena, scratch_path(state, path, name))};
+        .path = neph_arena_copy_text(arena, scratch_path(state, path, name))};
 }
 
 /* The truth and one engine. */
 static void add_scene(void **state, struct neph_validation *validation, const char *name)
 {
     struct neph_arena *arena = &validation->arena;
-    struct neph_frame_result *frames = neph_arena_zeroed(arena, 2, sizeof(*frames));
-    frames[0] = frame_of(state, arena, "exact");
-    frames[1] = frame_of(state, arena, "march");
+    struct neph_frame_result *frames = neph_arena_allocate(arena, 2, sizeof(*frames));
+    frames[0] = make_frame_result(state, arena, "exact");
+    frames[1] = make_frame_result(state, arena, "march");
     validation->scenes[validation->scene_count++] = (struct neph_scene_result){
         .name = name,
         .title = name,
@@ -98,11 +99,11 @@ static void add_scene(void **state, struct neph_validation *validation, const ch
 }
 
 /* A scene and a chart. */
-static struct neph_validation validation_of(void **state)
+static struct neph_validation make_validation(void **state)
 {
     struct neph_validation made = {.title = "test"};
-    made.scenes = neph_arena_zeroed(&made.arena, SCENES_MAX, sizeof(*made.scenes));
-    made.charts = neph_arena_zeroed(&made.arena, 1, sizeof(*made.charts));
+    made.scenes = neph_arena_allocate(&made.arena, SCENES_MAX, sizeof(*made.scenes));
+    made.charts = neph_arena_allocate(&made.arena, 1, sizeof(*made.charts));
     made.chart_count = 1;
     made.charts[0] = (struct neph_chart){
         .id = "speed", .title = "", .caption = "", .spec = json_pack("{s:i}", "width", 1)};
@@ -126,7 +127,7 @@ static void publish(struct neph_report *report, struct neph_validation *validati
     neph_assert_ok(neph_report_publish(report, validation, &diag), &diag);
 }
 
-static ino_t inode_of(void **state, const char *name)
+static ino_t read_inode(void **state, const char *name)
 {
     char path[SCRATCH_PATH_MAX];
     struct stat info;
@@ -158,22 +159,22 @@ static int count_in_out(void **state)
     return scratch_count(&inner_state);
 }
 
-static void test_what_is_drawn_is_drawn_once(void **state)
+static void test_a_chart_is_drawn_once(void **state)
 {
     struct neph_report *report = open_report(state);
-    struct neph_validation validation = validation_of(state);
+    struct neph_validation validation = make_validation(state);
     publish(report, &validation);
-    const ino_t picture = inode_of(state, "out/report/images/fog/march.png");
+    const ino_t picture = read_inode(state, "out/report/images/fog/march.png");
     assert_int_equal(chart_runs(state), 1);
     assert_true(is_published(state, &validation));
 
     add_scene(state, &validation, "smoke");
     publish(report, &validation);
-    assert_true(inode_of(state, "out/report/images/fog/march.png") == picture);
-    inode_of(state, "out/report/images/smoke/march.png");
-    inode_of(state, "out/report/images/smoke/march_difference_radiance.png");
-    inode_of(state, "out/report/charts/speed.svg");
-    inode_of(state, "out/report/index.html");
+    assert_true(read_inode(state, "out/report/images/fog/march.png") == picture);
+    read_inode(state, "out/report/images/smoke/march.png");
+    read_inode(state, "out/report/images/smoke/march_difference_radiance.png");
+    read_inode(state, "out/report/charts/speed.svg");
+    read_inode(state, "out/report/index.html");
     assert_int_equal(chart_runs(state), 1);
     assert_string_equal(validation.scenes[1].frames[1].picture, "images/smoke/march.png");
     assert_string_equal(validation.charts[0].svg, "charts/speed.svg");
@@ -186,13 +187,13 @@ static void test_what_is_drawn_is_drawn_once(void **state)
 static void test_a_scene_has_a_viewer(void **state)
 {
     struct neph_report *report = open_report(state);
-    struct neph_validation validation = validation_of(state);
+    struct neph_validation validation = make_validation(state);
     publish(report, &validation);
-    const ino_t frame = inode_of(state, "out/report/view/fog/frames/1_0_radiance.js");
-    inode_of(state, "out/report/view/fog/index.html");
-    inode_of(state, "out/report/view/fog/view_paint.js");
+    const ino_t frame = read_inode(state, "out/report/view/fog/frames/1_0_radiance.js");
+    read_inode(state, "out/report/view/fog/index.html");
+    read_inode(state, "out/report/view/fog/view_paint.js");
     publish(report, &validation);
-    assert_true(inode_of(state, "out/report/view/fog/frames/1_0_radiance.js") == frame);
+    assert_true(read_inode(state, "out/report/view/fog/frames/1_0_radiance.js") == frame);
     assert_string_equal(validation.scenes[0].viewer, "view/fog/index.html");
     neph_report_close(report);
     neph_validation_finish(&validation);
@@ -205,7 +206,7 @@ static void test_a_page_beside_it_is_taken(void **state)
     char folder[SCRATCH_PATH_MAX], page[SCRATCH_PATH_MAX];
     struct neph_diag diag = {0};
     struct neph_report *report = open_report(state);
-    struct neph_validation validation = validation_of(state);
+    struct neph_validation validation = make_validation(state);
     publish(report, &validation);
     assert_false(validation.has_screen);
     neph_assert_ok(neph_dir_create(scratch_path(state, folder, "out/screen"), &diag), &diag);
@@ -220,7 +221,7 @@ static void test_a_page_beside_it_is_taken(void **state)
     publish(report, &validation);
     publish(report, &validation);
     assert_true(validation.has_screen);
-    inode_of(state, "out/report/screen/index.html");
+    read_inode(state, "out/report/screen/index.html");
     json_t *json = neph_validation_json(&validation);
     assert_string_equal(json_string_value(json_object_get(json, "screen")), "screen/index.html");
     json_decref(json);
@@ -234,7 +235,7 @@ static void test_a_scene_may_have_no_viewer(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     struct neph_report *report = open_report(state);
-    struct neph_validation validation = validation_of(state);
+    struct neph_validation validation = make_validation(state);
     write_frame(state, "march.exr", NAN);
     publish(report, &validation);
     assert_null(validation.scenes[0].viewer);
@@ -244,7 +245,7 @@ static void test_a_scene_may_have_no_viewer(void **state)
     validation.scenes[1].width_px = validation.scenes[1].height_px = 1024;
     publish(report, &validation);
     assert_null(validation.scenes[1].viewer);
-    inode_of(state, "out/report/images/smoke/march.png");
+    read_inode(state, "out/report/images/smoke/march.png");
     assert_true(is_published(state, &validation));
     neph_report_close(report);
     neph_validation_finish(&validation);
@@ -253,14 +254,14 @@ static void test_a_scene_may_have_no_viewer(void **state)
 static void test_a_failure_leaves_the_report_before(void **state)
 {
     struct neph_report *report = open_report(state);
-    struct neph_validation validation = validation_of(state);
+    struct neph_validation validation = make_validation(state);
     publish(report, &validation);
-    const ino_t page = inode_of(state, "out/report");
+    const ino_t page = read_inode(state, "out/report");
     add_scene(state, &validation, "smoke");
     validation.scenes[1].frames[1].path = "/nowhere.exr";
     struct neph_diag diag = {0};
     assert_int_equal(neph_report_publish(report, &validation, &diag), NEPH_ERR_NOT_FOUND);
-    assert_true(inode_of(state, "out/report") == page);
+    assert_true(read_inode(state, "out/report") == page);
     neph_report_close(report);
     assert_int_equal(count_in_out(state), 1);
     neph_validation_finish(&validation);
@@ -269,7 +270,7 @@ static void test_a_failure_leaves_the_report_before(void **state)
 static void test_the_last_of_two_runs_stands(void **state)
 {
     struct neph_report *first = open_report(state), *second = open_report(state);
-    struct neph_validation one = validation_of(state), two = validation_of(state);
+    struct neph_validation one = make_validation(state), two = make_validation(state);
     one.title = "one";
     two.title = "two";
     publish(first, &one);
@@ -289,12 +290,12 @@ static void test_folders_of_others_are_given_back(void **state)
     char path[SCRATCH_PATH_MAX];
     struct neph_diag diag = {0};
     struct neph_report *report = open_report(state);
-    struct neph_validation validation = validation_of(state);
+    struct neph_validation validation = make_validation(state);
     put(state, "out/report/thesis.tex", "put there while neph was rendering");
     assert_int_equal(neph_report_publish(report, &validation, &diag), NEPH_ERR_USAGE);
     assert_non_null(strstr(diag.message, scratch_path(state, path, "out/report")));
     neph_report_close(report);
-    inode_of(state, "out/report/thesis.tex");
+    read_inode(state, "out/report/thesis.tex");
     assert_int_equal(count_in_out(state), 1);
     report = NULL;
     assert_int_equal(neph_report_open(path, &report, &diag), NEPH_ERR_USAGE);
@@ -309,13 +310,13 @@ static void test_a_link_to_a_report_stays_a_link(void **state)
     neph_assert_ok(neph_dir_create(scratch_path(state, path, "out"), NULL), NULL);
     assert_int_equal(symlink(target, scratch_path(state, path, "out/report")), 0);
     struct neph_report *report = open_report(state);
-    struct neph_validation validation = validation_of(state);
+    struct neph_validation validation = make_validation(state);
     publish(report, &validation);
     publish(report, &validation);
     neph_report_close(report);
     assert_int_equal(lstat(path, &info), 0);
     assert_true(S_ISLNK(info.st_mode));
-    inode_of(state, "elsewhere/page/index.html");
+    read_inode(state, "elsewhere/page/index.html");
     neph_validation_finish(&validation);
 }
 
@@ -331,7 +332,7 @@ static void assert_verdict(const struct neph_validation *validation, const char 
 /* "pass" refers only to frames that were compared. */
 static void test_a_verdict_names_the_engines_that_it_is_without(void **state)
 {
-    struct neph_validation made = validation_of(state);
+    struct neph_validation made = make_validation(state);
     add_scene(state, &made, "cloud");
     made.field = (struct neph_run_engines){
         .count = 2, .engines = {neph_engine_find("exact"), neph_engine_find("march")}};
@@ -356,7 +357,7 @@ static void test_a_verdict_names_the_engines_that_it_is_without(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        report_test(test_what_is_drawn_is_drawn_once),
+        report_test(test_a_chart_is_drawn_once),
         report_test(test_a_scene_has_a_viewer),
         report_test(test_a_page_beside_it_is_taken),
         report_test(test_a_scene_may_have_no_viewer),

@@ -59,7 +59,7 @@ static void test_verdicts_on_exponents(void **state)
         {{0.95, 0.91, 0.99, 5}, NEPH_EXPONENT_EXPECTED},
         {{1.3, 1.2, 1.4, 5}, NEPH_EXPONENT_OTHER},
         {{0.0, 0.0, 0.0, 5}, NEPH_EXPONENT_OTHER},
-        {{1.0, 0.5, 1.5, 5}, NEPH_EXPONENT_UNTOLD},
+        {{1.0, 0.5, 1.5, 5}, NEPH_EXPONENT_UNCERTAIN},
         {{NAN, NAN, NAN, 1}, NEPH_EXPONENT_NONE},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
@@ -117,9 +117,9 @@ static void test_a_scene_of_so_many_voxels(void **state)
     neph_scene_destroy(blob);
 }
 
-static const struct neph_ladder_light *light_named(const char *name)
+static const struct neph_candidate_lighting *light_named(const char *name)
 {
-    const struct neph_ladder_light *light = neph_ladder_lights;
+    const struct neph_candidate_lighting *light = neph_candidate_lightings;
     while (strcmp(light->name, name) != 0)
         light++;
     return light;
@@ -138,8 +138,8 @@ static void test_parts_for_motion(void **state)
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct neph_scene *scene = load(cases[i].scene);
-        char text[NEPH_LADDER_HELD_SIZE];
-        neph_ladder_held(scene, light_named("scattered once"), true, false, text);
+        char text[NEPH_CANDIDATE_SETTINGS_SIZE];
+        neph_candidate_settings(scene, light_named("scattered once"), true, false, text);
         assert_string_equal(text, cases[i].without);
         neph_scene_destroy(scene);
     }
@@ -169,11 +169,11 @@ static void test_parts_of_the_air(void **state)
         struct neph_scene *scene = load(cases[i].scene);
         struct neph_sweep_plan plan;
         int rungs = 0;
-        char text[NEPH_LADDER_HELD_SIZE];
-        neph_ladder_held(scene, light_named(cases[i].light), false, true, text);
+        char text[NEPH_CANDIDATE_SETTINGS_SIZE];
+        neph_candidate_settings(scene, light_named(cases[i].light), false, true, text);
         print_message("%s, %s: '%s'\n", cases[i].scene, cases[i].light, text);
         assert_string_equal(text, cases[i].with);
-        neph_assert_ok(neph_ladder_plan(scene, false, 64, 36, &plan, NULL), NULL);
+        neph_assert_ok(neph_candidate_plan(scene, false, 64, 36, &plan, NULL), NULL);
         for (int s = 0; s < plan.series_count; s++)
             rungs += strstr(plan.series[s].name, "+air, ") != NULL;
         assert_int_equal(rungs, cases[i].rungs);
@@ -195,10 +195,10 @@ static void test_the_ladder_has_engines_of_one_kind(void **state)
         struct neph_scene *scene = load(cases[i].scene);
         struct neph_sweep_plan plan;
         char found[64] = "";
-        neph_assert_ok(neph_ladder_plan(scene, false, 64, 36, &plan, NULL), NULL);
+        neph_assert_ok(neph_candidate_plan(scene, false, 64, 36, &plan, NULL), NULL);
         for (int s = 0; s < plan.series_count; s++)
-            for (int n = 0; neph_ladder_narrow[n]; n++)
-                if (strcmp(plan.series[s].engine, neph_ladder_narrow[n]) == 0)
+            for (int n = 0; neph_candidate_special_engines[n]; n++)
+                if (strcmp(plan.series[s].engine, neph_candidate_special_engines[n]) == 0)
                     strcat(strcat(found, plan.series[s].name), " ");
         assert_string_equal(found, cases[i].engines);
         neph_sweep_plan_finish(&plan);
@@ -248,7 +248,7 @@ static void test_the_ladder_has_a_guest(void **state)
             setenv("NEPH_COMMAND", path, 1);
         else
             unsetenv("NEPH_COMMAND");
-        neph_assert_ok(neph_ladder_plan(scene, false, 64, 36, &plan, &diag), &diag);
+        neph_assert_ok(neph_candidate_plan(scene, false, 64, 36, &plan, &diag), &diag);
         assert_int_equal(strcmp(plan.series[plan.series_count - 1].engine, "command") == 0, with);
         neph_sweep_plan_finish(&plan);
     }
@@ -302,13 +302,14 @@ static void test_fronts_hold_up_to_intervals(void **state)
     /* The second point is beaten: an error 1.5 times as large at twice the cost. A reduction of
      * both by a third would put it on the front. */
     make_sweep(&series, 1.5, 0.1, points[1], &sweeps[1]);
-    assert_true(fabs(neph_stability_off(sweeps, SWEEPS, 1, NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR) -
+    assert_true(fabs(neph_stability_front_distance(sweeps, SWEEPS, 1, NEPH_SWEEP_COST_WORK,
+                                                   NEPH_SWEEP_ERROR) -
                      0.5) < 1e-12);
-    assert_true(neph_stability_off(sweeps, SWEEPS, 2, NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR) ==
-                0.0);
+    assert_true(neph_stability_front_distance(sweeps, SWEEPS, 2, NEPH_SWEEP_COST_WORK,
+                                              NEPH_SWEEP_ERROR) == 0.0);
     /* A point beats neither itself nor an equal one. */
-    assert_false(
-        neph_stability_beats(&points[0][0], &points[0][0], NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR));
+    assert_false(neph_stability_dominates(&points[0][0], &points[0][0], NEPH_SWEEP_COST_WORK,
+                                          NEPH_SWEEP_ERROR));
 }
 
 /* --- seeds ---------------------------------------------------------------------------------- */
@@ -323,7 +324,7 @@ static double normal(uint64_t *seed)
 }
 
 /* Three seeds of a value that has no interval: 95 % of the computed intervals contain the truth. */
-static void test_intervals_hold_what_seeds_differ_by(void **state)
+static void test_intervals_of_seeds_cover_the_truth(void **state)
 {
     enum { TRIALS = 2000, SEEDS = 3 };
     uint64_t seed = 20261125;
@@ -332,7 +333,7 @@ static void test_intervals_hold_what_seeds_differ_by(void **state)
         struct neph_sweep_value values[SEEDS];
         for (int i = 0; i < SEEDS; i++)
             values[i] = (struct neph_sweep_value){1.0 + 0.1 * normal(&seed), NAN, NAN};
-        const struct neph_sweep_value mean = neph_sweep_repeated(values, SEEDS);
+        const struct neph_sweep_value mean = neph_sweep_average_seeds(values, SEEDS);
         held += mean.low <= 1.0 && 1.0 <= mean.high;
     }
     /* 95 %, plus or minus four standard deviations of the count */
@@ -340,17 +341,17 @@ static void test_intervals_hold_what_seeds_differ_by(void **state)
     /* One seed has the interval over its pixels. Several seeds have both intervals, added as
      * squares. */
     const struct neph_sweep_value one = {2.0, 1.7, 2.4}, same[] = {one, one, one};
-    const struct neph_sweep_value alone = neph_sweep_repeated(&one, 1),
-                                  three = neph_sweep_repeated(same, 3);
+    const struct neph_sweep_value alone = neph_sweep_average_seeds(&one, 1),
+                                  three = neph_sweep_average_seeds(same, 3);
     assert_true(alone.low == 1.7 && alone.high == 2.4);
     assert_true(three.value == 2.0 && fabs(three.low - 1.7) < 1e-12 &&
                 fabs(three.high - 2.4) < 1e-12);
     /* Student's t for two degrees of freedom is 4.302653; the mean's error is 0.1 / sqrt(3). */
     const struct neph_sweep_value apart[] = {{1.9, 1.6, 2.2}, {2.0, 1.7, 2.3}, {2.1, 1.8, 2.4}};
-    const struct neph_sweep_value both = neph_sweep_repeated(apart, 3);
+    const struct neph_sweep_value both = neph_sweep_average_seeds(apart, 3);
     assert_true(fabs(both.high - 2.0 - hypot(0.3, 4.302653 * 0.1 / sqrt(3.0))) < 1e-6);
-    assert_true(
-        isnan(neph_sweep_repeated((struct neph_sweep_value[]){one, {NAN, NAN, NAN}}, 2).value));
+    assert_true(isnan(
+        neph_sweep_average_seeds((struct neph_sweep_value[]){one, {NAN, NAN, NAN}}, 2).value));
 }
 
 /* Sweeps with consecutive seeds have no seed in common, neither of points nor of the truth. */
@@ -388,7 +389,8 @@ static int moved_points(uint64_t *seed, double noise, int gone)
                                                       NAN};
             points[s][i] = (struct neph_sweep_point){
                 .series = &series, .evaluations = 1.0 + i, .time = {NAN, NAN, NAN}};
-            points[s][i].numbers[NEPH_SWEEP_ERROR] = neph_sweep_repeated(values, PLANTED_SEEDS);
+            points[s][i].numbers[NEPH_SWEEP_ERROR] = neph_sweep_average_seeds(values,
+                                                                              PLANTED_SEEDS);
             front[i].values[0] = points[s][i].evaluations;
             front[i].values[1] = points[s][i].numbers[NEPH_SWEEP_ERROR].value;
         }

@@ -267,7 +267,7 @@ static const struct refused {
      "'f*' has more than one sequence"},
 };
 
-static void test_what_is_no_sequence_is_refused(void **state)
+static void test_invalid_sequences_are_refused(void **state)
 {
     for (size_t i = 0; i < sizeof(refused) / sizeof(refused[0]); i++) {
         struct neph_sequence sequence = {.count = -1};
@@ -578,7 +578,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         scratch_test(test_words_become_files),
-        scratch_test(test_what_is_no_sequence_is_refused),
+        scratch_test(test_invalid_sequences_are_refused),
         scratch_test(test_gaps_and_doubles_by_position),
         scratch_test(test_numbers_order_random_names),
         scratch_test(test_frames_belong_together_by_number),

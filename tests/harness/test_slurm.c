@@ -50,7 +50,7 @@ static char *told(void **state)
     return text;
 }
 
-static void assert_told(const char *all, const char *words)
+static void assert_recorded(const char *all, const char *words)
 {
     if (!strstr(all, words))
         fail_msg("'%s' is not in what was told:\n%s", words, all);
@@ -95,16 +95,17 @@ static void test_arrays_are_as_long_as_allowed_and_go_to_marked_hosts(void **sta
     assert_string_equal(text, "b\nc\ne\nf\nh\na\nd\ng\n"); /* by hosts, otherwise in order */
     free(text);
     /* 3 + 2 tasks for any host, 3 timed tasks: no array has both kinds, none is longer than 3. */
-    assert_told(all, "<--array=0-2%2> <--account=a> <--mem=4G> <--wrap> "
-                     "<eval \"exec $(sed -n $((1 + SLURM_ARRAY_TASK_ID))p '");
-    assert_told(all, "<--array=0-1%2> <--account=a> <--mem=4G> <--wrap> "
-                     "<eval \"exec $(sed -n $((4 + SLURM_ARRAY_TASK_ID))p '");
-    assert_told(all, "<--array=0-2%2> <--constraint=quiet> <--exclusive> <--account=a> <--mem=4G> "
-                     "<--wrap> <eval \"exec $(sed -n $((6 + SLURM_ARRAY_TASK_ID))p '");
-    assert_told(all, "/it'\\''s/manifest')\">");
-    assert_told(all, "<--partition=render>");
-    assert_told(all, "<--dependency=afterany:1:2:3> <--account=a> <--mem=4G> <--wrap> "
-                     "<exec neph --report>");
+    assert_recorded(all, "<--array=0-2%2> <--account=a> <--mem=4G> <--wrap> "
+                         "<eval \"exec $(sed -n $((1 + SLURM_ARRAY_TASK_ID))p '");
+    assert_recorded(all, "<--array=0-1%2> <--account=a> <--mem=4G> <--wrap> "
+                         "<eval \"exec $(sed -n $((4 + SLURM_ARRAY_TASK_ID))p '");
+    assert_recorded(all,
+                    "<--array=0-2%2> <--constraint=quiet> <--exclusive> <--account=a> <--mem=4G> "
+                    "<--wrap> <eval \"exec $(sed -n $((6 + SLURM_ARRAY_TASK_ID))p '");
+    assert_recorded(all, "/it'\\''s/manifest')\">");
+    assert_recorded(all, "<--partition=render>");
+    assert_recorded(all, "<--dependency=afterany:1:2:3> <--account=a> <--mem=4G> <--wrap> "
+                         "<exec neph --report>");
     int commands = 0;
     for (const char *at = all; (at = strstr(at, "sbatch <--parsable> <--requeue>")); at++)
         commands++;
@@ -124,13 +125,13 @@ static void test_gpu_jobs_go_to_gpu_hosts(void **state)
     b.batch.last.wants_gpu = true;
     neph_assert_ok(neph_slurm_submit(&settings, &b.batch, NULL), NULL);
     char *all = told(state);
-    assert_told(all, "<--array=0-0> <--constraint=h100> <--wrap>");
-    assert_told(all, "<--array=0-0> <--constraint=quiet&h100> <--exclusive> <--wrap>");
-    assert_told(all, "<--dependency=afterany:1:2> <--constraint=h100> <--wrap>");
+    assert_recorded(all, "<--array=0-0> <--constraint=h100> <--wrap>");
+    assert_recorded(all, "<--array=0-0> <--constraint=quiet&h100> <--exclusive> <--wrap>");
+    assert_recorded(all, "<--dependency=afterany:1:2> <--constraint=h100> <--wrap>");
     free(all);
 }
 
-static void test_nothing_goes_to_hosts_that_nobody_named(void **state)
+static void test_no_job_for_unnamed_hosts(void **state)
 {
     static const struct neph_slurm_settings nothing = {NULL};
     struct batch b;
@@ -139,7 +140,7 @@ static void test_nothing_goes_to_hosts_that_nobody_named(void **state)
     assert_int_equal(neph_slurm_submit(&nothing, &b.batch, &diag), NEPH_ERR_USAGE);
     assert_non_null(strstr(diag.hint, "timing=FEATURE"));
     char *all = told(state); /* earlier jobs are cancelled */
-    assert_told(all, "scancel <--quiet> <--name> <neph-1>");
+    assert_recorded(all, "scancel <--quiet> <--name> <neph-1>");
     free(all);
     b.batch.task_count = 0;
     b.batch.last.wants_gpu = true;
@@ -147,7 +148,7 @@ static void test_nothing_goes_to_hosts_that_nobody_named(void **state)
     assert_non_null(strstr(diag.hint, "gpu=FEATURE"));
 }
 
-static void test_a_refusal_is_told_in_the_words_of_slurm(void **state)
+static void test_a_refusal_quotes_slurm(void **state)
 {
     struct batch b;
     struct neph_diag diag = {.line = 0};
@@ -157,7 +158,7 @@ static void test_a_refusal_is_told_in_the_words_of_slurm(void **state)
     assert_int_equal(neph_slurm_submit(&settings, &b.batch, &diag), NEPH_ERR_ENGINE);
     assert_non_null(strstr(diag.message, "Invalid feature specification"));
     char *all = told(state);
-    assert_told(all, "scancel <--quiet> <--name> <neph-1>");
+    assert_recorded(all, "scancel <--quiet> <--name> <neph-1>");
     free(all);
     b.tasks[3].line = "two\nlines";
     assert_int_equal(neph_slurm_submit(&settings, &b.batch, &diag), NEPH_ERR_USAGE);
@@ -175,7 +176,7 @@ static void test_states_are_counted_and_warnings_are_not(void **state)
                    NULL);
     assert_int_equal(count, 2);
     all = told(state);
-    assert_told(all, "<--name> <neph-1>");
+    assert_recorded(all, "<--name> <neph-1>");
     free(all);
 }
 
@@ -194,7 +195,7 @@ static void test_settings(void **state)
         assert_int_equal(neph_slurm_read_settings(&wrong[i], 1, &settings, NULL), NEPH_ERR_USAGE);
 }
 
-static void test_a_line_is_what_a_shell_reads_back(void **state)
+static void test_a_line_is_shell_quoted(void **state)
 {
     struct neph_arena arena = {NULL};
     const char *const words[] = {"neph", "it's", "", "a b", "$x", NULL};
@@ -209,11 +210,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         fake_test(test_arrays_are_as_long_as_allowed_and_go_to_marked_hosts),
         fake_test(test_gpu_jobs_go_to_gpu_hosts),
-        fake_test(test_nothing_goes_to_hosts_that_nobody_named),
-        fake_test(test_a_refusal_is_told_in_the_words_of_slurm),
+        fake_test(test_no_job_for_unnamed_hosts),
+        fake_test(test_a_refusal_quotes_slurm),
         fake_test(test_states_are_counted_and_warnings_are_not),
         cmocka_unit_test(test_settings),
-        cmocka_unit_test(test_a_line_is_what_a_shell_reads_back),
+        cmocka_unit_test(test_a_line_is_shell_quoted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -24,7 +24,7 @@ static void test_start_up_is_apart_and_the_interval_is_students(void **state)
 {
     const double render_s[] = {4.0, 5.0, 6.0};
     const double half_s = 0.95 / sqrt(2.0 * 0.975 * 0.025) / sqrt(3.0);
-    const struct neph_speed speed = neph_speed_of_renders(render_s, 3, 0.5, 2.0);
+    const struct neph_speed speed = neph_speed_from_renders(render_s, 3, 0.5, 2.0);
     assert_int_equal(speed.repeats, 3);
     assert_is(speed.start_s, 2.5);
     assert_is(speed.render_s, 3.0);
@@ -36,7 +36,7 @@ static void test_start_up_is_apart_and_the_interval_is_students(void **state)
 static void test_one_render_is_no_measurement(void **state)
 {
     const double render_s[] = {4.0};
-    const struct neph_speed speed = neph_speed_of_renders(render_s, 1, 0.5, 0.0);
+    const struct neph_speed speed = neph_speed_from_renders(render_s, 1, 0.5, 0.0);
     json_t *json = neph_speed_json(&speed);
     assert_false(neph_speed_is_measured(&speed));
     assert_true(json_is_null(json));
@@ -48,8 +48,8 @@ static void test_one_render_is_no_measurement(void **state)
 static void test_an_unknown_start_is_no_number(void **state)
 {
     const double render_s[] = {1.0, 1.0};
-    const struct neph_speed unknown = neph_speed_of_renders(render_s, 2, NAN, NAN);
-    const struct neph_speed all_start = neph_speed_of_renders(render_s, 2, 0.0, 7.0);
+    const struct neph_speed unknown = neph_speed_from_renders(render_s, 2, NAN, NAN);
+    const struct neph_speed all_start = neph_speed_from_renders(render_s, 2, 0.0, 7.0);
     json_t *json = neph_speed_json(&unknown);
     assert_true(json_is_null(json_object_get(json, "start_s")));
     assert_is(json_number_value(json_object_get(json, "render_s")), 1.0);
@@ -62,7 +62,7 @@ static void test_the_start_of_a_ladder(void **state)
 {
     const int samples[] = {4, 16, 64};
     const double mean_s[] = {2.5, 5.5, 17.5}, least_s[] = {2.5, 6.5, 17.5};
-    assert_is(neph_rungs_start(samples, mean_s, least_s, 3), 1.5);
+    assert_is(neph_sample_levels_start_time(samples, mean_s, least_s, 3), 1.5);
 }
 
 enum { POINTS = 6, SERIES = 2000 };
@@ -88,12 +88,12 @@ static void test_less_time_for_more_work_is_found(void **state)
     int earlier = -1;
     for (int i = 0; i < POINTS; i++)
         speeds[i] = made_up(0.9 * (i + 1), i + 1.0, 1.1 * (i + 1));
-    assert_int_equal(neph_speed_falls(speeds, POINTS, &earlier), -1);
+    assert_int_equal(neph_speed_find_inversion(speeds, POINTS, &earlier), -1);
     speeds[3] = made_up(1.75, 1.8, 1.9); /* below point 2, 2.7..3.3, and within point 1, 1.8..2.2 */
-    assert_int_equal(neph_speed_falls(speeds, POINTS, &earlier), 3);
+    assert_int_equal(neph_speed_find_inversion(speeds, POINTS, &earlier), 3);
     assert_int_equal(earlier, 2);
     speeds[2].repeats = 0; /* not measured: not compared with any point */
-    assert_int_equal(neph_speed_falls(speeds, POINTS, &earlier), -1);
+    assert_int_equal(neph_speed_find_inversion(speeds, POINTS, &earlier), -1);
 }
 
 /* The duration does not depend on the work, but is noisy: intervals of 95 % are disjoint only by
@@ -114,11 +114,11 @@ static void test_noise_is_not_taken_for_a_fall(void **state)
                 render_s[k] = 1.0 + 0.01 * normal(&random);
                 with_start_s[k] = render_s[k] + (i < 2 ? 1.0 : 0.0);
             }
-            even[i] = neph_speed_of_renders(render_s, 3, 0.0, 0.0);
-            cold[i] = neph_speed_of_renders(with_start_s, 3, 0.0, 0.0);
+            even[i] = neph_speed_from_renders(render_s, 3, 0.0, 0.0);
+            cold[i] = neph_speed_from_renders(with_start_s, 3, 0.0, 0.0);
         }
-        falls += neph_speed_falls(even, POINTS, &earlier) >= 0;
-        found += neph_speed_falls(cold, POINTS, &earlier) >= 0;
+        falls += neph_speed_find_inversion(even, POINTS, &earlier) >= 0;
+        found += neph_speed_find_inversion(cold, POINTS, &earlier) >= 0;
     }
     neph_assert_in_range(falls, 0, SERIES / 20);
     neph_assert_in_range(found, SERIES * 9 / 10, SERIES);

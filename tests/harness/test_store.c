@@ -72,7 +72,7 @@ static void edit_record(void **state, const char *key, const char *old, const ch
     free(path);
 }
 
-static void test_what_is_published_is_found(void **state)
+static void test_published_entries_are_found(void **state)
 {
     struct neph_store *store = open_store(state);
     char path[SCRATCH_PATH_MAX];
@@ -174,7 +174,7 @@ static void test_edited_results_are_absent(void **state)
     neph_store_close(store);
 }
 
-static void test_who_publishes_second_keeps_the_first_if_it_is_good(void **state)
+static void test_the_first_good_entry_stays(void **state)
 {
     struct neph_store *store = open_store(state);
     publish(store, key_a, "frame", 1.0);
@@ -298,13 +298,13 @@ static void test_folders_of_others_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        scratch_test(test_what_is_published_is_found),
+        scratch_test(test_published_entries_are_found),
         scratch_test(test_swapped_entries_are_absent),
         scratch_test(test_edited_records_are_absent),
         scratch_test(test_records_without_signature_are_absent),
         scratch_test(test_damaged_and_missing_files_are_absent),
         scratch_test(test_edited_results_are_absent),
-        scratch_test(test_who_publishes_second_keeps_the_first_if_it_is_good),
+        scratch_test(test_the_first_good_entry_stays),
         scratch_test(test_runs_at_the_same_time_have_folders_of_their_own),
         scratch_test(test_failed_tries_stay_until_their_key_succeeds),
         scratch_test(test_leftovers_are_swept),

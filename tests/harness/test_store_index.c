@@ -62,7 +62,7 @@ static bool has_frame(struct neph_store *store, int number)
     return found;
 }
 
-static json_t *export_of(struct neph_store *store)
+static json_t *export_store(struct neph_store *store)
 {
     json_t *document = NULL;
     struct neph_diag diag = {0};
@@ -73,7 +73,7 @@ static json_t *export_of(struct neph_store *store)
 /* The store's export equals `before`, which is freed. */
 static void assert_exports(struct neph_store *store, json_t *before)
 {
-    json_t *after = export_of(store);
+    json_t *after = export_store(store);
     assert_true(json_equal(before, after));
     json_decref(after);
     json_decref(before);
@@ -81,7 +81,7 @@ static void assert_exports(struct neph_store *store, json_t *before)
 
 static int count_rows(struct neph_store *store, const char *list)
 {
-    json_t *document = export_of(store);
+    json_t *document = export_store(store);
     const int count = (int)json_array_size(json_object_get(document, list));
     json_decref(document);
     return count;
@@ -138,7 +138,7 @@ static void test_a_store_without_a_database_is_taken_over(void **state)
     for (int i = 0; i < 5; i++)
         must_publish(store, i, 100);
     accept(store, "*", make_night(store, "a", 0.25, "0000"), NEPH_OK);
-    json_t *before = export_of(store);
+    json_t *before = export_store(store);
     assert_int_equal(json_array_size(json_object_get(before, "jobs")), 5);
     assert_int_equal(json_array_size(json_object_get(before, "environments")), 1);
     neph_store_close(store);
@@ -181,7 +181,7 @@ static void test_a_damaged_database_costs_nothing_that_was_finished(void **state
     for (int i = 0; i < 12; i++)
         must_publish(store, i, 10);
     make_night(store, "a", 0.25, NULL);
-    json_t *before = export_of(store);
+    json_t *before = export_store(store);
     neph_store_close(store);
     scratch_path(state, path, "store/index/neph.sqlite");
     for (int i = 0; i < neph_test_by_day(10, 300); i++) {
@@ -394,14 +394,14 @@ static void take_fault(const struct neph_store_fault *fault, void *context)
 }
 
 /* SQLite has no checksums: a changed number in its file is formally valid. */
-static void test_check_holds_nights_against_their_documents(void **state)
+static void test_check_compares_runs_and_documents(void **state)
 {
     struct neph_store_sums sums;
     struct neph_database *index = NULL;
     struct neph_store *store = open_store(state);
     int faults = 0;
     make_night(store, "a", 0.25, NULL);
-    json_t *before = export_of(store);
+    json_t *before = export_store(store);
     neph_assert_ok(neph_store_check(store, false, take_fault, &faults, &sums, NULL), NULL);
     assert_int_equal(faults + (int)sums.bad, 0);
     neph_assert_ok(neph_store_index(store, &index, NULL), NULL);
@@ -437,11 +437,11 @@ static json_t *spoil_a_document(void **state, struct neph_store *store, const ch
         scratch_put(folder, "night-000002.json", text);
     else
         assert_int_equal(unlink(scratch_path(state, path, "store/history/night-000002.json")), 0);
-    return export_of(store);
+    return export_store(store);
 }
 
 /* A rebuilt database would not contain the run, and eviction would remove frames of a baseline. */
-static void test_a_repair_keeps_a_night_whose_document_is_missing(void **state)
+static void test_a_repair_keeps_undocumented_runs(void **state)
 {
     struct neph_store_sums sums;
     struct neph_diag diag = {0};
@@ -530,7 +530,7 @@ static void test_gc_takes_the_longest_unused_and_no_baseline(void **state)
     neph_store_close(store);
 }
 
-static void test_gc_tells_what_it_could_not_remove(void **state)
+static void test_gc_reports_failed_removals(void **state)
 {
     char tmp[SCRATCH_PATH_MAX], away[SCRATCH_PATH_MAX];
     struct neph_store *store = open_store(state);
@@ -565,10 +565,10 @@ static void test_hosts_with_databases_of_their_own_agree(void **state)
     struct neph_store *store = open_store(state);
     must_publish(store, 1, 10);
     accept(store, "*", make_night(store, "a", 0.25, NULL), NEPH_OK);
-    json_t *of_a = export_of(store);
+    json_t *of_a = export_store(store);
     be_host(state, "disk_b");
     struct neph_store *other = open_store(state);
-    json_t *of_b = export_of(other);
+    json_t *of_b = export_store(other);
     assert_true(json_array_size(json_object_get(of_a, "nights")) == 1 && json_equal(of_a, of_b));
     must_publish(other, 2, 10);
     assert_int_equal(make_night(other, "b", 0.5, NULL), 2);
@@ -619,7 +619,7 @@ static void test_where_no_database_is_wanted_frames_are_made_all_the_same(void *
 }
 
 /* A nightly run of jobs that begins on one host and ends on another. */
-static void test_a_night_that_ends_on_another_host_is_one_night(void **state)
+static void test_a_run_across_two_hosts_is_one_run(void **state)
 {
     struct neph_database *index = NULL;
     const struct neph_history_night who = {"quick", "a", "program", "host"};
@@ -644,7 +644,7 @@ static void test_a_night_that_ends_on_another_host_is_one_night(void **state)
                      NEPH_ERR_IO); /* the run is finished */
     neph_database_close(index);
     be_host(state, "disk_a");
-    json_t *document = export_of(store);
+    json_t *document = export_store(store);
     const json_t *nights = json_object_get(document, "nights");
     assert_int_equal(json_array_size(nights), 1);
     assert_string_equal(neph_json_text(json_array_get(nights, 0), "started_utc"),
@@ -657,7 +657,7 @@ static void test_a_night_that_ends_on_another_host_is_one_night(void **state)
 
 /* ---- nightly runs ---------------------------------------------------------------------------- */
 
-static void test_a_night_that_was_killed_goes_on(void **state)
+static void test_a_killed_run_resumes(void **state)
 {
     struct neph_store *store = open_store(state);
     struct neph_database *index = NULL;
@@ -739,7 +739,7 @@ static void test_numbers_of_torn_documents_are_not_given_again(void **state)
 }
 
 /* The database would refuse its rows; a good database would be moved away at each opening. */
-static void test_a_step_without_a_time_leaves_its_night_out(void **state)
+static void test_a_step_without_time_skips_its_run(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     struct neph_store *store = open_store(state);
@@ -788,19 +788,19 @@ int main(void)
         scratch_test(test_kills_at_random_moments_are_survived),
         scratch_test(test_runs_at_the_same_time_lose_nothing),
         scratch_test(test_check_finds_a_changed_frame_and_repairs),
-        scratch_test(test_check_holds_nights_against_their_documents),
-        scratch_test(test_a_repair_keeps_a_night_whose_document_is_missing),
+        scratch_test(test_check_compares_runs_and_documents),
+        scratch_test(test_a_repair_keeps_undocumented_runs),
         scratch_test(test_a_repair_writes_a_torn_document_from_its_rows),
         scratch_test(test_gc_takes_the_longest_unused_and_no_baseline),
-        scratch_test(test_gc_tells_what_it_could_not_remove),
+        scratch_test(test_gc_reports_failed_removals),
         scratch_test(test_hosts_with_databases_of_their_own_agree),
         scratch_test(test_a_store_that_was_made_again_is_another),
         scratch_test(test_where_no_database_is_wanted_frames_are_made_all_the_same),
-        scratch_test(test_a_night_that_ends_on_another_host_is_one_night),
-        scratch_test(test_a_night_that_was_killed_goes_on),
+        scratch_test(test_a_run_across_two_hosts_is_one_run),
+        scratch_test(test_a_killed_run_resumes),
         scratch_test(test_acceptances_are_added_and_never_changed),
         scratch_test(test_numbers_of_torn_documents_are_not_given_again),
-        scratch_test(test_a_step_without_a_time_leaves_its_night_out),
+        scratch_test(test_a_step_without_time_skips_its_run),
         scratch_test(test_acceptances_at_the_same_time_are_all_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

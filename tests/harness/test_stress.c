@@ -47,7 +47,7 @@ static void test_verdicts(void **state)
 }
 
 /* A run of one row and two presets. A run without comparisons does not pass. */
-static void test_what_fails_a_run(void **state)
+static void test_failures_of_a_run(void **state)
 {
     static const struct {
         enum neph_stress_verdict verdicts[2];
@@ -63,7 +63,7 @@ static void test_what_fails_a_run(void **state)
         {{NEPH_STRESS_MISSING, NEPH_STRESS_PASS}, true, 1},
         {{NEPH_STRESS_PASS, NEPH_STRESS_NOT_RENDERED}, true, 1},
         {{NEPH_STRESS_CANNOT, NEPH_STRESS_MISSING}, false, 0},
-        {{NEPH_STRESS_SKIP, NEPH_STRESS_NOT_ASKED}, false, 0},
+        {{NEPH_STRESS_SKIP, NEPH_STRESS_NOT_PLANNED}, false, 0},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct neph_stress_cell cells[] = {{.value = 1.0, .verdict = cases[i].verdicts[0]},
@@ -224,7 +224,7 @@ static void plan(struct neph_stress_suite *suite, bool full)
 }
 
 /* As in a run: a preset, or an engine. */
-static struct neph_stress_column column_of(const char *name)
+static struct neph_stress_column make_column(const char *name)
 {
     const struct neph_engine *engine = neph_engine_find(name);
     return (struct neph_stress_column){name, engine ? engine : neph_engine_find("realtime"),
@@ -235,7 +235,7 @@ static bool has_row(const struct neph_stress_suite *suite, const struct neph_str
 {
     for (int r = 0; r < suite->row_count; r++) {
         const struct neph_stress_row *row = &suite->rows[r];
-        const struct neph_stress_column column = column_of(place->preset);
+        const struct neph_stress_column column = make_column(place->preset);
         if (strcmp(row->scene->name, place->scene) == 0 &&
             (!place->point || strcmp(row->point, place->point) == 0) &&
             strcmp(neph_failing_measure_name(row->limit->measure), place->measure) == 0 &&
@@ -284,7 +284,7 @@ static void test_every_expectation_is_of_something(void **state)
 }
 
 /* A preset that a scenario lists, or an engine. */
-static const char *somebody_of(const struct neph_failing *failing)
+static const char *find_any_column(const struct neph_failing *failing)
 {
     if (strcmp(failing->presets, "none") == 0)
         return "march";
@@ -304,8 +304,9 @@ static void test_every_scenario_can_be_run(void **state)
     assert_int_equal(full.scene_count, count);
     assert_true(quick.scene_count > 0 && quick.scene_count < full.scene_count);
     for (int s = 0; s < full.scene_count; s++) {
-        const struct neph_stress_place place = {
-            full.scenes[s]->name, "", somebody_of(full.scenes[s]->failing), "bad_values", "all"};
+        const struct neph_stress_place place = {full.scenes[s]->name, "",
+                                                find_any_column(full.scenes[s]->failing),
+                                                "bad_values", "all"};
         assert_true(has_row(&full, &place));
         for (int p = 1; p < neph_failing_point_count(full.scenes[s]->failing); p++) {
             struct neph_scene *at = NULL;
@@ -355,12 +356,12 @@ static void test_presets_and_engines_choose_columns(void **state)
 }
 
 /* Engines have only measures of single frames, and only in scenarios with fog. */
-static void test_engines_are_asked_for_what_is_of_a_picture(void **state)
+static void test_engines_have_single_frame_measures(void **state)
 {
     struct neph_stress_suite suite;
     int asked = 0;
     plan(&suite, true);
-    const struct neph_stress_column march = column_of("march");
+    const struct neph_stress_column march = make_column("march");
     for (int r = 0; r < suite.row_count; r++) {
         const struct neph_stress_row *row = &suite.rows[r];
         if (!neph_stress_measures(row->scene->failing, row->limit, &march))
@@ -383,7 +384,7 @@ static void test_the_worst_is_first(void **state)
     const struct neph_failing_limit limit = {.limit = 2.0}, zero = {.limit = 0.0};
     struct neph_stress_cell cells[][2] = {
         {{1.0, NEPH_STRESS_PASS, "", NULL, NULL}, {3.0, NEPH_STRESS_KNOWN_FAIL, "", NULL, NULL}},
-        {{3.0, NEPH_STRESS_FAIL, "", NULL, NULL}, {NAN, NEPH_STRESS_NOT_ASKED, "", NULL, NULL}},
+        {{3.0, NEPH_STRESS_FAIL, "", NULL, NULL}, {NAN, NEPH_STRESS_NOT_PLANNED, "", NULL, NULL}},
         {{1.0, NEPH_STRESS_FAIL, "", NULL, NULL}, {NAN, NEPH_STRESS_NO_NUMBER, "", NULL, NULL}},
         {{9.0, NEPH_STRESS_FAIL, "", NULL, NULL}, {0.5, NEPH_STRESS_NEW_PASS, "", NULL, NULL}},
     };
@@ -394,7 +395,7 @@ static void test_the_worst_is_first(void **state)
     const struct neph_stress_suite suite = {.column_count = 2, .row_count = 4, .rows = rows};
     static const int expected[][2] = {{2, 0}, {3, 0}, {1, 0}, {2, 1}, {3, 1}, {0, 1}, {0, 0}};
     int count = 0;
-    struct neph_stress_spot *spots = neph_stress_worst(&suite, &count);
+    struct neph_stress_cell_id *spots = neph_stress_worst(&suite, &count);
     assert_int_equal(count, sizeof(expected) / sizeof(expected[0]));
     for (int i = 0; i < count; i++) {
         assert_int_equal(spots[i].row - rows, expected[i][0]);
@@ -407,7 +408,7 @@ static void test_the_worst_is_first(void **state)
 
 /* ---- trials ---------------------------------------------------------------------------------- */
 
-static bool is_asked_at(const struct neph_stress_suite *suite, int row, int column)
+static bool is_requested_at(const struct neph_stress_suite *suite, int row, int column)
 {
     const struct neph_stress_point point = neph_stress_point_at(suite, row);
     return neph_stress_has_trial(suite, &point, column);
@@ -420,10 +421,10 @@ static void assert_all_once(const struct neph_stress_suite *suite,
     int asked = 0;
     for (int row = 0; row < suite->row_count; row += neph_stress_point_at(suite, row).row_count)
         for (int c = 0; c < suite->column_count; c++)
-            asked += is_asked_at(suite, row, c);
+            asked += is_requested_at(suite, row, c);
     assert_int_equal(trials->count, asked);
     for (int i = 0; i < trials->count; i++) {
-        assert_true(is_asked_at(suite, trials->list[i].row, trials->list[i].column));
+        assert_true(is_requested_at(suite, trials->list[i].row, trials->list[i].column));
         for (int k = 0; k < i; k++)
             assert_true(trials->list[i].row != trials->list[k].row ||
                         trials->list[i].column != trials->list[k].column);
@@ -442,7 +443,7 @@ static void test_one_process_goes_from_point_to_point(void **state)
     neph_stress_finish(&suite);
 }
 
-static void test_several_begin_with_truths_and_with_what_takes_long(void **state)
+static void test_workers_begin_with_long_trials(void **state)
 {
     struct neph_stress_suite suite = {.scenes = NULL};
     struct neph_stress_trials trials;
@@ -485,7 +486,7 @@ static enum neph_status note(struct neph_worker *worker, void *context, struct n
 {
     struct heard *heard = context;
     int number;
-    while ((number = neph_worker_next(worker)) < PIECES) {
+    while ((number = neph_worker_take_job(worker)) < PIECES) {
         char text[40];
         FILE *file = fopen(heard->path, "a");
         assert_non_null(file);
@@ -494,7 +495,7 @@ static enum neph_status note(struct neph_worker *worker, void *context, struct n
         if (worker->index > 0 && number == PIECES - 1)
             _exit(1);
         snprintf(text, sizeof(text), "%d", number);
-        neph_worker_tell(worker, text);
+        neph_worker_send_message(worker, text);
         heard->whole += worker->index == 0 && heard->times[number] == 0;
     }
     return NEPH_OK;
@@ -520,7 +521,7 @@ static int count_in(const char *path, const char *line)
     return count;
 }
 
-static void test_all_shares_are_heard_and_the_whole_is_there_for_the_rest(void **state)
+static void test_workers_receive_all_results(void **state)
 {
     struct heard heard = {.whole = 0};
     scratch_path(state, heard.path, "notes");
@@ -531,7 +532,7 @@ static void test_all_shares_are_heard_and_the_whole_is_there_for_the_rest(void *
     assert_int_equal(count_in(heard.path, ";"), 2 * PIECES); /* each by one part, and the whole */
 }
 
-static void test_one_job_has_nobody_to_tell(void **state)
+static void test_one_worker_sends_nothing(void **state)
 {
     struct heard heard = {.whole = 0};
     scratch_path(state, heard.path, "notes");
@@ -546,7 +547,7 @@ static enum neph_status hear_nothing(const char *text, void *context, struct nep
 }
 
 /* A process that fails ends all others, also ones that are about to send. */
-static void test_what_fails_here_ends_all(void **state)
+static void test_a_failed_worker_ends_all(void **state)
 {
     struct heard heard = {.whole = 0};
     struct neph_diag diag = {.line = 0};
@@ -613,7 +614,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_verdicts),
-        cmocka_unit_test(test_what_fails_a_run),
+        cmocka_unit_test(test_failures_of_a_run),
         scratch_test(test_the_first_entry_that_fits_counts),
         scratch_test(test_lists_that_are_none),
         cmocka_unit_test(test_measures_are_read),
@@ -622,13 +623,13 @@ int main(void)
         cmocka_unit_test(test_every_expectation_is_of_something),
         cmocka_unit_test(test_every_scenario_can_be_run),
         cmocka_unit_test(test_presets_and_engines_choose_columns),
-        cmocka_unit_test(test_engines_are_asked_for_what_is_of_a_picture),
+        cmocka_unit_test(test_engines_have_single_frame_measures),
         cmocka_unit_test(test_the_worst_is_first),
         cmocka_unit_test(test_one_process_goes_from_point_to_point),
-        cmocka_unit_test(test_several_begin_with_truths_and_with_what_takes_long),
-        scratch_test(test_all_shares_are_heard_and_the_whole_is_there_for_the_rest),
-        scratch_test(test_one_job_has_nobody_to_tell),
-        scratch_test(test_what_fails_here_ends_all),
+        cmocka_unit_test(test_workers_begin_with_long_trials),
+        scratch_test(test_workers_receive_all_results),
+        scratch_test(test_one_worker_sends_nothing),
+        scratch_test(test_a_failed_worker_ends_all),
         cmocka_unit_test(test_a_message_has_all_of_its_cells),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -64,7 +64,7 @@ static void finish(struct sequence *sequence)
         neph_image_destroy(sequence->images[i]);
 }
 
-static struct neph_evidence_source source_of(const struct sequence *sequence)
+static struct neph_evidence_source make_evidence_source(const struct sequence *sequence)
 {
     return (struct neph_evidence_source){
         .files = &sequence->files,
@@ -76,7 +76,7 @@ static struct neph_evidence_source source_of(const struct sequence *sequence)
 
 static struct neph_evidence find(const struct sequence *sequence)
 {
-    const struct neph_evidence_source source = source_of(sequence);
+    const struct neph_evidence_source source = make_evidence_source(sequence);
     struct neph_evidence evidence;
     neph_assert_ok(neph_evidence_choose(&source, &evidence, NULL), NULL);
     return evidence;
@@ -153,7 +153,7 @@ static double red_at(void **state, const char *name, int x, int y, int width, in
     return red;
 }
 
-static void test_pictures_are_of_what_was_found(void **state)
+static void test_images_match_the_evidence(void **state)
 {
     struct sequence sequence;
     char folder[SCRATCH_PATH_MAX];
@@ -161,7 +161,7 @@ static void test_pictures_are_of_what_was_found(void **state)
     disturb(&sequence);
     put(&sequence, WORST, 4, ROW, 0.0f); /* in the slice: black in the row of this frame */
     const struct neph_evidence evidence = find(&sequence);
-    const struct neph_evidence_source source = source_of(&sequence);
+    const struct neph_evidence_source source = make_evidence_source(&sequence);
     json_t *names = json_array();
     scratch_path(state, folder, "");
     neph_assert_ok(neph_evidence_draw(&source, &evidence, folder, names, NULL), NULL);
@@ -191,7 +191,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         scratch_test(test_the_worst_frame_and_the_row_of_most_energy),
         scratch_test(test_short_ones_and_those_without_a_reference),
-        scratch_test(test_pictures_are_of_what_was_found),
+        scratch_test(test_images_match_the_evidence),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -108,7 +108,7 @@ static void publish(const struct fixture *fixture, struct neph_stress_page *page
 }
 
 /* Space for two of three, besides a page of about 50 kB and its data. */
-static void test_the_worst_have_pictures(void **state)
+static void test_the_worst_have_images(void **state)
 {
     struct fixture fixture;
     struct neph_stress_page page = {.limit_bytes = 2 * PICTURE_BYTES + 80000};
@@ -130,7 +130,7 @@ static void test_the_worst_have_pictures(void **state)
 }
 
 /* A folder that neph did not create stays unchanged. */
-static void test_a_folder_of_somebody_else_is_refused(void **state)
+static void test_a_foreign_folder_is_refused(void **state)
 {
     struct neph_stress_page page = {.limit_bytes = 1000000};
     char folder[SCRATCH_PATH_MAX], path[SCRATCH_PATH_MAX];
@@ -145,8 +145,8 @@ static void test_a_folder_of_somebody_else_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        scratch_test(test_the_worst_have_pictures),
-        scratch_test(test_a_folder_of_somebody_else_is_refused),
+        scratch_test(test_the_worst_have_images),
+        scratch_test(test_a_foreign_folder_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

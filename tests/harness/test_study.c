@@ -84,7 +84,7 @@ static enum neph_status render_black(const struct neph_shot *shot, struct neph_i
 
 #define ENGINE(name_, render_)                                                                     \
     {                                                                                              \
-        .name = name_, .summary = "made up", .rung = NEPH_RUNG_WITNESS, .options = options,        \
+        .name = name_, .summary = "made up", .rung = NEPH_LEVEL_EXTERNAL, .options = options,      \
         .version = 1, .stochastic = true,                                                          \
         .step = {.option = "step", .coarsest = 0.4, .refine = 0.5, .level_count = 4, .order = 2},  \
         .probe = probe, .can_render = can_render, .render = render_                                \
@@ -159,7 +159,7 @@ static void test_fresh_noise_stays(void **state)
 
 /* An error that decreases more slowly than the declared order has no limit that the last two steps
  * determine. */
-static void test_a_wrong_order_is_said(void **state)
+static void test_a_wrong_order_is_reported(void **state)
 {
     const struct neph_study study = run(&rough, state, NEPH_OUTCOME_RENDERED);
     neph_assert_close(study.observed_order, 0.8, 1e-2, 0);
@@ -167,7 +167,7 @@ static void test_a_wrong_order_is_said(void **state)
     assert_int_equal(study.chosen, study.level_count - 1);
 }
 
-static void test_black_pictures_are_not_studied(void **state)
+static void test_black_frames_are_not_studied(void **state)
 {
     run(&black, state, NEPH_OUTCOME_CANNOT);
 }
@@ -177,8 +177,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         scratch_test(test_shared_noise_cancels),
         scratch_test(test_fresh_noise_stays),
-        scratch_test(test_a_wrong_order_is_said),
-        scratch_test(test_black_pictures_are_not_studied),
+        scratch_test(test_a_wrong_order_is_reported),
+        scratch_test(test_black_frames_are_not_studied),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

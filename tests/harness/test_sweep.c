@@ -108,7 +108,7 @@ static double sky_met(const char *scene_name, const char *engine_name, const cha
     neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
     if (word)
         neph_assert_ok(neph_settings_set(engine, &settings, word, &diag), &diag);
-    neph_settings_meet(engine, scene, &settings);
+    neph_settings_adapt_to_scene(engine, scene, &settings);
     neph_scene_destroy(scene);
     const int sky = neph_option_find(engine->options, "sky");
     return sky < 0 ? -1.0 : settings.values[sky];
@@ -184,7 +184,7 @@ static void test_the_plans_that_come_with_neph(void **state)
     assert_int_equal(neph_sweep_plan_load("no_such_plan", &plan, &diag), NEPH_ERR_NOT_FOUND);
 }
 
-static void test_the_manual_holds_the_keys(void **state)
+static void test_the_manual_has_the_keys(void **state)
 {
     const struct printed_table table = {NEPH_SOURCE_DIR "/docs/sweep.md",
                                         "<!-- written by tests/test_sweep --write -->\n"
@@ -347,7 +347,7 @@ static void make_sweep(struct made *made)
     points[0].numbers[NEPH_SWEEP_FLICKER].value = 0.0;
 }
 
-static void test_charts_hold_what_was_measured(void **state)
+static void test_charts_have_the_measurements(void **state)
 {
     struct made made;
     struct neph_diag diag = {.line = 0};
@@ -389,11 +389,11 @@ static void test_charts_hold_what_was_measured(void **state)
 
 /* Compares series with one of them: returns the count, and the first comparison. */
 static int hold(const struct made *made, int base, enum neph_sweep_cost cost,
-                struct neph_sweep_equal *first)
+                struct neph_sweep_comparison *first)
 {
-    struct neph_sweep_equal list[NEPH_SWEEP_SERIES_MAX];
-    const int count = neph_sweep_equals(&made->sweep, &made->plan.series[base], cost,
-                                        NEPH_SWEEP_ERROR, list);
+    struct neph_sweep_comparison list[NEPH_SWEEP_SERIES_MAX];
+    const int count = neph_sweep_compare_series(&made->sweep, &made->plan.series[base], cost,
+                                                NEPH_SWEEP_ERROR, list);
     *first = list[0];
     return count;
 }
@@ -402,15 +402,15 @@ static int hold(const struct made *made, int base, enum neph_sweep_cost cost,
 static void test_equal_error_and_equal_time(void **state)
 {
     const double time_s[] = {4, 1, 16}, error[] = {0.25, 1, 0.0625};
-    assert_true(fabs(neph_sweep_between(time_s, error, 3, 2.0) - 0.5) < 1e-12);
-    assert_true(fabs(neph_sweep_between(error, time_s, 3, 0.125) - 8.0) < 1e-12);
-    assert_true(fabs(neph_sweep_between(time_s, error, 3, 16.0) - 0.0625) < 1e-12);
-    assert_true(isnan(neph_sweep_between(time_s, error, 3, 17.0)));
-    assert_true(isnan(neph_sweep_between(time_s, error, 3, 0.9)));
+    assert_true(fabs(neph_sweep_interpolate(time_s, error, 3, 2.0) - 0.5) < 1e-12);
+    assert_true(fabs(neph_sweep_interpolate(error, time_s, 3, 0.125) - 8.0) < 1e-12);
+    assert_true(fabs(neph_sweep_interpolate(time_s, error, 3, 16.0) - 0.0625) < 1e-12);
+    assert_true(isnan(neph_sweep_interpolate(time_s, error, 3, 17.0)));
+    assert_true(isnan(neph_sweep_interpolate(time_s, error, 3, 0.9)));
     struct made made;
     make_sweep(&made);
     struct neph_sweep_point *points = made.points;
-    struct neph_sweep_equal held;
+    struct neph_sweep_comparison held;
     points[2].numbers[NEPH_SWEEP_ERROR].value = 0.05; /* the second point's, in 0.03 s */
     assert_int_equal(hold(&made, 0, NEPH_SWEEP_COST_TIME, &held), 1);
     assert_ptr_equal(held.series, &made.plan.series[1]);
@@ -466,12 +466,12 @@ int main(int count, char **arguments)
         cmocka_unit_test(test_air_comes_from_tables_where_it_must),
         cmocka_unit_test(test_bad_plans_are_refused),
         cmocka_unit_test(test_the_plans_that_come_with_neph),
-        cmocka_unit_test_prestate(test_the_manual_holds_the_keys, writes_readme(count, arguments)),
+        cmocka_unit_test_prestate(test_the_manual_has_the_keys, writes_readme(count, arguments)),
         cmocka_unit_test(test_a_front),
         cmocka_unit_test(test_fronts_of_random_points),
         cmocka_unit_test(test_names_lie_on_nothing),
         cmocka_unit_test(test_names_keep_off_lines),
-        cmocka_unit_test(test_charts_hold_what_was_measured),
+        cmocka_unit_test(test_charts_have_the_measurements),
         cmocka_unit_test(test_equal_error_and_equal_time),
         cmocka_unit_test(test_json_has_every_point),
     };

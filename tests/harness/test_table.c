@@ -62,12 +62,12 @@ static void test_one_table_is_written_in_three_forms(void **state)
     char *text, *csv;
     fill(&table);
     assert_int_equal(neph_table_check(&table, NULL), NEPH_OK);
-    assert_int_equal(neph_written(print, &table, &text, NULL), NEPH_OK);
+    assert_int_equal(neph_write_to_text(print, &table, &text, NULL), NEPH_OK);
     assert_string_equal(text, "| scene | frames | | range | bias, % | noise |\n"
                               "| --- | ---: | --- | --- | ---: | ---: |\n"
                               "| fog, \"thin\" | 3 | left out | 1.5 to 2 | +12.5 | none |\n"
                               "| cloud | all 7 | | | - | 0.250 |\n");
-    assert_int_equal(neph_written(print_csv, &table, &csv, NULL), NEPH_OK);
+    assert_int_equal(neph_write_to_text(print_csv, &table, &csv, NULL), NEPH_OK);
     assert_string_equal(csv, "scene,frames,moves,bias,noise\r\n"
                              "\"fog, \"\"thin\"\"\",3,1,0.125,\r\n"
                              "cloud,0,0,,0.25\r\n");
@@ -91,7 +91,7 @@ static void test_words_are_cleaned(void **state)
     char *text;
     neph_table_column(&table, (struct neph_column){.key = "name", .title = "name"});
     neph_table_word(&table, "a\x1b[31mb");
-    assert_int_equal(neph_written(print, &table, &text, NULL), NEPH_OK);
+    assert_int_equal(neph_write_to_text(print, &table, &text, NULL), NEPH_OK);
     assert_null(strchr(text, '\x1b'));
     free(text);
     neph_table_finish(&table);
@@ -121,7 +121,7 @@ static void test_columns_of_a_width(void **state)
         neph_table_word(&table, "agrees");
         neph_table_shown(&table, " agrees");
     }
-    assert_int_equal(neph_written(print_aligned, &table, &text, NULL), NEPH_OK);
+    assert_int_equal(neph_write_to_text(print_aligned, &table, &text, NULL), NEPH_OK);
     assert_string_equal(text, "scene        z  verdict\n"
                               "fog       +2.2  agrees\n"
                               "two_layer_fog      -  agrees\n");
@@ -142,8 +142,8 @@ static void test_a_row_may_end_early(void **state)
     neph_table_word(&table, "there");
     neph_table_field_cells(&table, &field, 1, &value);
     neph_table_end_row(&table);
-    assert_int_equal(neph_written(print, &table, &text, NULL), NEPH_OK);
-    assert_int_equal(neph_written(print_csv, &table, &csv, NULL), NEPH_OK);
+    assert_int_equal(neph_write_to_text(print, &table, &text, NULL), NEPH_OK);
+    assert_int_equal(neph_write_to_text(print_csv, &table, &csv, NULL), NEPH_OK);
     assert_string_equal(text, "| a | b |\n| --- | ---: |\n| left out |\n| there | 0.5 |\n");
     assert_string_equal(csv, "a,b\r\nleft out,\r\nthere,0.5\r\n");
     json_t *rows = neph_table_json(&table),

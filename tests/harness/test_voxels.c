@@ -84,7 +84,7 @@ static struct neph_image *render(int e, const struct neph_scene *scene, unsigned
     return frame;
 }
 
-static struct neph_ray_light truth_of(const struct neph_scene *scene, int pixel)
+static struct neph_ray_light trace_pixel(const struct neph_scene *scene, int pixel)
 {
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     const struct neph_vec3 ray =
@@ -106,7 +106,7 @@ static struct difference compare(const struct neph_scene *scene, const struct ne
     assert_true(neph_image_rgb(frame, "transmittance", transmittance));
     const bool lit = neph_image_rgb(frame, "volume", volume);
     for (int i = 0; i < PIXELS; i++) {
-        const struct neph_ray_light truth = truth_of(scene, i);
+        const struct neph_ray_light truth = trace_pixel(scene, i);
         const double t[3] = {truth.transmittance.r, truth.transmittance.g, truth.transmittance.b};
         const double v[3] = {truth.volume.r, truth.volume.g, truth.volume.b};
         for (int c = 0; c < 3; c++) {
@@ -131,7 +131,7 @@ static void assert_scattering(const struct difference *off, double relative)
 static double baked_error(const struct neph_image *frame)
 {
     struct neph_bakes_summary bakes;
-    assert_true(neph_bakes_of_frame(frame, &bakes));
+    assert_true(neph_bakes_from_frame(frame, &bakes));
     return bakes.worst.transmittance_max;
 }
 
@@ -254,7 +254,7 @@ static void test_grids(void **state)
 }
 
 /* One engine is enough to check the bake, and POV-Ray starts faster. */
-static void test_what_is_baked(void **state)
+static void test_baked_media(void **state)
 {
     const bool *found = *state;
     if (!found[POVRAY])
@@ -290,7 +290,7 @@ static bool is_without_voxels(int e)
 }
 
 /* 50 km of planet with a kilometre of air: the nodes would miss it. */
-static void test_what_does_not_fit_is_refused(void **state)
+static void test_media_that_do_not_fit_are_refused(void **state)
 {
     struct neph_scene *scene = load("atmosphere_shell");
     scene->media[0].phase.kind = NEPH_PHASE_ISOTROPIC;
@@ -329,7 +329,7 @@ static void test_cycles_refuses_two_phases_in_one_place(void **state)
     neph_scene_destroy(blob);
 }
 
-static void test_missing_neph_vdb_is_told(void **state)
+static void test_missing_neph_vdb_is_reported(void **state)
 {
     if (is_without_voxels(CYCLES))
         skip();
@@ -361,14 +361,14 @@ static void test_media_without_extinction_are_left_out(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_does_not_fit_is_refused),
+        cmocka_unit_test(test_media_that_do_not_fit_are_refused),
         cmocka_unit_test(test_cycles_refuses_two_phases_in_one_place),
-        cmocka_unit_test(test_missing_neph_vdb_is_told),
+        cmocka_unit_test(test_missing_neph_vdb_is_reported),
         cmocka_unit_test(test_media_without_extinction_are_left_out),
     };
     const struct CMUnitTest engine_tests[] = {
         cmocka_unit_test(test_grids),
-        cmocka_unit_test(test_what_is_baked),
+        cmocka_unit_test(test_baked_media),
         cmocka_unit_test(test_mixtures),
         cmocka_unit_test(test_coloured_fog),
     };

@@ -45,7 +45,7 @@ static void print(const char *name, const struct tally *tally)
     fflush(stdout);
 }
 
-static struct cycle_plan plan_of(int kind, int a, int b, uint64_t seed)
+static struct cycle_plan make_cycle_plan(int kind, int a, int b, uint64_t seed)
 {
     return (struct cycle_plan){.periods = {a, b},
                                .is_general = kind & 1,
@@ -67,7 +67,8 @@ static void bench_one(uint64_t seed)
         struct tally tally = {0};
         char name[64];
         for (int period = 2; period <= 32; period++) {
-            const struct cycle_plan plan = plan_of(kind, period, 0, seed + (uint64_t)period);
+            const struct cycle_plan plan = make_cycle_plan(kind, period, 0,
+                                                           seed + (uint64_t)period);
             look(&plan, SIDE_PX, &tally);
         }
         name_kind(kind, "one", name);
@@ -85,7 +86,7 @@ static void bench_pairs(uint64_t seed, int count)
             int at = count < 465 ? (int)neph_test_uniform(&random, 0.0, 465.0) : i, a = 2;
             while (at >= 32 - a)
                 at -= 32 - a++;
-            const struct cycle_plan plan = plan_of(kind, a, a + 1 + at, seed + (uint64_t)i);
+            const struct cycle_plan plan = make_cycle_plan(kind, a, a + 1 + at, seed + (uint64_t)i);
             look(&plan, SIDE_PX, &tally);
         }
         name_kind(kind, "pairs", name);

@@ -71,7 +71,7 @@ struct frames {
     struct neph_image *reference[TURNS_MAX], *second[TURNS_MAX], *test[TURNS_MAX];
 };
 
-static int turns_of(const struct row *row)
+static int count_frame_turns(const struct row *row)
 {
     const size_t pixels = (size_t)row->width_px * (size_t)row->height_px;
     const int turns = pixels > (size_t)1 << 24 ? 1 : TURNS_MAX;
@@ -84,7 +84,7 @@ static enum neph_status make_frames(const struct row *row, struct frames *frames
     struct synthetic what = {
         .width_px = row->width_px, .height_px = row->height_px, .all = row->all_layers};
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < turns_of(row) && !status; i++) {
+    for (int i = 0; i < count_frame_turns(row) && !status; i++) {
         what.frame = i;
         what.seed = 1;
         what.is_test = false;
@@ -139,7 +139,7 @@ static struct cost measure_here(const struct row *row, struct neph_diag *diag)
         cost.status = neph_mask_create(frames.reference[0], "all", NULL, &mask, diag);
     if (cost.status)
         return cost;
-    const int turns = turns_of(row);
+    const int turns = count_frame_turns(row);
     cost.frames_kib = resident_kib();
     const double cpu_s = neph_cpu_s(), wall_s = neph_wall_s();
     cost.status = make_meter(row, mask, &meter, diag);

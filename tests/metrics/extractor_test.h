@@ -88,8 +88,8 @@ static inline struct extraction extraction_begin(const struct neph_extractor *ex
     }
     extraction.memory = calloc(1, sizeof(*extraction.memory));
     assert_non_null(extraction.memory);
-    extraction.state = neph_arena_zeroed(extraction.memory, 1, extractor->state_size);
-    extraction.codes = neph_arena_zeroed(extraction.memory, 1, sizeof(*extraction.codes));
+    extraction.state = neph_arena_allocate(extraction.memory, 1, extractor->state_size);
+    extraction.codes = neph_arena_allocate(extraction.memory, 1, sizeof(*extraction.codes));
     neph_assert_ok(neph_arena_check(extraction.memory, &diag), &diag);
     extraction.codes->memory = extraction.memory;
     struct neph_frame_pair pair = *first;

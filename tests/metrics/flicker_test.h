@@ -47,7 +47,7 @@ static inline void sequence_set(struct sequence *sequence, int frame, int x, int
 }
 
 /* The linear grey with this luma; proportional up to 12.92 * 0.0031308 = 0.04045. */
-static inline double linear_of(double luma)
+static inline double linear_from_luma(double luma)
 {
     return luma <= 0.04045 ? luma / 12.92 : pow((luma + 0.055) / 1.055, 2.4);
 }
@@ -55,13 +55,13 @@ static inline double linear_of(double luma)
 static inline void sequence_set_luma(struct sequence *sequence, int frame, int x, int y,
                                      double luma)
 {
-    const double grey = linear_of(luma);
+    const double grey = linear_from_luma(luma);
     sequence_set(sequence, frame, x, y, grey, grey, grey);
 }
 
 /* IEC 61966-2-1 and BT.709, of the stored samples. */
-static inline long double luma_of(const struct sequence *sequence, int frame, int x, int y,
-                                  double exposure_ev)
+static inline long double sequence_luma(const struct sequence *sequence, int frame, int x, int y,
+                                        double exposure_ev)
 {
     static const long double weights[3] = {0.2126L, 0.7152L, 0.0722L};
     long double luma = 0.0L;
@@ -189,7 +189,7 @@ static inline void detrend_signal(long double *d, int n)
         d[t] -= m[1][FIT_TERMS] / m[1][1] * (long double)t / (long double)n;
 }
 
-static inline long double variance_of(const long double *d, int n)
+static inline long double compute_variance(const long double *d, int n)
 {
     long double mean = 0.0L, sum = 0.0L;
     for (int t = 0; t < n; t++)
@@ -200,9 +200,9 @@ static inline long double variance_of(const long double *d, int n)
 }
 
 /* Detrends `d` in place if `detrend`. */
-static inline struct flicker_truth truth_of(long double *d, int n, bool detrend)
+static inline struct flicker_truth evaluate_flicker(long double *d, int n, bool detrend)
 {
-    struct flicker_truth truth = {.std = (double)sqrtl(variance_of(d, n))};
+    struct flicker_truth truth = {.std = (double)sqrtl(compute_variance(d, n))};
     long double least = d[0], most = d[0], travel = 0.0L;
     for (int t = 0; t < n; t++) {
         least = fminl(least, d[t]);
@@ -213,7 +213,7 @@ static inline struct flicker_truth truth_of(long double *d, int n, bool detrend)
     truth.mad = (double)(travel / (long double)(n - 1));
     if (detrend)
         detrend_signal(d, n);
-    truth.variance = (double)variance_of(d, n);
+    truth.variance = (double)compute_variance(d, n);
     const long double nn = (long double)n * (long double)n;
     long double quarter = 0.0L, half = 0.0L;
     for (int j = 1; j <= 2; j++) {

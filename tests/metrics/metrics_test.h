@@ -99,7 +99,7 @@ static inline const struct neph_measurement *find(const struct measured *measure
     return NULL;
 }
 
-static inline double value_of(const struct measured *measured, const char *name)
+static inline double find_value(const struct measured *measured, const char *name)
 {
     const struct neph_measurement *found = find(measured, name);
     if (!found->defined)

@@ -20,14 +20,14 @@ struct dodge {
     double frame_rate_hz;
 };
 
-static int period_of(const struct dodge *dodge)
+static int dodge_period(const struct dodge *dodge)
 {
     return dodge->length * dodge->hold;
 }
 
-static int frames_of(const struct dodge *dodge)
+static int dodge_frames(const struct dodge *dodge)
 {
-    return (int)fmax(64.0, dodge->cycle_count * period_of(dodge));
+    return (int)fmax(64.0, dodge->cycle_count * dodge_period(dodge));
 }
 
 static double value_at(const struct dodge *dodge, int t)
@@ -48,9 +48,9 @@ static void center(struct dodge *dodge)
 
 /* Amplitude of term m of the light's Fourier series: a display holds its frames, and repeats the
  * spectrum of the frames above half of its rate. */
-static double amplitude_of(const struct dodge *dodge, int m)
+static double dodge_amplitude(const struct dodge *dodge, int m)
 {
-    const int period = period_of(dodge);
+    const int period = dodge_period(dodge);
     const double x = M_PI * m / period;
     double re = 0.0, im = 0.0;
     for (int t = 0; t < period; t++) {
@@ -61,7 +61,7 @@ static double amplitude_of(const struct dodge *dodge, int m)
 }
 
 /* Variance of the displayed frames about their mean. */
-static double variance_of(const struct dodge *dodge, int frame_count)
+static double dodge_variance(const struct dodge *dodge, int frame_count)
 {
     double sum = 0.0, squares = 0.0;
     for (int t = 0; t < frame_count; t++) {
@@ -76,11 +76,11 @@ static const double mean_light = 0.5, white_cd_per_m2 = 100.0;
 /* Contrast of a disk of one degree, relative to its threshold. */
 static double seen_by_the_eye(const struct dodge *dodge)
 {
-    const int period = period_of(dodge);
+    const int period = dodge_period(dodge);
     double sum = 0.0;
     for (int m = 1; m < 2 * period; m++) {
         const double hertz = dodge->frame_rate_hz * m / period;
-        const double seen = amplitude_of(dodge, m) *
+        const double seen = dodge_amplitude(dodge, m) *
                             neph_eye_sensitivity(hertz, white_cd_per_m2 * mean_light, 1.0);
         sum += hertz >= NEPH_EYE_FLICKER_HZ ? seen * seen : 0.0;
     }
@@ -112,12 +112,12 @@ static struct extraction run(const struct neph_extractor *extractor, const struc
                                    .reference_image = labels,
                                    .test_image = labels,
                                    .scene_mean = mean_light,
-                                   .frame_count = frames_of(dodge),
+                                   .frame_count = dodge_frames(dodge),
                                    .viewing = &viewing};
     for (int i = 0; i < W * H; i++)
         reference[i] = (float)mean_light;
     struct extraction extraction = extraction_begin(extractor, &pair, NULL);
-    for (pair.frame = 0; pair.frame < frames_of(dodge); pair.frame++) {
+    for (pair.frame = 0; pair.frame < dodge_frames(dodge); pair.frame++) {
         for (int i = 0; i < W * H; i++)
             test[i] = (float)(mean_light * (1.0 + contrast * value_at(dodge, pair.frame)));
         extraction_frame(&extraction, &pair);
@@ -127,7 +127,7 @@ static struct extraction run(const struct neph_extractor *extractor, const struc
     return extraction;
 }
 
-static double first_of(const struct extraction *extraction, const char *name)
+static double read_first_pixel(const struct extraction *extraction, const char *name)
 {
     double *map = extraction_map(extraction, extraction_map_index(extraction->extractor, name));
     const double value = map[W / 2 + W * (H / 2)];
@@ -135,25 +135,26 @@ static double first_of(const struct extraction *extraction, const char *name)
     return value;
 }
 
-static double seen_of(const struct dodge *dodge)
+static double measure_seen(const struct dodge *dodge)
 {
     struct extraction extraction = run(&neph_extractor_seen, dodge, 0.02, NULL);
-    const double seen = first_of(&extraction, "seen_contrast") / 0.02;
+    const double seen = read_first_pixel(&extraction, "seen_contrast") / 0.02;
     extraction_end(&extraction);
     return seen;
 }
 
-static double a4_of(const struct dodge *dodge)
+static double measure_a4(const struct dodge *dodge)
 {
     struct extraction extraction = run(&neph_extractor_flicker, dodge, 0.02, NULL);
-    const double a4 = first_of(&extraction, "a4");
+    const double a4 = read_first_pixel(&extraction, "a4");
     extraction_end(&extraction);
     return a4;
 }
 
 /* The fraction of the light's power that is attributed to periods; and the sum of all parts as a
  * fraction of the variance of the displayed frames. */
-static void budget_of(const struct dodge *dodge, const char *declared, double *named, double *all)
+static void measure_budget(const struct dodge *dodge, const char *declared, double *named,
+                           double *all)
 {
     const double contrast = 0.002; /* small: the display's curve is linear */
     struct extraction extraction = run(&neph_extractor_cycles, dodge, contrast, declared);
@@ -164,15 +165,15 @@ static void budget_of(const struct dodge *dodge, const char *declared, double *n
         if (!name || strncmp(name, "cycle_", 6) != 0 || !strstr(name, "_squared") ||
             strstr(name, "drift") || strstr(name, "noise"))
             continue;
-        const double square = first_of(&extraction, name);
+        const double square = read_first_pixel(&extraction, name);
         sum += isnan(square) ? 0.0 : square;
     }
-    const double rest = first_of(&extraction, "cycle_noise_squared") +
-                        first_of(&extraction, "cycle_drift_squared") +
-                        first_of(&extraction, "cycle_overlap");
+    const double rest = read_first_pixel(&extraction, "cycle_noise_squared") +
+                        read_first_pixel(&extraction, "cycle_drift_squared") +
+                        read_first_pixel(&extraction, "cycle_overlap");
     extraction_end(&extraction);
-    *named = sum / (step * step * variance_of(dodge, period_of(dodge)));
-    *all = (sum + rest) / (step * step * variance_of(dodge, frames_of(dodge)));
+    *named = sum / (step * step * dodge_variance(dodge, dodge_period(dodge)));
+    *all = (sum + rest) / (step * step * dodge_variance(dodge, dodge_frames(dodge)));
 }
 
 /* ---- search ---------------------------------------------------------------------------------- */
@@ -237,16 +238,16 @@ static struct dodge search(double (*score)(const struct dodge *), int count, uin
 static void print_dodge(const char *what, const struct dodge *dodge, double score)
 {
     print_message("%s: lowest %.4f by %d values for %d frames each, %d frames at %g Hz\n", what,
-                  score, dodge->length, dodge->hold, frames_of(dodge), dodge->frame_rate_hz);
+                  score, dodge->length, dodge->hold, dodge_frames(dodge), dodge->frame_rate_hz);
 }
 
 static double seen_over_the_eye(const struct dodge *dodge)
 {
-    return seen_of(dodge) / fmax(seen_by_the_eye(dodge), 1e-6);
+    return measure_seen(dodge) / fmax(seen_by_the_eye(dodge), 1e-6);
 }
 
 /* Four times as many tries found 0.83: see the next test. */
-static void test_nobody_gets_below_what_the_eye_sees(void **state)
+static void test_no_search_gets_below_visibility(void **state)
 {
     double lowest = 0.0;
     const struct dodge dodge = search(seen_over_the_eye, neph_test_paths(120), 7, &lowest);
@@ -274,13 +275,13 @@ static double least_named(const struct dodge *dodge)
 {
     char declared[32];
     double named, all;
-    snprintf(declared, sizeof(declared), "jitter %d", period_of(dodge));
-    budget_of(dodge, declared, &named, &all);
+    snprintf(declared, sizeof(declared), "jitter %d", dodge_period(dodge));
+    measure_budget(dodge, declared, &named, &all);
     return named;
 }
 
 /* A declared period gets its power, whatever its waveform. */
-static void test_nobody_hides_a_declared_period(void **state)
+static void test_no_search_hides_a_declared_period(void **state)
 {
     double lowest = 0.0;
     const struct dodge dodge = search(least_named, neph_test_paths(30), 8, &lowest);
@@ -291,12 +292,12 @@ static void test_nobody_hides_a_declared_period(void **state)
 static double least_kept(const struct dodge *dodge)
 {
     double named, all;
-    budget_of(dodge, NULL, &named, &all);
+    measure_budget(dodge, NULL, &named, &all);
     return -fabs(all - 1.0);
 }
 
 /* An undeclared period may be counted as noise, drift or another period, but it does not vanish. */
-static void test_nobody_takes_out_of_the_budget(void **state)
+static void test_no_search_lowers_the_budget(void **state)
 {
     double lowest = 0.0;
     const struct dodge dodge = search(least_kept, neph_test_paths(30), 9, &lowest);
@@ -307,7 +308,7 @@ static void test_nobody_takes_out_of_the_budget(void **state)
 /* ---- found cases ----------------------------------------------------------------------------- */
 
 /* Halton's numbers of base 2, as used for jitter, with the same amplitude for any length. */
-static struct dodge jitter_of(int length)
+static struct dodge make_jitter_dodge(int length)
 {
     struct dodge dodge = {
         .length = length, .hold = 1, .cycle_count = 256.0 / length, .frame_rate_hz = 30.0};
@@ -319,7 +320,7 @@ static struct dodge jitter_of(int length)
         }
     }
     center(&dodge);
-    const double rms = sqrt(variance_of(&dodge, length));
+    const double rms = sqrt(dodge_variance(&dodge, length));
     for (int i = 0; i < length; i++)
         dodge.values[i] /= rms;
     return dodge;
@@ -330,17 +331,17 @@ static struct dodge jitter_of(int length)
  * all. */
 static void test_a_jitter_of_seven_hides_from_no_one(void **state)
 {
-    const struct dodge seven = jitter_of(7), eight = jitter_of(8);
-    const double seen = seen_of(&eight) / seen_of(&seven);
+    const struct dodge seven = make_jitter_dodge(7), eight = make_jitter_dodge(8);
+    const double seen = measure_seen(&eight) / measure_seen(&seven);
     const double explained = seen_by_the_eye(&eight) / seen_by_the_eye(&seven);
     print_message("from 7 to 8: seen x %.4f, of which the eye explains x %.4f; a4 %.2g and %.2g\n",
-                  seen, explained, a4_of(&seven), a4_of(&eight));
+                  seen, explained, measure_a4(&seven), measure_a4(&eight));
     neph_assert_close(seen, explained, 0.02, 0.0);
-    assert_true(a4_of(&seven) < 0.01 * a4_of(&eight));
+    assert_true(measure_a4(&seven) < 0.01 * measure_a4(&eight));
     for (int length = 7; length <= 8; length++) {
-        const struct dodge jitter = jitter_of(length);
+        const struct dodge jitter = make_jitter_dodge(length);
         double named, all;
-        budget_of(&jitter, NULL, &named, &all);
+        measure_budget(&jitter, NULL, &named, &all);
         neph_assert_close(named, 1.0, 0.01, 0.0);
         neph_assert_close(all, 1.0, 0.01, 0.0);
     }
@@ -350,18 +351,18 @@ static void test_a_jitter_of_seven_hides_from_no_one(void **state)
  * otherwise counts as noise. */
 static void test_a_held_jitter_is_noise_until_it_is_declared(void **state)
 {
-    struct dodge held = jitter_of(11);
+    struct dodge held = make_jitter_dodge(11);
     held.hold = 3;
     if (NEPH_TEST_EVERY > 1) /* a third of the frames: the same sums, enough for the sanitizers */
         held.cycle_count = 8.0;
     double named, all;
-    budget_of(&held, "TAA jitter 33", &named, &all);
+    measure_budget(&held, "TAA jitter 33", &named, &all);
     neph_assert_close(named, 1.0, 0.01, 0.0);
-    budget_of(&held, NULL, &named, &all);
+    measure_budget(&held, NULL, &named, &all);
     print_message("a period of 33 frames that nobody declares: %.2f of its power has a name\n",
                   named);
     neph_assert_close(all, 1.0, 0.01, 0.0);
-    neph_assert_close(seen_of(&held) / seen_by_the_eye(&held), 1.0, 0.05, 0.0);
+    neph_assert_close(measure_seen(&held) / seen_by_the_eye(&held), 1.0, 0.05, 0.0);
 }
 
 #include "tests/main.h"

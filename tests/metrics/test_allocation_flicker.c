@@ -51,14 +51,14 @@ static enum neph_status live(void *context, struct neph_diag *diag)
 static void test_flicker(void **state)
 {
     struct life still = {&neph_extractor_flicker, N}, moving = {&neph_extractor_flicker, 5};
-    assert_every_failure_is_told("flicker before a still reference", live, &still);
-    assert_every_failure_is_told("flicker before a moving reference", live, &moving);
+    assert_every_failure_is_reported("flicker before a still reference", live, &still);
+    assert_every_failure_is_reported("flicker before a moving reference", live, &moving);
 }
 
 static void test_seen(void **state)
 {
     struct life life = {&neph_extractor_seen, 5};
-    assert_every_failure_is_told("what is seen of flicker", live, &life);
+    assert_every_failure_is_reported("what is seen of flicker", live, &life);
 }
 
 int main(void)

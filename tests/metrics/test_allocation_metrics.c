@@ -115,9 +115,9 @@ static void test_masks_and_validity(void **state)
     struct job job = create_job(1, true);
     for (int i = 0; i < neph_mask_kind_count(); i++) {
         job.mask_kind = neph_mask_kind_at(i);
-        assert_every_failure_is_told(job.mask_kind->name, make_mask, &job);
+        assert_every_failure_is_reported(job.mask_kind->name, make_mask, &job);
     }
-    assert_every_failure_is_told("validity", check_validity, &job);
+    assert_every_failure_is_reported("validity", check_validity, &job);
     destroy_job(&job);
 }
 
@@ -127,7 +127,7 @@ static void test_extractors(void **state)
         const struct neph_extractor *extractor = neph_extractor_at(i);
         struct job job = create_job(extractor->temporal ? FRAMES_MAX : 1, true);
         job.extractor = extractor;
-        assert_every_failure_is_told(extractor->name, measure, &job);
+        assert_every_failure_is_reported(extractor->name, measure, &job);
         destroy_job(&job);
     }
 }
@@ -138,7 +138,7 @@ static void test_intervals(void **state)
     struct job job = create_job(1, false);
     job.extractor = neph_extractor_find("error");
     job.intervals = true;
-    assert_every_failure_is_told("intervals", measure, &job);
+    assert_every_failure_is_reported("intervals", measure, &job);
     destroy_job(&job);
 }
 

@@ -235,7 +235,7 @@ static void test_each_pixel_beyond_a_bound_is_counted(void **state)
                                    .viewing = &viewing};
     assert_true(neph_quantity_planes(pair.quantity, image, pair.reference));
     assert_true(neph_quantity_planes(pair.quantity, image, pair.test));
-    neph_clipping_look(clipping, &pair, (const struct neph_mask *const *)masks);
+    neph_clipping_add_frame(clipping, &pair, (const struct neph_mask *const *)masks);
     for (int m = 0; m < 2; m++)
         for (int b = 0; b < 2; b++) {
             const struct neph_clipped found = neph_clipping_shares(

@@ -37,7 +37,7 @@ static const char torn_text[] = "LUT_3D_SIZE 2\n"
 
 enum { SIDE = NEPH_DISPLAY_CUBE_SIDE };
 
-static struct neph_display_choice choice_of(void **state, char path[SCRATCH_PATH_MAX])
+static struct neph_display_choice write_display_choice(void **state, char path[SCRATCH_PATH_MAX])
 {
     neph_assert_ok(neph_file_write(scratch_path(state, path, "config.ocio"), config_text,
                                    strlen(config_text), NULL),
@@ -48,7 +48,7 @@ static struct neph_display_choice choice_of(void **state, char path[SCRATCH_PATH
 static void test_nodes_are_the_view(void **state)
 {
     char path[SCRATCH_PATH_MAX];
-    const struct neph_display_choice choice = choice_of(state, path);
+    const struct neph_display_choice choice = write_display_choice(state, path);
     struct neph_display_cube cube;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_display_cube_bake(&choice, &cube, &diag), &diag);
@@ -71,7 +71,7 @@ static void test_nodes_are_the_view(void **state)
 static void test_a_view_by_name(void **state)
 {
     char path[SCRATCH_PATH_MAX];
-    struct neph_display_choice choice = choice_of(state, path);
+    struct neph_display_choice choice = write_display_choice(state, path);
     struct neph_display_cube cube;
     struct neph_diag diag = {0};
     choice.display = "screen";
@@ -88,7 +88,7 @@ static void test_a_view_by_name(void **state)
 static void test_a_view_that_gives_no_numbers(void **state)
 {
     char path[SCRATCH_PATH_MAX], torn[SCRATCH_PATH_MAX];
-    struct neph_display_choice choice = choice_of(state, path);
+    struct neph_display_choice choice = write_display_choice(state, path);
     struct neph_display_cube cube;
     struct neph_diag diag = {0};
     neph_assert_ok(
@@ -116,10 +116,10 @@ static void refuse(struct neph_display_choice choice, enum neph_status wanted, c
     assert_true(cube.knee == 7.0);
 }
 
-static void test_refusals_name_what_there_is(void **state)
+static void test_refusals_list_available_names(void **state)
 {
     char path[SCRATCH_PATH_MAX], other[SCRATCH_PATH_MAX];
-    const struct neph_display_choice whole = choice_of(state, path);
+    const struct neph_display_choice whole = write_display_choice(state, path);
     struct neph_display_choice wrong = whole;
     wrong.view = "film";
     refuse(wrong, NEPH_ERR_INPUT, "no view 'film'; it has swapped, raw, torn");
@@ -142,7 +142,7 @@ int main(void)
         scratch_test(test_nodes_are_the_view),
         scratch_test(test_a_view_by_name),
         scratch_test(test_a_view_that_gives_no_numbers),
-        scratch_test(test_refusals_name_what_there_is),
+        scratch_test(test_refusals_list_available_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -24,27 +24,27 @@ static struct neph_image *rgb_image(int width_px, int height_px, const char *lay
 
 static void assert_two_pixels(const struct measured *m)
 {
-    neph_assert_close(value_of(m, "bias"), 1.25 / 6, tight, 0);
-    neph_assert_close(value_of(m, "rel_bias"), 1.25 / 7.75, tight, 0);
-    neph_assert_close(value_of(m, "mae"), 0.375, tight, 0);
-    neph_assert_close(value_of(m, "rmse"), 0.48947250518628044112, tight, 0);
-    neph_assert_close(value_of(m, "rel_rmse"), 0.37894645562808808345, tight, 0);
-    neph_assert_close(value_of(m, "rel_mse"), 1356.7420568080387971, tight, 0);
-    neph_assert_close(value_of(m, "max_abs"), 1.0, 0, 0);
-    neph_assert_close(value_of(m, "max_rel"), 9021.6067481618476251, tight, 0);
-    neph_assert_close(value_of(m, "p50"), 0.25, tight, 0);  /* of 0 .25 .25 .25 .5 1 */
-    neph_assert_close(value_of(m, "p95"), 0.875, tight, 0); /* at 4.75 */
-    neph_assert_close(value_of(m, "p99"), 0.975, tight, 0); /* at 4.95 */
+    neph_assert_close(find_value(m, "bias"), 1.25 / 6, tight, 0);
+    neph_assert_close(find_value(m, "rel_bias"), 1.25 / 7.75, tight, 0);
+    neph_assert_close(find_value(m, "mae"), 0.375, tight, 0);
+    neph_assert_close(find_value(m, "rmse"), 0.48947250518628044112, tight, 0);
+    neph_assert_close(find_value(m, "rel_rmse"), 0.37894645562808808345, tight, 0);
+    neph_assert_close(find_value(m, "rel_mse"), 1356.7420568080387971, tight, 0);
+    neph_assert_close(find_value(m, "max_abs"), 1.0, 0, 0);
+    neph_assert_close(find_value(m, "max_rel"), 9021.6067481618476251, tight, 0);
+    neph_assert_close(find_value(m, "p50"), 0.25, tight, 0);  /* of 0 .25 .25 .25 .5 1 */
+    neph_assert_close(find_value(m, "p95"), 0.875, tight, 0); /* at 4.75 */
+    neph_assert_close(find_value(m, "p99"), 0.975, tight, 0); /* at 4.95 */
 }
 
 static void test_the_plain_function_is_the_metric(void **state)
 {
     const float *const reference[] = {two_pixels_reference}, *const test[] = {two_pixels_test};
-    const struct neph_relative_error error = neph_relative_error_of(reference, test, 1, 6);
+    const struct neph_relative_error error = neph_relative_error_compute(reference, test, 1, 6);
     neph_assert_close(error.bias, 1.25 / 7.75, tight, 0);
     neph_assert_close(error.rmse, 0.37894645562808808345, tight, 0);
     const float *const black[] = {(const float[6]){0.0f}};
-    assert_true(isnan(neph_relative_error_of(black, test, 1, 6).rmse));
+    assert_true(isnan(neph_relative_error_compute(black, test, 1, 6).rmse));
 }
 
 static void test_two_pixels_by_hand(void **state)
@@ -90,10 +90,10 @@ static void test_mask_and_scene_mean(void **state)
     double epsilon = 0.0110845 * 0.0110845;
     double squares = 0.0625 / (0.25 + epsilon) + 0.0625 / (0.0625 + epsilon) +
                      1.0 / (0.0 + epsilon);
-    neph_assert_close(value_of(&m, "bias"), 1.0 / 3, tight, 0);
-    neph_assert_close(value_of(&m, "rel_bias"), 1.0 / 0.75, tight, 0);
-    neph_assert_close(value_of(&m, "rel_mse"), squares / 3, tight, 0);
-    neph_assert_close(value_of(&m, "max_rel"), 1.0 / 1.10845e-4, tight, 0);
+    neph_assert_close(find_value(&m, "bias"), 1.0 / 3, tight, 0);
+    neph_assert_close(find_value(&m, "rel_bias"), 1.0 / 0.75, tight, 0);
+    neph_assert_close(find_value(&m, "rel_mse"), squares / 3, tight, 0);
+    neph_assert_close(find_value(&m, "max_rel"), 1.0 / 1.10845e-4, tight, 0);
     assert_int_equal(find(&m, "bias")->pixel_count, 1);
     assert_string_equal(find(&m, "bias")->mask, "solid");
     neph_mask_destroy(solid);
@@ -107,11 +107,11 @@ static void test_sign_is_test_minus_reference(void **state)
     struct neph_image *bright = rgb_image(1, 1, NULL, (float[]){3, 3, 3});
     struct neph_mask *all = create_mask(dark, "all");
     struct measured m = measure(dark, bright, "radiance", all);
-    neph_assert_close(value_of(&m, "bias"), 2.0, 0, 0);
-    neph_assert_close(value_of(&m, "rel_bias"), 2.0, tight, 0);
+    neph_assert_close(find_value(&m, "bias"), 2.0, 0, 0);
+    neph_assert_close(find_value(&m, "rel_bias"), 2.0, tight, 0);
     m = measure(bright, dark, "radiance", all);
-    neph_assert_close(value_of(&m, "bias"), -2.0, 0, 0);
-    neph_assert_close(value_of(&m, "rel_bias"), -2.0 / 3, tight, 0);
+    neph_assert_close(find_value(&m, "bias"), -2.0, 0, 0);
+    neph_assert_close(find_value(&m, "rel_bias"), -2.0 / 3, tight, 0);
     neph_mask_destroy(all);
     neph_image_destroy(dark);
     neph_image_destroy(bright);
@@ -158,8 +158,8 @@ static void test_equal_fireflies_are_trimmed(void **state)
     struct neph_mask *all = create_mask(reference, "all");
     struct measured m = measure(reference, test, "radiance", all);
     const double each = 100 / 1.0001, key_of_24_bits = 1e-7;
-    neph_assert_close(value_of(&m, "rel_mse"), 12 * each / 4800, 1e-9, 0);
-    neph_assert_close(value_of(&m, "rel_mse_trimmed"), 7 * each / 4795, key_of_24_bits, 0);
+    neph_assert_close(find_value(&m, "rel_mse"), 12 * each / 4800, 1e-9, 0);
+    neph_assert_close(find_value(&m, "rel_mse_trimmed"), 7 * each / 4795, key_of_24_bits, 0);
     const struct neph_measurement *trimmed = find(&m, "rel_mse_trimmed");
     assert_int_equal(trimmed->interval, NEPH_INTERVAL_TILES);
     assert_true(trimmed->low < trimmed->value && trimmed->value < trimmed->high);
@@ -177,14 +177,14 @@ static void test_depth_by_hand(void **state)
     struct neph_mask *all = create_mask(reference, "all");
     struct measured m = measure(reference, test, "depth", all);
     assert_int_equal(m.count, 13);
-    neph_assert_close(value_of(&m, "bias"), -0.25, tight, 0);
-    neph_assert_close(value_of(&m, "rel_bias"), -0.5 / 6, tight, 0);
-    neph_assert_close(value_of(&m, "mae"), 0.75, tight, 0);
-    neph_assert_close(value_of(&m, "rmse"), sqrt(0.625), tight, 0);
-    neph_assert_close(value_of(&m, "rel_mse"), 0.062478742475831704520, tight, 0);
-    neph_assert_close(value_of(&m, "max_rel"), 0.25, tight, 0);
-    neph_assert_close(value_of(&m, "p50"), 0.75, tight, 0);
-    neph_assert_close(value_of(&m, "hit_mismatch"), 2.0 / 5, tight, 0);
+    neph_assert_close(find_value(&m, "bias"), -0.25, tight, 0);
+    neph_assert_close(find_value(&m, "rel_bias"), -0.5 / 6, tight, 0);
+    neph_assert_close(find_value(&m, "mae"), 0.75, tight, 0);
+    neph_assert_close(find_value(&m, "rmse"), sqrt(0.625), tight, 0);
+    neph_assert_close(find_value(&m, "rel_mse"), 0.062478742475831704520, tight, 0);
+    neph_assert_close(find_value(&m, "max_rel"), 0.25, tight, 0);
+    neph_assert_close(find_value(&m, "p50"), 0.75, tight, 0);
+    neph_assert_close(find_value(&m, "hit_mismatch"), 2.0 / 5, tight, 0);
     assert_int_equal(find(&m, "bias")->pixel_count, 2);
     assert_int_equal(find(&m, "hit_mismatch")->pixel_count, 5);
     assert_string_equal(find(&m, "bias")->unit, "m");
@@ -196,7 +196,7 @@ static void test_depth_by_hand(void **state)
     assert_string_equal(find(&m, "bias")->undefined_because,
                         "no pixel of the mask is solid in both images");
     assert_int_equal(find(&m, "bias")->pixel_count, 0);
-    neph_assert_close(value_of(&m, "hit_mismatch"), 0.5, tight, 0);
+    neph_assert_close(find_value(&m, "hit_mismatch"), 0.5, tight, 0);
     neph_mask_destroy(sky);
     neph_image_destroy(reference);
     neph_image_destroy(test);
@@ -242,7 +242,7 @@ static void test_bad_pixels_make_undefined(void **state)
         mask->inside[17 * 20 + 3] = mask->inside[5] = 0;
         mask->pixel_count -= 2;
         m = measure(images[0], images[1], "radiance", mask);
-        assert_true(value_of(&m, "bias") == 1.0);
+        assert_true(find_value(&m, "bias") == 1.0);
         assert_int_equal(find(&m, "bias")->interval, NEPH_INTERVAL_TILES);
         assert_false(find(&m, "rel_mse")->defined);
         assert_int_equal(find(&m, "rel_mse")->interval, NEPH_INTERVAL_NONE);
@@ -282,8 +282,8 @@ static void test_empty_mask_and_reference_without_a_mean(void **state)
 
     struct neph_mask *all = create_mask(black, "all");
     m = measure(black, grey, "radiance", all);
-    neph_assert_close(value_of(&m, "bias"), 0.5, 0, 0);
-    neph_assert_close(value_of(&m, "p99"), 0.5, 0, 0);
+    neph_assert_close(find_value(&m, "bias"), 0.5, 0, 0);
+    neph_assert_close(find_value(&m, "p99"), 0.5, 0, 0);
     static const char *const relative[] = {"rel_bias", "rel_rmse", "rel_mse", "max_rel"};
     for (int i = 0; i < 4; i++) {
         assert_false(find(&m, relative[i])->defined);
@@ -296,7 +296,7 @@ static void test_empty_mask_and_reference_without_a_mean(void **state)
     struct neph_image *negative = rgb_image(1, 1, NULL, (float[]){-1, -1, -1});
     all = create_mask(negative, "all");
     m = measure(negative, grey, "radiance", all);
-    neph_assert_close(value_of(&m, "bias"), 1.5, 0, 0);
+    neph_assert_close(find_value(&m, "bias"), 1.5, 0, 0);
     for (int i = 0; i < 4; i++)
         assert_false(find(&m, relative[i])->defined);
     neph_mask_destroy(all);
@@ -318,10 +318,10 @@ static void test_relative_metrics_do_not_know_the_unit(void **state)
         struct neph_image *test = rgb_image(2, 1, NULL, test_values);
         struct neph_mask *all = create_mask(reference, "all");
         struct measured m = measure(reference, test, "radiance", all);
-        neph_assert_close(value_of(&m, "rel_mse"), 1356.7420568080387971, tight, 0);
-        neph_assert_close(value_of(&m, "rel_rmse"), 0.37894645562808808345, tight, 0);
-        neph_assert_close(value_of(&m, "max_rel"), 9021.6067481618476251, tight, 0);
-        neph_assert_close(value_of(&m, "rmse"), ldexp(0.48947250518628044112, power), tight, 0);
+        neph_assert_close(find_value(&m, "rel_mse"), 1356.7420568080387971, tight, 0);
+        neph_assert_close(find_value(&m, "rel_rmse"), 0.37894645562808808345, tight, 0);
+        neph_assert_close(find_value(&m, "max_rel"), 9021.6067481618476251, tight, 0);
+        neph_assert_close(find_value(&m, "rmse"), ldexp(0.48947250518628044112, power), tight, 0);
         neph_mask_destroy(all);
         neph_image_destroy(reference);
         neph_image_destroy(test);
@@ -346,12 +346,12 @@ static void test_sums_are_in_double(void **state)
     }
     struct neph_mask *all = create_mask(reference, "all");
     struct measured m = measure(reference, test, "depth", all);
-    neph_assert_close(value_of(&m, "bias"), 2 * ulp / (double)pixel_count, tight, 0);
-    neph_assert_close(value_of(&m, "rel_bias"), 2 * ulp / (double)pixel_count / 1e6, tight, 0);
-    neph_assert_close(value_of(&m, "mae"), ulp, tight, 0);
-    neph_assert_close(value_of(&m, "rmse"), ulp, tight, 0);
-    neph_assert_close(value_of(&m, "p50"), ulp, 0, 0);
-    neph_assert_close(value_of(&m, "rel_rmse"), ulp / 1e6, tight, 0);
+    neph_assert_close(find_value(&m, "bias"), 2 * ulp / (double)pixel_count, tight, 0);
+    neph_assert_close(find_value(&m, "rel_bias"), 2 * ulp / (double)pixel_count / 1e6, tight, 0);
+    neph_assert_close(find_value(&m, "mae"), ulp, tight, 0);
+    neph_assert_close(find_value(&m, "rmse"), ulp, tight, 0);
+    neph_assert_close(find_value(&m, "p50"), ulp, 0, 0);
+    neph_assert_close(find_value(&m, "rel_rmse"), ulp / 1e6, tight, 0);
     double float_error = (double)float_sum / (1e6 * (double)pixel_count) - 1.0;
     print_message("the mean in a float sum would be off by %.2g\n", float_error);
     assert_true(fabs(float_error) > 1e-3);

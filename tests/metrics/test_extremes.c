@@ -279,7 +279,7 @@ static const struct neph_mask *mask_named(const struct setup *setup, const char 
     return NULL;
 }
 
-static bool holds_channel(const struct neph_quantity *quantity, const char *channel)
+static bool has_channel_of_layer(const struct neph_quantity *quantity, const char *channel)
 {
     if (quantity->plane_count == 1)
         return strcmp(quantity->layer, channel) == 0;
@@ -331,8 +331,9 @@ static struct neph_meter *measure_planted(const struct setup *setup, const struc
 /* In the quantity with the bad value, every extractor that reads it is undefined and reports the
  * number of bad pixels; every other value is unchanged. A value of a sequence depends on all of its
  * frames. */
-static void assert_plant_is_told(const struct setup *setup, const struct plant *plant,
-                                 const struct neph_meter *meter, const struct neph_meter *without)
+static void assert_bad_value_is_reported(const struct setup *setup, const struct plant *plant,
+                                         const struct neph_meter *meter,
+                                         const struct neph_meter *without)
 {
     int count = 0, clean_count = 0, place = 0;
     const struct neph_measurement *all = neph_meter_measurements(meter, &count);
@@ -341,7 +342,7 @@ static void assert_plant_is_told(const struct setup *setup, const struct plant *
         const struct neph_measurement *m = &all[i];
         const struct neph_mask *mask = mask_named(setup, m->mask);
         assert_sane(m, PLANT_WIDTH, PLANT_HEIGHT);
-        const bool is_hit = holds_channel(m->quantity, plant->channel) &&
+        const bool is_hit = has_channel_of_layer(m->quantity, plant->channel) &&
                             (m->frame == 1 || m->frame == -1);
         const bool is_inside = mask->inside[plant->y * PLANT_WIDTH + plant->x];
         if (!is_hit)
@@ -379,7 +380,7 @@ static void test_bad_values_are_never_silent(void **state)
         for (size_t i = 0; i < sizeof(plants) / sizeof(plants[0]);
              i += temporal ? (size_t)neph_test_path_step() : 1) {
             struct neph_meter *meter = measure_planted(&setup, &plants[i], frame_count);
-            assert_plant_is_told(&setup, &plants[i], meter, without);
+            assert_bad_value_is_reported(&setup, &plants[i], meter, without);
             neph_meter_destroy(meter);
         }
         neph_meter_destroy(without);

@@ -198,11 +198,12 @@ static void test_thresholds_in_percent(void **state)
 
 static void test_probabilities(void **state)
 {
-    assert_true(neph_eye_seen(0.0) == 0.0 && neph_eye_pop_seen(0.0) == 0.0);
-    neph_assert_close(neph_eye_seen(1.0), 0.5, 1e-15, 0.0);
-    neph_assert_close(neph_eye_seen(2.0), 1.0 - pow(0.5, 4.0), 1e-15, 0.0);
-    neph_assert_close(neph_eye_pop_seen(pow(log(2.0) / 0.1008, 1.0 / 0.9061)), 0.5, 1e-12, 0.0);
-    neph_assert_close(neph_eye_pop_seen(1.0), 1.0 - exp(-0.1008), 1e-12, 0.0);
+    assert_true(neph_eye_flicker_probability(0.0) == 0.0 && neph_eye_pop_probability(0.0) == 0.0);
+    neph_assert_close(neph_eye_flicker_probability(1.0), 0.5, 1e-15, 0.0);
+    neph_assert_close(neph_eye_flicker_probability(2.0), 1.0 - pow(0.5, 4.0), 1e-15, 0.0);
+    neph_assert_close(neph_eye_pop_probability(pow(log(2.0) / 0.1008, 1.0 / 0.9061)), 0.5, 1e-12,
+                      0.0);
+    neph_assert_close(neph_eye_pop_probability(1.0), 1.0 - exp(-0.1008), 1e-12, 0.0);
 }
 
 /* Any light and any disk have a finite sensitivity. */

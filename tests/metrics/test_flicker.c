@@ -38,7 +38,7 @@ static void test_luma_is_that_of_the_standard(void **state)
                                      sequence_plane(&pixel, 0, 2)};
         double luma = NAN, luminance = NAN;
         neph_display_luma(rgb, 1, exp2(-1.5), &luma, &luminance);
-        neph_assert_close(luma, (double)luma_of(&pixel, 0, 0, 0, -1.5), 2e-15, 0.0);
+        neph_assert_close(luma, (double)sequence_luma(&pixel, 0, 0, 0, -1.5), 2e-15, 0.0);
         sequence_destroy(&pixel);
     }
 }
@@ -134,7 +134,8 @@ static void test_blink(void **state)
     for (int t = 0; t < N; t++)
         sequence_set(&test, t, 0, 0, t % 4 ? 0.25 : 0.75, 0.25, 0.25);
     struct extraction run = flicker_run(&reference, &test, NULL, NULL);
-    const double height = (double)(luma_of(&test, 0, 0, 0, 0.0) - luma_of(&test, 1, 0, 0, 0.0));
+    const double height = (double)(sequence_luma(&test, 0, 0, 0, 0.0) -
+                                   sequence_luma(&test, 1, 0, 0, 0.0));
     neph_assert_close(flicker_at(&run, "a4", 0, 0), height / 2.0, 0.0, of_double);
     neph_assert_close(flicker_at(&run, "a2", 0, 0), height / 4.0, 0.0, of_double);
     neph_assert_close(flicker_at(&run, "std", 0, 0), height * sqrt(3.0) / 4.0, 0.0, of_double);
@@ -264,12 +265,13 @@ static void check_against_truth(const struct random_case *given, uint64_t seed)
         for (int x = 0; x < given->width_px; x++) {
             const int pixel = y * given->width_px + x;
             for (int t = 0; t < used; t++) {
-                r[t] = luma_of(&reference, t % reference.frame_count, x, y, given->exposure_ev);
-                d[t] = luma_of(&test, t, x, y, given->exposure_ev) - r[t];
+                r[t] = sequence_luma(&reference, t % reference.frame_count, x, y,
+                                     given->exposure_ev);
+                d[t] = sequence_luma(&test, t, x, y, given->exposure_ev) - r[t];
             }
-            const struct flicker_truth truth = truth_of(d, used, given->detrend);
+            const struct flicker_truth truth = evaluate_flicker(d, used, given->detrend);
             check_pixel(maps, pixel, &truth, given);
-            const struct flicker_truth own = truth_of(r, used, given->detrend);
+            const struct flicker_truth own = evaluate_flicker(r, used, given->detrend);
             neph_assert_close(reference_std[pixel], own.std, 0.0, of_double);
             if (given->subtract_noise)
                 neph_assert_close(reference_a4[pixel] * reference_a4[pixel],
@@ -315,10 +317,10 @@ static void test_small_flicker_on_a_large_value(void **state)
     for (int t = 0; t < N; t++) {
         const double value = 1.0 - (t % 4 == 0 ? 3.0 : t % 4 == 1 ? 2.0 : 1.0) * 0x1p-20;
         sequence_set(&test, t, 0, 0, value, value, value);
-        d[t] = luma_of(&test, t, 0, 0, 0.0);
+        d[t] = sequence_luma(&test, t, 0, 0, 0.0);
     }
     struct extraction run = flicker_run(&reference, &test, NULL, NULL);
-    const struct flicker_truth truth = truth_of(d, N, true);
+    const struct flicker_truth truth = evaluate_flicker(d, N, true);
     const double a4 = sqrt(truth.a4_squared), a2 = sqrt(truth.a2_squared);
     assert_true(a4 > 1e-7 && a4 < 1e-6);
     /* 2e-15 of a luma of 1 is 4e-9 of this amplitude. */
@@ -405,8 +407,8 @@ static void test_blocks(void **state)
 /* ---- noise ----------------------------------------------------------------------------------- */
 
 /* Sums of one pixel of a signal, without images. */
-static struct neph_flicker_spectrum spectrum_of(const double *v, int n,
-                                                const struct neph_flicker_window *window)
+static struct neph_flicker_spectrum sum_spectrum(const double *v, int n,
+                                                 const struct neph_flicker_window *window)
 {
     struct neph_flicker_sums sums = {0};
     struct neph_arena memory = {0};
@@ -416,15 +418,15 @@ static struct neph_flicker_spectrum spectrum_of(const double *v, int n,
     double rows[4][NEPH_FLICKER_LANES] = {0};
     const double *const frames[4] = {rows[0], rows[1], rows[2], rows[3]};
     for (int t = 0; t < n; t += 4) {
-        const struct neph_flicker_weights weights = neph_flicker_weights_of(t, n);
+        const struct neph_flicker_weights weights = neph_flicker_weights_make(t, n);
         for (int k = 0; k < 4; k++)
             rows[k][0] = v[t + k];
         neph_flicker_sums_add(&sums, 0, 1, &weights, frames);
     }
     double values[NEPH_FLICKER_SUM_COUNT];
-    neph_flicker_sums_of(&sums, 0, 0, values);
+    neph_flicker_sums_read(&sums, 0, 0, values);
     neph_arena_finish(&memory);
-    return neph_flicker_spectrum_of(window, values);
+    return neph_flicker_spectrum_compute(window, values);
 }
 
 /* White noise of standard deviation s: a4^2 and its floor have the mean 4 s^2 / N, a2^2 and its
@@ -438,14 +440,14 @@ static void test_white_noise(void **state)
     const double s = 0.05, p = 0.02;
     uint64_t random = 20261121;
     for (int detrend = 0; detrend < 2; detrend++) {
-        const struct neph_flicker_window window = neph_flicker_window_of(N, detrend, true);
+        const struct neph_flicker_window window = neph_flicker_window_make(N, detrend, true);
         double quarter = 0.0, half = 0.0, quarter_noise = 0.0, half_noise = 0.0;
         int quarter_found = 0, half_found = 0;
         for (int i = 0; i < M; i++) {
             double v[N];
             for (int t = 0; t < N; t++)
                 v[t] = s * normal(&random);
-            const struct neph_flicker_spectrum spectrum = spectrum_of(v, N, &window);
+            const struct neph_flicker_spectrum spectrum = sum_spectrum(v, N, &window);
             quarter += spectrum.a4 * spectrum.a4 / M;
             half += spectrum.a2 * spectrum.a2 / M;
             quarter_noise += spectrum.quarter_noise / M;
@@ -602,14 +604,14 @@ static void test_slots_are_traced_in_turn(void **state)
         for (int t = 0; t < 4; t++) {
             struct neph_phase_age scheme = {.order = (enum neph_slot_order)order, .slot_px = 1};
             const int x = xy[order][t][0], y = xy[order][t][1];
-            assert_int_equal(neph_phase_of(&scheme, x, y), x + 2 * y);
+            assert_int_equal(neph_slot_phase(&scheme, x, y), x + 2 * y);
             for (int age = 0; age < 4; age++)
-                assert_int_equal(neph_frame_of_age(&scheme, x + 6, y + 2, age), (t + age) % 4);
+                assert_int_equal(neph_slot_frame_at_age(&scheme, x + 6, y + 2, age), (t + age) % 4);
             scheme.first_slot = 3; /* frame 0 traces the last slot, frame 1 the first */
-            assert_int_equal(neph_frame_of_age(&scheme, x, y, 0), (t + 1) % 4);
+            assert_int_equal(neph_slot_frame_at_age(&scheme, x, y, 0), (t + 1) % 4);
             scheme = (struct neph_phase_age){(enum neph_slot_order)order, 0, 3, true};
-            assert_int_equal(neph_frame_of_age(&scheme, 3 * x + 2, 3 * y + 1, 0), (t + 3) % 4);
-            assert_int_equal(neph_frame_of_age(&scheme, 3 * x + 8, 3 * y + 1, 0), t);
+            assert_int_equal(neph_slot_frame_at_age(&scheme, 3 * x + 2, 3 * y + 1, 0), (t + 3) % 4);
+            assert_int_equal(neph_slot_frame_at_age(&scheme, 3 * x + 8, 3 * y + 1, 0), t);
         }
     }
 }

@@ -12,8 +12,8 @@
 
 /* ---- frequencies ----------------------------------------------------------------------------- */
 
-static struct neph_cycle_frequencies candidates_of(int frame_count, const char *declared,
-                                                   struct neph_arena *memory)
+static struct neph_cycle_frequencies find_candidates(int frame_count, const char *declared,
+                                                     struct neph_arena *memory)
 {
     struct neph_cycle_declared parsed = {.count = 0};
     struct neph_cycle_frequencies frequencies = {.items = NULL};
@@ -36,7 +36,7 @@ static bool has_period(const struct neph_cycle_frequencies *frequencies, int per
 static void test_each_frequency_has_one_period(void **state)
 {
     struct neph_arena memory = {0};
-    struct neph_cycle_frequencies frequencies = candidates_of(256, "", &memory);
+    struct neph_cycle_frequencies frequencies = find_candidates(256, "", &memory);
     assert_int_equal(frequencies.count, 162);
     for (int i = 0; i < frequencies.count; i++) {
         const struct neph_cycle_frequency f = frequencies.items[i];
@@ -53,7 +53,7 @@ static void test_few_frames_have_few_periods(void **state)
     const int cases[][2] = {{16, 2}, {63, 7}, {64, 8}, {255, 31}, {256, 32}, {2048, 32}};
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct neph_arena memory = {0};
-        struct neph_cycle_frequencies frequencies = candidates_of(cases[i][0], "", &memory);
+        struct neph_cycle_frequencies frequencies = find_candidates(cases[i][0], "", &memory);
         assert_int_equal(neph_cycle_longest(cases[i][0]), cases[i][1]);
         assert_true(has_period(&frequencies, cases[i][1]));
         assert_false(has_period(&frequencies, cases[i][1] + 1));
@@ -64,7 +64,7 @@ static void test_few_frames_have_few_periods(void **state)
 static void test_declared_periods_and_their_beats(void **state)
 {
     struct neph_arena memory = {0};
-    struct neph_cycle_frequencies frequencies = candidates_of(
+    struct neph_cycle_frequencies frequencies = find_candidates(
         256, "slot 4, TAA jitter 7, ray 9,long 65", &memory);
     assert_true(has_period(&frequencies, 36));  /* of 4 and 9 */
     assert_true(has_period(&frequencies, 63));  /* of 7 and 9 */
@@ -82,7 +82,7 @@ static void test_declared_periods_and_their_beats(void **state)
     }
 }
 
-static void test_who_made_a_period(void **state)
+static void test_sources_of_a_period(void **state)
 {
     const struct {
         int period;
@@ -252,8 +252,8 @@ static void test_parts_add_up_to_the_variance(void **state)
     for (int i = 0; i < W * H; i++) {
         long double d[N];
         for (int t = 0; t < N; t++)
-            d[t] = luma_of(&test, t, i % W, i / W, 0.0);
-        neph_assert_close(variance[i], (double)variance_of(d, N), 1e-6, 1e-12);
+            d[t] = sequence_luma(&test, t, i % W, i / W, 0.0);
+        neph_assert_close(variance[i], (double)compute_variance(d, N), 1e-6, 1e-12);
         neph_assert_close(sums[i], variance[i], 1e-12, 0.0);
     }
     free(variance);
@@ -263,7 +263,7 @@ static void test_parts_add_up_to_the_variance(void **state)
 }
 
 /* Without noise each part is as planted, to the rounding of d to a float. */
-static void test_parts_are_what_was_planted(void **state)
+static void test_parts_equal_the_planted_ones(void **state)
 {
     struct sequence test = sequence_create(W, H, N), reference = sequence_create(W, H, 1);
     fill_budget(&test);
@@ -314,7 +314,7 @@ static struct over_masks measure_masks(int period, int frame_count, const char *
         for (int p = 0; p < MASK_W * MASK_H; p++) {
             thin[p] = p % MASK_W < MASK_W / 2;
             for (int c = 0; c < 3; c++)
-                planes[i][c][p] = (float)linear_of(0.5);
+                planes[i][c][p] = (float)linear_from_luma(0.5);
         }
     }
     if (declared)
@@ -349,7 +349,7 @@ static struct over_masks measure_masks(int period, int frame_count, const char *
                                                : 0.0;
             const double luma = 0.5 + wave + 0.02 * normal(&random);
             for (int c = 0; c < 3; c++)
-                planes[1][c][p] = (float)linear_of(luma);
+                planes[1][c][p] = (float)linear_from_luma(luma);
         }
         neph_assert_ok(neph_meter_frame(over.meter, over.images[0], NULL, over.images[1], &diag),
                        &diag);
@@ -358,8 +358,8 @@ static struct over_masks measure_masks(int period, int frame_count, const char *
     return over;
 }
 
-static const struct neph_measurement *measurement_of(const struct over_masks *over,
-                                                     const char *metric, const char *mask)
+static const struct neph_measurement *find_mask_measurement(const struct over_masks *over,
+                                                            const char *metric, const char *mask)
 {
     int count = 0;
     const struct neph_measurement *all = neph_meter_measurements(over->meter, &count);
@@ -382,7 +382,7 @@ static void end_masks(struct over_masks *over)
 static void assert_undefined(const struct over_masks *over, const char *metric, const char *mask,
                              const char *because)
 {
-    const struct neph_measurement *measured = measurement_of(over, metric, mask);
+    const struct neph_measurement *measured = find_mask_measurement(over, metric, mask);
     if (measured->defined)
         fail_msg("'%s' over '%s' is %g", metric, mask, measured->value);
     if (!strstr(measured->undefined_because, because))
@@ -393,8 +393,8 @@ static void assert_undefined(const struct over_masks *over, const char *metric, 
 static void test_a_mask_without_a_cycle_says_so(void **state)
 {
     struct over_masks over = measure_masks(7, 256, NULL);
-    const struct neph_measurement *all = measurement_of(&over, "cycle_7", "all");
-    const struct neph_measurement *thin = measurement_of(&over, "cycle_7", "thin");
+    const struct neph_measurement *all = find_mask_measurement(&over, "cycle_7", "all");
+    const struct neph_measurement *thin = find_mask_measurement(&over, "cycle_7", "thin");
     assert_true(all->defined && thin->defined);
     neph_assert_close(thin->value, 0.02, 0.02, 0.0);
     neph_assert_close(all->value, 0.02 / sqrt(2.0), 0.02, 0.0);
@@ -403,15 +403,16 @@ static void test_a_mask_without_a_cycle_says_so(void **state)
     assert_undefined(&over, "cycle_7", "rest", "not above the noise of the mask");
     assert_undefined(&over, "cycle_8", "thin", "not above the noise floor");
     assert_undefined(&over, "cycle_drift", "all", "not above the noise of the mask");
-    neph_assert_close(measurement_of(&over, "repeats_14", "thin")->value, thin->value, 1e-12, 0.0);
-    neph_assert_close(measurement_of(&over, "cycle_noise", "rest")->value, 0.02, 0.02, 0.0);
+    neph_assert_close(find_mask_measurement(&over, "repeats_14", "thin")->value, thin->value, 1e-12,
+                      0.0);
+    neph_assert_close(find_mask_measurement(&over, "cycle_noise", "rest")->value, 0.02, 0.02, 0.0);
     end_masks(&over);
 }
 
-static void test_what_few_frames_cannot_say(void **state)
+static void test_few_frames_give_no_value(void **state)
 {
     struct over_masks over = measure_masks(7, 64, NULL);
-    assert_true(measurement_of(&over, "cycle_7", "thin")->defined);
+    assert_true(find_mask_measurement(&over, "cycle_7", "thin")->defined);
     assert_undefined(&over, "cycle_9", "all", "longer than an eighth of the frames");
     assert_undefined(&over, "cycle_long_1", "all", "longer than 32 frames");
     end_masks(&over);
@@ -420,12 +421,13 @@ static void test_what_few_frames_cannot_say(void **state)
 static void test_a_declared_long_period(void **state)
 {
     struct over_masks over = measure_masks(56, 256, "slot 4, ray dither 56");
-    neph_assert_close(measurement_of(&over, "cycle_long_1_frames", "all")->value, 56.0, 0.0, 0.0);
-    neph_assert_close(measurement_of(&over, "cycle_long_1", "thin")->value, 0.02, 0.02, 0.0);
+    neph_assert_close(find_mask_measurement(&over, "cycle_long_1_frames", "all")->value, 56.0, 0.0,
+                      0.0);
+    neph_assert_close(find_mask_measurement(&over, "cycle_long_1", "thin")->value, 0.02, 0.02, 0.0);
     end_masks(&over);
 }
 
-static void test_a_bad_declaration_is_told(void **state)
+static void test_a_bad_declaration_is_reported(void **state)
 {
     struct over_masks over = measure_masks(0, 16, "slot four");
     const char *obstacle = neph_meter_obstacle(over.meter, neph_quantity_find("radiance"),

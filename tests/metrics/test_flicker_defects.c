@@ -128,7 +128,7 @@ static void fill_frame(struct neph_image *image, defect_function *defect, int t,
     for (int y = 0; y < H; y++) {
         for (int x = 0; x < W; x++) {
             const struct place place = {t, x, y, random};
-            const double grey = linear_of(luma_at(x, y) + defect(place));
+            const double grey = linear_from_luma(luma_at(x, y) + defect(place));
             for (int c = 0; c < 3; c++)
                 planes[c][y * W + x] = (float)grey;
             depth[y * W + x] = is_bar(x) ? 2.0f : 10.0f;
@@ -210,7 +210,7 @@ static void finish(struct measured *measured)
         neph_mask_destroy(measured->masks[m]);
 }
 
-static double value_of(const struct measured *measured, const char *metric, int mask)
+static double find_mask_value(const struct measured *measured, const char *metric, int mask)
 {
     int count = 0;
     const struct neph_measurement *all = neph_meter_measurements(measured->meter, &count);
@@ -228,8 +228,8 @@ static double value_of(const struct measured *measured, const char *metric, int 
 
 static enum neph_flicker_kind verdict(const struct measured *measured, int mask)
 {
-    return neph_flicker_verdict(value_of(measured, "cyclic_share", mask),
-                                value_of(measured, "restless_share", mask));
+    return neph_flicker_verdict(find_mask_value(measured, "cyclic_share", mask),
+                                find_mask_value(measured, "restless_share", mask));
 }
 
 /* ---- tests ----------------------------------------------------------------------------------- */
@@ -278,18 +278,18 @@ static void test_defects_get_their_names(void **state)
 static void test_numbers_of_the_blinking_fence(void **state)
 {
     struct measured measured = measure(blinking_fence);
-    neph_assert_close(value_of(&measured, "a4_mean", ALL), 0.01 * 0.1, 1e-5, 0.0);
-    neph_assert_close(value_of(&measured, "a4_p99", EDGE), 0.1, 1e-5, 0.0);
-    neph_assert_close(value_of(&measured, "a2_p99", EDGE), 0.05, 1e-5, 0.0);
-    neph_assert_close(value_of(&measured, "cyclic_share", EDGE), 1.0 / 7.0, 1e-12, 0.0);
-    neph_assert_close(value_of(&measured, "a4_share_4", ALL), 0.01, 1e-12, 0.0);
-    neph_assert_close(value_of(&measured, "a4_p95", BESIDE), 0.0, 0.0, 1e-7);
+    neph_assert_close(find_mask_value(&measured, "a4_mean", ALL), 0.01 * 0.1, 1e-5, 0.0);
+    neph_assert_close(find_mask_value(&measured, "a4_p99", EDGE), 0.1, 1e-5, 0.0);
+    neph_assert_close(find_mask_value(&measured, "a2_p99", EDGE), 0.05, 1e-5, 0.0);
+    neph_assert_close(find_mask_value(&measured, "cyclic_share", EDGE), 1.0 / 7.0, 1e-12, 0.0);
+    neph_assert_close(find_mask_value(&measured, "a4_share_4", ALL), 0.01, 1e-12, 0.0);
+    neph_assert_close(find_mask_value(&measured, "a4_p95", BESIDE), 0.0, 0.0, 1e-7);
     /* 95 % of the other pixels are exactly 0: the ratio is at its floor of 1/1020. */
-    neph_assert_close(neph_flicker_edge_ratio(value_of(&measured, "a4_p95", EDGE),
-                                              value_of(&measured, "a4_p95", BESIDE)),
+    neph_assert_close(neph_flicker_edge_ratio(find_mask_value(&measured, "a4_p95", EDGE),
+                                              find_mask_value(&measured, "a4_p95", BESIDE)),
                       0.1 * 1020.0, 1e-5, 0.0);
-    neph_assert_close(value_of(&measured, "flicker_frames", ALL), N, 0.0, 0.0);
-    assert_true(value_of(&measured, "reference_a4_mean", ALL) == 0.0);
+    neph_assert_close(find_mask_value(&measured, "flicker_frames", ALL), N, 0.0, 0.0);
+    assert_true(find_mask_value(&measured, "reference_a4_mean", ALL) == 0.0);
     finish(&measured);
 }
 
@@ -298,10 +298,11 @@ static void test_numbers_of_the_blinking_fence(void **state)
 static void test_the_mean_would_not_tell(void **state)
 {
     struct measured fence = measure(blinking_fence), noise = measure(noise_of_equal_energy);
-    assert_true(5.0 * value_of(&fence, "std_mean", ALL) < value_of(&noise, "std_mean", ALL));
-    assert_true(value_of(&noise, "cyclic_share", ALL) <= NEPH_FLICKER_SHARE);
-    assert_true(value_of(&fence, "cycle_share_p99", EDGE) > 0.999);
-    assert_true(value_of(&noise, "cycle_share_mean", ALL) < 0.1);
+    assert_true(5.0 * find_mask_value(&fence, "std_mean", ALL) <
+                find_mask_value(&noise, "std_mean", ALL));
+    assert_true(find_mask_value(&noise, "cyclic_share", ALL) <= NEPH_FLICKER_SHARE);
+    assert_true(find_mask_value(&fence, "cycle_share_p99", EDGE) > 0.999);
+    assert_true(find_mask_value(&noise, "cycle_share_mean", ALL) < 0.1);
     finish(&fence);
     finish(&noise);
 }
@@ -309,10 +310,10 @@ static void test_the_mean_would_not_tell(void **state)
 static void test_a_turning_dither_cancels_in_blocks(void **state)
 {
     struct measured dither = measure(turning_dither), wall = measure(blinking_wall);
-    neph_assert_close(value_of(&dither, "a4_mean", ALL), 0.05, 1e-5, 0.0);
-    neph_assert_close(value_of(&wall, "a4_mean", ALL), 0.05, 1e-5, 0.0);
-    neph_assert_close(value_of(&dither, "block_a4_p99", ALL), 0.0, 0.0, 1e-7);
-    neph_assert_close(value_of(&wall, "block_a4_mean", ALL), 0.05, 1e-5, 0.0);
+    neph_assert_close(find_mask_value(&dither, "a4_mean", ALL), 0.05, 1e-5, 0.0);
+    neph_assert_close(find_mask_value(&wall, "a4_mean", ALL), 0.05, 1e-5, 0.0);
+    neph_assert_close(find_mask_value(&dither, "block_a4_p99", ALL), 0.0, 0.0, 1e-7);
+    neph_assert_close(find_mask_value(&wall, "block_a4_mean", ALL), 0.05, 1e-5, 0.0);
     finish(&dither);
     finish(&wall);
 }
@@ -352,7 +353,7 @@ static double fireflies(uint64_t *random)
 static int count_called_cyclic(double (*noise)(uint64_t *random), int frame_count)
 {
     uint64_t random = 4;
-    const struct neph_flicker_window window = neph_flicker_window_of(frame_count, true, false);
+    const struct neph_flicker_window window = neph_flicker_window_make(frame_count, true, false);
     int called = 0;
     for (int run = 0; run < NOISE_RUNS; run++) {
         struct neph_flicker_sums sums = {0};
@@ -366,13 +367,14 @@ static int count_called_cyclic(double (*noise)(uint64_t *random), int frame_coun
             const double *const frames[4] = {rows[0], rows[1], rows[2], rows[3]};
             for (int i = 0; i < 4 * NEPH_FLICKER_LANES; i++)
                 rows[i / NEPH_FLICKER_LANES][i % NEPH_FLICKER_LANES] = noise(&random);
-            const struct neph_flicker_weights weights = neph_flicker_weights_of(t, frame_count);
+            const struct neph_flicker_weights weights = neph_flicker_weights_make(t, frame_count);
             neph_flicker_sums_add(&sums, 0, 1, &weights, frames);
         }
         for (int x = 0; x < 16; x++) {
             double values[NEPH_FLICKER_SUM_COUNT];
-            neph_flicker_sums_of(&sums, x, 0, values);
-            const struct neph_flicker_spectrum spectrum = neph_flicker_spectrum_of(&window, values);
+            neph_flicker_sums_read(&sums, x, 0, values);
+            const struct neph_flicker_spectrum spectrum = neph_flicker_spectrum_compute(&window,
+                                                                                        values);
             called += neph_flicker_is_cyclic(&spectrum);
         }
         neph_arena_finish(&memory);

@@ -140,7 +140,7 @@ static struct pictures draw(picture_rule *rule, int width_px, int height_px, uin
     return pictures;
 }
 
-static void free_pictures(struct pictures *pictures)
+static void free_image_pair(struct pictures *pictures)
 {
     for (int i = 0; i < 6; i++)
         free(pictures->planes[i / 3][i % 3]);
@@ -158,8 +158,8 @@ static uint64_t test_seed(uint64_t usual)
 /* ---- core ------------------------------------------------------------------------------------ */
 
 /* The map for the caller to free; `first` 1: the images are swapped. */
-static double *flip_of(const struct pictures *pictures, int first, double pixels_per_degree,
-                       struct neph_flip_display display)
+static double *compute_flip(const struct pictures *pictures, int first, double pixels_per_degree,
+                            struct neph_flip_display display)
 {
     struct neph_diag diag = {0};
     struct neph_flip *flip = NULL;
@@ -176,7 +176,7 @@ static double *flip_of(const struct pictures *pictures, int first, double pixels
     return map;
 }
 
-static struct expected facts_of(const double *map, int width_px, int height_px)
+static struct expected compute_facts(const double *map, int width_px, int height_px)
 {
     const size_t count = (size_t)width_px * (size_t)height_px;
     double *sorted = malloc(count * sizeof(*sorted));
@@ -218,12 +218,12 @@ static void test_second_implementation(void **state)
     for (int i = 0; i < COUNT_OF_LDR; i++) {
         const struct ldr_case *it = &ldr_cases[i];
         struct pictures pictures = draw(it->rule, it->width_px, it->height_px, it->seed);
-        double *map = flip_of(&pictures, 0, it->pixels_per_degree, it->display);
-        const struct expected facts = facts_of(map, it->width_px, it->height_px);
+        double *map = compute_flip(&pictures, 0, it->pixels_per_degree, it->display);
+        const struct expected facts = compute_facts(map, it->width_px, it->height_px);
         print_message("case %d: mean off by %.2g\n", i, facts.mean - it->expected.mean);
         assert_facts(&facts, &it->expected);
         free(map);
-        free_pictures(&pictures);
+        free_image_pair(&pictures);
     }
 }
 
@@ -248,12 +248,13 @@ static void test_uniform_greys(void **state)
         const double expected = difference < knee
                                     ? difference / knee * 0.95
                                     : 0.95 + (difference - knee) / (largest - knee) * 0.05;
-        double *map = flip_of(&pictures, 0, 67.0, (struct neph_flip_display){0.0, NEPH_FLIP_NONE});
+        double *map = compute_flip(&pictures, 0, 67.0,
+                                   (struct neph_flip_display){0.0, NEPH_FLIP_NONE});
         for (size_t p = 0; p < pixel_count(&pictures); p++)
             neph_assert_close(map[p], expected, 1e-7, 0.0);
         free(map);
     }
-    free_pictures(&pictures);
+    free_image_pair(&pictures);
 }
 
 /* ---- consequences of the definition ---------------------------------------------------------- */
@@ -288,8 +289,8 @@ static void test_properties(void **state)
     for (int i = 0; i < 60; i++) {
         struct draw any = draw_any(&random);
         const size_t bytes = pixel_count(&any.pictures) * sizeof(double);
-        double *map = flip_of(&any.pictures, 0, any.pixels_per_degree, any.display);
-        double *swapped = flip_of(&any.pictures, 1, any.pixels_per_degree, any.display);
+        double *map = compute_flip(&any.pictures, 0, any.pixels_per_degree, any.display);
+        double *swapped = compute_flip(&any.pictures, 1, any.pixels_per_degree, any.display);
         assert_memory_equal(map, swapped, bytes);
         for (size_t p = 0; p < pixel_count(&any.pictures); p++)
             assert_true(map[p] >= 0.0 && map[p] <= 1.0);
@@ -297,13 +298,13 @@ static void test_properties(void **state)
         for (int c = 0; c < 3; c++)
             memcpy(any.pictures.planes[1][c], any.pictures.planes[0][c],
                    pixel_count(&any.pictures) * sizeof(float));
-        double *same = flip_of(&any.pictures, 0, any.pixels_per_degree, any.display);
+        double *same = compute_flip(&any.pictures, 0, any.pixels_per_degree, any.display);
         for (size_t p = 0; p < pixel_count(&any.pictures); p++)
             assert_true(same[p] == 0.0);
         free(map);
         free(swapped);
         free(same);
-        free_pictures(&any.pictures);
+        free_image_pair(&any.pictures);
     }
 }
 
@@ -320,15 +321,15 @@ static void test_tiles_do_not_show(void **state)
     const struct neph_flip_display display = {0.0, NEPH_FLIP_NONE};
     struct pictures whole = draw(noise, WIDTH + DX, HEIGHT + DY, 77);
     struct pictures moved = draw(moved_noise, WIDTH, HEIGHT, 77);
-    double *whole_map = flip_of(&whole, 0, 67.0206432765823, display);
-    double *moved_map = flip_of(&moved, 0, 67.0206432765823, display);
+    double *whole_map = compute_flip(&whole, 0, 67.0206432765823, display);
+    double *moved_map = compute_flip(&moved, 0, 67.0206432765823, display);
     for (size_t y = MARGIN; y < HEIGHT - MARGIN; y++)
         assert_memory_equal(whole_map + (y + DY) * (WIDTH + DX) + DX + MARGIN,
                             moved_map + y * WIDTH + MARGIN, (WIDTH - 2 * MARGIN) * sizeof(double));
     free(whole_map);
     free(moved_map);
-    free_pictures(&whole);
-    free_pictures(&moved);
+    free_image_pair(&whole);
+    free_image_pair(&moved);
 }
 
 /* Several displays at once: the largest of their values at each pixel, to the bit. */
@@ -352,7 +353,7 @@ static void test_largest_of_displays(void **state)
     neph_arena_finish(&memory);
     int chosen[3] = {0};
     for (int i = 0; i < 3; i++)
-        single[i] = flip_of(&pictures, 0, 67.0, displays[i]);
+        single[i] = compute_flip(&pictures, 0, 67.0, displays[i]);
     for (size_t p = 0; p < count; p++) {
         assert_true(together[p] == fmax(fmax(single[0][p], single[1][p]), single[2][p]));
         for (int i = 0; i < 3; i++)
@@ -363,7 +364,7 @@ static void test_largest_of_displays(void **state)
         free(single[i]);
     }
     free(together);
-    free_pictures(&pictures);
+    free_image_pair(&pictures);
 }
 
 static void test_threads_do_not_show(void **state)
@@ -376,14 +377,14 @@ static void test_threads_do_not_show(void **state)
             CPU_SET(cpu, &one);
     const struct neph_flip_display display = {0.0, NEPH_FLIP_ACES};
     struct pictures pictures = draw(sky, 530, 270, 78);
-    double *many = flip_of(&pictures, 0, 40.0, display);
+    double *many = compute_flip(&pictures, 0, 40.0, display);
     assert_int_equal(sched_setaffinity(0, sizeof(one), &one), 0);
-    double *alone = flip_of(&pictures, 0, 40.0, display);
+    double *alone = compute_flip(&pictures, 0, 40.0, display);
     assert_int_equal(sched_setaffinity(0, sizeof(all), &all), 0);
     assert_memory_equal(many, alone, pixel_count(&pictures) * sizeof(double));
     free(many);
     free(alone);
-    free_pictures(&pictures);
+    free_image_pair(&pictures);
 }
 
 static void test_distance_out_of_range(void **state)
@@ -402,8 +403,8 @@ static void test_distance_out_of_range(void **state)
 /* ---- extractors ------------------------------------------------------------------------------ */
 
 /* A pair of frames with these images; free_images() after it. */
-static struct neph_frame_pair pair_of(const struct pictures *pictures, int frame,
-                                      const struct neph_viewing *viewing)
+static struct neph_frame_pair make_image_pair(const struct pictures *pictures, int frame,
+                                              const struct neph_viewing *viewing)
 {
     struct neph_image *images[2];
     struct neph_diag diag = {0};
@@ -436,7 +437,7 @@ static void test_tables(void **state)
 static double *still_map(const struct neph_extractor *extractor, const struct pictures *pictures,
                          struct neph_viewing viewing, const char *const *assignments)
 {
-    struct neph_frame_pair pair = pair_of(pictures, 0, &viewing);
+    struct neph_frame_pair pair = make_image_pair(pictures, 0, &viewing);
     struct extraction extraction = extraction_begin(extractor, &pair, assignments);
     extraction_frame(&extraction, &pair);
     double *map = extraction_map(&extraction, 0);
@@ -457,9 +458,11 @@ static void test_extractors_take_their_conditions(void **state)
         const char *assignments[2];
         double *expected;
     } cases[] = {
-        {&neph_extractor_flip, {NULL}, flip_of(&pictures, 0, viewing.pixels_per_degree, plain)},
-        {&neph_extractor_flip40, {NULL}, flip_of(&pictures, 0, 40.0, plain)},
-        {&neph_extractor_flip40, {"tone=hable"}, flip_of(&pictures, 0, 40.0, hable)},
+        {&neph_extractor_flip,
+         {NULL},
+         compute_flip(&pictures, 0, viewing.pixels_per_degree, plain)},
+        {&neph_extractor_flip40, {NULL}, compute_flip(&pictures, 0, 40.0, plain)},
+        {&neph_extractor_flip40, {"tone=hable"}, compute_flip(&pictures, 0, 40.0, hable)},
     };
     for (int i = 0; i < 3; i++) {
         double *map = still_map(cases[i].extractor, &pictures, viewing, cases[i].assignments);
@@ -467,7 +470,7 @@ static void test_extractors_take_their_conditions(void **state)
         free(map);
         free(cases[i].expected);
     }
-    free_pictures(&pictures);
+    free_image_pair(&pictures);
 }
 
 /* ---- HDR-FLIP -------------------------------------------------------------------------------- */
@@ -479,7 +482,7 @@ static void test_hdr_second_implementation(void **state)
         struct pictures pictures = draw(it->rule, it->width_px, it->height_px, it->seed);
         struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
         viewing.pixels_per_degree = it->pixels_per_degree;
-        struct neph_frame_pair pair = pair_of(&pictures, 0, &viewing);
+        struct neph_frame_pair pair = make_image_pair(&pictures, 0, &viewing);
         char tone[32];
         snprintf(tone, sizeof(tone), "tone=%s", neph_flip_tones[it->tone]);
         struct extraction extraction = extraction_begin(&neph_extractor_hdr_flip, &pair,
@@ -493,12 +496,12 @@ static void test_hdr_second_implementation(void **state)
                           1e-13);
         assert_true(extraction_scalar(&extraction, "hdr_flip_exposures") == it->exposures);
         double *map = extraction_map(&extraction, 0);
-        const struct expected facts = facts_of(map, it->width_px, it->height_px);
+        const struct expected facts = compute_facts(map, it->width_px, it->height_px);
         assert_facts(&facts, &it->expected);
         free(map);
         extraction_end(&extraction);
         free_images(&pair);
-        free_pictures(&pictures);
+        free_image_pair(&pictures);
     }
 }
 
@@ -521,17 +524,17 @@ static void test_median_of_zero_is_no_agreement(void **state)
 {
     struct pictures pictures = draw(night, 40, 25, 35);
     double *map = still_map(&neph_extractor_hdr_flip, &pictures, NEPH_VIEWING_DEFAULTS, NULL);
-    const struct expected facts = facts_of(map, 40, 25);
+    const struct expected facts = compute_facts(map, 40, 25);
     assert_true(facts.mean > 0.1);
     free(map);
-    free_pictures(&pictures);
+    free_image_pair(&pictures);
 }
 
 static void test_hdr_obstacles(void **state)
 {
     struct pictures black = empty_pictures(4, 3);
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    struct neph_frame_pair pair = pair_of(&black, 0, &viewing);
+    struct neph_frame_pair pair = make_image_pair(&black, 0, &viewing);
     const struct neph_extractor *extractor = &neph_extractor_hdr_flip;
     struct neph_settings settings = neph_options_default(extractor->options);
     struct neph_diag diag = {0};
@@ -544,7 +547,7 @@ static void test_hdr_obstacles(void **state)
     neph_assert_ok(neph_options_set(extractor->options, "x", "stop_ev=5", &settings, &diag), &diag);
     assert_null(extractor->obstacle(&pair, &settings));
     free_images(&pair);
-    free_pictures(&black);
+    free_image_pair(&black);
 }
 
 static void test_exposures_are_frozen(void **state)
@@ -553,7 +556,8 @@ static void test_exposures_are_frozen(void **state)
     for (size_t i = 0; i < 3 * pixel_count(&second); i++)
         second.planes[0][i % 3][i / 3] *= 64.0f;
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    struct neph_frame_pair pairs[2] = {pair_of(&first, 0, &viewing), pair_of(&second, 1, &viewing)};
+    struct neph_frame_pair pairs[2] = {make_image_pair(&first, 0, &viewing),
+                                       make_image_pair(&second, 1, &viewing)};
     struct extraction run = extraction_begin(&neph_extractor_hdr_flip, &pairs[0], NULL);
     extraction_frame(&run, &pairs[0]);
     const double start_ev = extraction_scalar(&run, "hdr_flip_start_ev");
@@ -576,8 +580,8 @@ static void test_exposures_are_frozen(void **state)
     extraction_end(&run);
     for (int i = 0; i < 2; i++)
         free_images(&pairs[i]);
-    free_pictures(&first);
-    free_pictures(&second);
+    free_image_pair(&first);
+    free_image_pair(&second);
 }
 
 /* A missing exposure follows the rule; 0 EV is a given exposure. */
@@ -585,7 +589,7 @@ static void test_one_exposure_is_enough(void **state)
 {
     struct pictures pictures = draw(bright, 20, 12, 81);
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    struct neph_frame_pair pair = pair_of(&pictures, 0, &viewing);
+    struct neph_frame_pair pair = make_image_pair(&pictures, 0, &viewing);
     struct extraction rule = extraction_begin(&neph_extractor_hdr_flip, &pair, NULL);
     const double start_ev = extraction_scalar(&rule, "hdr_flip_start_ev");
     const double stop_ev = extraction_scalar(&rule, "hdr_flip_stop_ev");
@@ -617,7 +621,7 @@ static void test_one_exposure_is_enough(void **state)
     free(opaque);
     extraction_end(&rule);
     free_images(&pair);
-    free_pictures(&pictures);
+    free_image_pair(&pictures);
 }
 
 /* Light below zero is black, before any curve: the tool's curves make it bright (aces gives 0.675
@@ -640,8 +644,8 @@ static void test_negative_light_is_black(void **state)
         free(map);
         free(expected);
     }
-    free_pictures(&pictures);
-    free_pictures(&clamped);
+    free_image_pair(&pictures);
+    free_image_pair(&clamped);
 }
 
 /* The exposures are the reference's, so reference and test cannot be swapped. The unit of radiance
@@ -665,13 +669,13 @@ static void test_hdr_symmetries(void **state)
         pictures.planes[1][c] = plane;
     }
     double *swapped = still_map(&neph_extractor_hdr_flip, &pictures, NEPH_VIEWING_DEFAULTS, NULL);
-    const double mean = facts_of(brighter, 41, 23).mean;
-    assert_true(fabs(facts_of(swapped, 41, 23).mean - mean) > 1e-4 * mean);
+    const double mean = compute_facts(brighter, 41, 23).mean;
+    assert_true(fabs(compute_facts(swapped, 41, 23).mean - mean) > 1e-4 * mean);
     assert_memory_not_equal(swapped, brighter, bytes);
     free(map);
     free(brighter);
     free(swapped);
-    free_pictures(&pictures);
+    free_image_pair(&pictures);
 }
 
 /* ---- FLIP between frames --------------------------------------------------------------------- */
@@ -688,7 +692,7 @@ static struct extraction run_sequence(const struct pictures *pictures, const int
             frame.planes[0][c] = pictures[reference[i]].planes[0][c];
             frame.planes[1][c] = pictures[test[i]].planes[0][c];
         }
-        struct neph_frame_pair pair = pair_of(&frame, i, viewing);
+        struct neph_frame_pair pair = make_image_pair(&frame, i, viewing);
         if (i == 0)
             run = extraction_begin(&neph_extractor_flip_alternation, &pair,
                                    (const char *[]){cycles, NULL});
@@ -716,8 +720,8 @@ static void test_alternation(void **state)
     struct pictures both = pictures[0];
     for (int c = 0; c < 3; c++)
         both.planes[1][c] = pictures[1].planes[0][c];
-    double *flip = flip_of(&both, 0, viewing.pixels_per_degree,
-                           (struct neph_flip_display){0.0, NEPH_FLIP_NONE});
+    double *flip = compute_flip(&both, 0, viewing.pixels_per_degree,
+                                (struct neph_flip_display){0.0, NEPH_FLIP_NONE});
     const struct {
         int test[10], reference[10], frame_count;
         const char *cycles;
@@ -740,7 +744,7 @@ static void test_alternation(void **state)
     }
     free(flip);
     for (int i = 0; i < 2; i++)
-        free_pictures(&pictures[i]);
+        free_image_pair(&pictures[i]);
 }
 
 static void test_a_short_sequence_is_an_obstacle(void **state)
@@ -749,14 +753,14 @@ static void test_a_short_sequence_is_an_obstacle(void **state)
     const struct neph_settings settings = neph_options_default(
         neph_extractor_flip_alternation.options);
     struct pictures pictures = empty_pictures(2, 2);
-    struct neph_frame_pair pair = pair_of(&pictures, 0, &viewing);
+    struct neph_frame_pair pair = make_image_pair(&pictures, 0, &viewing);
     for (int frame_count = 0; frame_count < 9; frame_count++) { /* 0: not known beforehand */
         pair.frame_count = frame_count;
         const char *obstacle = neph_extractor_flip_alternation.obstacle(&pair, &settings);
         assert_true((obstacle != NULL) == (frame_count > 0 && frame_count < 6));
     }
     free_images(&pair);
-    free_pictures(&pictures);
+    free_image_pair(&pictures);
 }
 
 static void test_alternation_needs_whole_cycles(void **state)
@@ -785,7 +789,7 @@ static void test_alternation_needs_whole_cycles(void **state)
         extraction_end(&run);
     }
     for (int i = 0; i < 2; i++)
-        free_pictures(&pictures[i]);
+        free_image_pair(&pictures[i]);
 }
 
 /* ---- through the meter ----------------------------------------------------------------------- */
@@ -795,7 +799,7 @@ static struct neph_meter *measure(const struct pictures *pictures, double pixels
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     viewing.pixels_per_degree = pixels_per_degree;
-    struct neph_frame_pair pair = pair_of(pictures, 0, &viewing);
+    struct neph_frame_pair pair = make_image_pair(pictures, 0, &viewing);
     struct neph_mask *mask = NULL;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_mask_create(pair.reference_image, "all", NULL, &mask, &diag), &diag);
@@ -842,7 +846,7 @@ static void test_numbers_through_the_meter(void **state)
         neph_assert_close(measured(meter, "flip_wmedian")->value, it->expected.weighted_median,
                           2e-7, 0.0);
         neph_meter_destroy(meter);
-        free_pictures(&pictures);
+        free_image_pair(&pictures);
     }
 }
 
@@ -857,7 +861,7 @@ static void test_not_a_number_is_not_black(void **state)
     assert_non_null(mean->undefined_because);
     assert_true(mean->bad_count == 1);
     neph_meter_destroy(meter);
-    free_pictures(&pictures);
+    free_image_pair(&pictures);
 }
 
 /* Dark wires before a bright sky, with half of their pixels missing. */
@@ -886,7 +890,7 @@ static void test_a_mean_hides_wires(void **state)
     assert_true(close_mean < usual_mean && close_median > usual_median);
     neph_meter_destroy(usual_meter);
     neph_meter_destroy(close_meter);
-    free_pictures(&pictures);
+    free_image_pair(&pictures);
 }
 
 #include "tests/main.h"

@@ -18,7 +18,7 @@ struct frame {
     float depth_m[WIDTH], motion_px[WIDTH];
 };
 
-static struct neph_image *image_of(const double *grey, const struct frame *layers)
+static struct neph_image *make_layer_image(const double *grey, const struct frame *layers)
 {
     struct neph_image *image = NULL;
     float *planes[3], *depth_m, *x_px, *y_px;
@@ -41,8 +41,8 @@ static struct neph_image *image_of(const double *grey, const struct frame *layer
 
 static void feed(struct extraction *extraction, int number, const struct frame *frame)
 {
-    struct neph_image *reference = image_of(frame->reference, frame);
-    struct neph_image *test = image_of(frame->test, NULL);
+    struct neph_image *reference = make_layer_image(frame->reference, frame);
+    struct neph_image *test = make_layer_image(frame->test, NULL);
     const struct neph_frame_pair pair = extraction_pair(reference, NULL, test, "radiance", number,
                                                         &viewing);
     if (number == 0)
@@ -53,7 +53,7 @@ static void feed(struct extraction *extraction, int number, const struct frame *
 }
 
 /* The metric over all pixels, as the pools define it; NaN: no value. */
-static double value_of(const struct extraction *extraction, const char *name)
+static double pool_value(const struct extraction *extraction, const char *name)
 {
     for (const struct neph_metric *metric = neph_extractor_ghost.metrics; metric->name; metric++) {
         if (strcmp(metric->name, name) != 0)
@@ -81,7 +81,7 @@ static double of_age(const struct extraction *extraction, const char *metric, in
 {
     char name[64];
     snprintf(name, sizeof(name), "%s_%d", metric, age);
-    return value_of(extraction, name);
+    return pool_value(extraction, name);
 }
 
 /* ---- a card in front of a wall, and an average ----------------------------------------------- */
@@ -127,9 +127,9 @@ static void check_card(double speed_px, int side_px, double alpha)
         neph_assert_close(of_age(&extraction, "edge_ghost_residual", ages[k]), left, 0.0, 3e-7);
         assert_true(of_age(&extraction, "edge_ghost_share", ages[k]) == (left > 0.1 ? 1.0 : 0.0));
     }
-    neph_assert_close(value_of(&extraction, "edge_ghost_frames"), ghost_frames, 1e-12, 0.0);
-    neph_assert_close(value_of(&extraction, "edge_ghost_area"), ghost_frames / (frame_count - 1.0),
-                      1e-12, 0.0);
+    neph_assert_close(pool_value(&extraction, "edge_ghost_frames"), ghost_frames, 1e-12, 0.0);
+    neph_assert_close(pool_value(&extraction, "edge_ghost_area"),
+                      ghost_frames / (frame_count - 1.0), 1e-12, 0.0);
     extraction_end(&extraction);
 }
 
@@ -210,8 +210,8 @@ static void test_nothing_to_see(void **state)
     }
     extraction_flush(&extraction);
     assert_true(isnan(of_age(&extraction, "edge_ghost_residual", 1)));
-    assert_true(isnan(value_of(&extraction, "edge_ghost_frames")));
-    assert_true(value_of(&extraction, "edge_ghost_area") == 0.0);
+    assert_true(isnan(pool_value(&extraction, "edge_ghost_frames")));
+    assert_true(pool_value(&extraction, "edge_ghost_area") == 0.0);
     extraction_end(&extraction);
 }
 
@@ -222,7 +222,7 @@ static void test_one_frame(void **state)
     move_card(2.0, 10, 0, 1.0, &frame);
     feed(&extraction, 0, &frame);
     extraction_flush(&extraction);
-    assert_true(isnan(value_of(&extraction, "edge_ghost_area")));
+    assert_true(isnan(pool_value(&extraction, "edge_ghost_area")));
     extraction_end(&extraction);
 }
 
@@ -230,7 +230,7 @@ static void test_obstacle(void **state)
 {
     struct frame frame;
     move_card(2.0, 10, 0, 1.0, &frame);
-    struct neph_image *image = image_of(frame.reference, NULL);
+    struct neph_image *image = make_layer_image(frame.reference, NULL);
     const struct neph_frame_pair pair = extraction_pair(image, NULL, image, "radiance", 0,
                                                         &viewing);
     assert_non_null(strstr(neph_extractor_ghost.obstacle(&pair, NULL), "motion.x"));

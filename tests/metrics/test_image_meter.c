@@ -216,7 +216,7 @@ static void test_shared_codes(void **state)
         assert_ptr_equal(neph_metric_find(all[i].metric->name, &owner), all[i].metric);
         const struct measured alone = measure_with(owner, reference, tests[all[i].frame],
                                                    all[i].quantity->name, mask);
-        assert_true(all[i].value == value_of(&alone, all[i].metric->name));
+        assert_true(all[i].value == find_value(&alone, all[i].metric->name));
         if (owner == &neph_extractor_pu21 && all[i].frame == 1) /* squares are floats in a map */
             neph_assert_close(psnr_of_map(meter, all[i].quantity->name), all[i].value, 1e-7, 0.0);
     }

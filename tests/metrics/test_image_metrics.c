@@ -86,7 +86,7 @@ static void drop(struct frames *frames)
     neph_image_destroy(frames->second);
 }
 
-static struct neph_frame_pair pair_of(const struct frames *frames)
+static struct neph_frame_pair make_frames_pair(const struct frames *frames)
 {
     return extraction_pair(frames->reference, frames->second, frames->test, "radiance", 0,
                            &frames->viewing);
@@ -95,14 +95,14 @@ static struct neph_frame_pair pair_of(const struct frames *frames)
 static struct extraction run(const struct neph_extractor *extractor, const struct frames *frames,
                              const char *const *assignments)
 {
-    struct neph_frame_pair pair = pair_of(frames);
+    struct neph_frame_pair pair = make_frames_pair(frames);
     struct extraction extraction = extraction_begin(extractor, &pair, assignments);
     extraction_frame(&extraction, &pair);
     return extraction;
 }
 
 /* The values of a map, all planes; for the caller to free. */
-static double *values_of(const struct extraction *extraction, int map, size_t *count)
+static double *read_map_values(const struct extraction *extraction, int map, size_t *count)
 {
     int plane_count = extraction->extractor->maps[map].plane_count;
     plane_count = plane_count ? plane_count : extraction->plane_count;
@@ -125,7 +125,7 @@ static double pooled(const struct extraction *extraction, const char *name)
     if (metric->pool == NEPH_POOL_SCALAR)
         return extraction_scalar(extraction, name);
     size_t count;
-    double *values = values_of(extraction, metric->map, &count);
+    double *values = read_map_values(extraction, metric->map, &count);
     assert_true(count > 0);
     struct neph_sum sum = {0};
     for (size_t i = 0; i < count; i++)
@@ -161,9 +161,10 @@ static double measured(const struct neph_extractor *extractor, const struct fram
     return value;
 }
 
-static const char *obstacle_of(const struct neph_extractor *extractor, const struct frames *frames)
+static const char *find_extractor_obstacle(const struct neph_extractor *extractor,
+                                           const struct frames *frames)
 {
-    struct neph_frame_pair pair = pair_of(frames);
+    struct neph_frame_pair pair = make_frames_pair(frames);
     struct neph_settings settings = neph_options_default(extractor->options);
     return extractor->obstacle(&pair, &settings);
 }
@@ -205,7 +206,7 @@ static void check_shift(const struct image_reference *expected, const struct fra
     neph_assert_close(pooled(&extraction, "rmse_shift1"), sqrt(expected->mse_shift1), sums_relative,
                       0.0);
     size_t count;
-    double *as_is = values_of(&extraction, 0, &count);
+    double *as_is = read_map_values(&extraction, 0, &count);
     double sum = 0.0;
     for (size_t i = 0; i < count; i++)
         sum += as_is[i];
@@ -367,7 +368,8 @@ static void test_stops_closed_form(void **state)
     assert_true(neph_image_rgb(frames.reference, NULL, planes));
     for (int c = 0; c < 3; c++)
         memset(planes[c], 0, 4 * sizeof(float));
-    assert_non_null(strstr(obstacle_of(&neph_extractor_stops, &frames), "not positive"));
+    assert_non_null(
+        strstr(find_extractor_obstacle(&neph_extractor_stops, &frames), "not positive"));
     drop(&frames);
 }
 
@@ -376,7 +378,7 @@ static void test_stops_of_a_black_frame(void **state)
 {
     struct frames frames = grey(2, 1, (float[]){1, 1}, (float[]){2, 2});
     struct frames black = grey(2, 1, (float[]){0, 0}, (float[]){2, 2});
-    struct neph_frame_pair first = pair_of(&frames), second = pair_of(&black);
+    struct neph_frame_pair first = make_frames_pair(&frames), second = make_frames_pair(&black);
     struct extraction extraction = extraction_begin(&neph_extractor_stops, &first, NULL);
     extraction_frame(&extraction, &second);
     double *stops = extraction_map(&extraction, 1);
@@ -454,13 +456,13 @@ static void test_ssim_is_symmetric(void **state)
 static void test_ssim_of_small_images(void **state)
 {
     struct frames frames = made_up(10, 30, 12);
-    assert_non_null(strstr(obstacle_of(&neph_extractor_ssim, &frames), "11x11"));
+    assert_non_null(strstr(find_extractor_obstacle(&neph_extractor_ssim, &frames), "11x11"));
     drop(&frames);
     frames = made_up(11, 11, 13); /* one window */
-    assert_null(obstacle_of(&neph_extractor_ssim, &frames));
+    assert_null(find_extractor_obstacle(&neph_extractor_ssim, &frames));
     struct extraction extraction = run(&neph_extractor_ssim, &frames, NULL);
     size_t count;
-    free(values_of(&extraction, 0, &count));
+    free(read_map_values(&extraction, 0, &count));
     assert_int_equal(count, 1);
     extraction_end(&extraction);
     drop(&frames);
@@ -502,11 +504,12 @@ static void test_ms_ssim_of_a_negative(void **state)
 
 /* ---- shift ----------------------------------------------------------------------------------- */
 
-static double gain_of(const struct frames *frames)
+static double measure_shift_gain(const struct frames *frames)
 {
     struct extraction extraction = run(&neph_extractor_shift, frames, NULL);
     size_t count;
-    double *as_is = values_of(&extraction, 0, &count), *moved = values_of(&extraction, 1, &count);
+    double *as_is = read_map_values(&extraction, 0, &count),
+           *moved = read_map_values(&extraction, 1, &count);
     double as_is_sum = 0.0, moved_sum = 0.0;
     for (size_t i = 0; i < count; i++) {
         as_is_sum += as_is[i];
@@ -537,7 +540,7 @@ static double gain_of_band(int reference_px, int test_px, int moved_px, double l
     draw_band(reference, 20, reference_px, lean);
     draw_band(test, 20 + moved_px, test_px, lean);
     struct frames frames = grey(FIELD_WIDTH, FIELD_HEIGHT, reference, test);
-    double gain = gain_of(&frames);
+    double gain = measure_shift_gain(&frames);
     drop(&frames);
     return gain;
 }
@@ -575,10 +578,10 @@ static void test_shift_of_noisy_edges(void **state)
         moved[i] += (float)noise;
     }
     struct frames frames = grey(FIELD_WIDTH, FIELD_HEIGHT, reference, moved);
-    double of_moved = gain_of(&frames);
+    double of_moved = measure_shift_gain(&frames);
     drop(&frames);
     frames = grey(FIELD_WIDTH, FIELD_HEIGHT, reference, weak);
-    double of_weak = gain_of(&frames);
+    double of_weak = measure_shift_gain(&frames);
     drop(&frames);
     print_message("gain: moved %.3f, weak %.3f\n", of_moved, of_weak);
     /* Moved: only the noise of variance 0.1^2 / 12 remains of 2^2 on two pixels of each row. */
@@ -650,14 +653,15 @@ static void test_two_seeds_remove_the_noise(void **state)
 static void test_two_seeds_by_hand(void **state)
 {
     struct frames frames = grey(2, 1, (float[]){1, 2}, (float[]){2, 2});
-    assert_non_null(strstr(obstacle_of(&neph_extractor_two_seed, &frames), "no second reference"));
+    assert_non_null(
+        strstr(find_extractor_obstacle(&neph_extractor_two_seed, &frames), "no second reference"));
     float *planes[3];
     frames.second = blank(2, 1, planes);
     for (int c = 0; c < 3; c++) {
         planes[c][0] = 3;
         planes[c][1] = 4;
     }
-    assert_null(obstacle_of(&neph_extractor_two_seed, &frames));
+    assert_null(find_extractor_obstacle(&neph_extractor_two_seed, &frames));
     /* (2 - 1)(2 - 3) and (2 - 2)(2 - 4) */
     assert_true(measured(&neph_extractor_two_seed, &frames, NULL, "mse_unbiased") == -0.5);
     assert_true(measured(&neph_extractor_two_seed, &frames, NULL, "rmse_unbiased") == 0.0);
@@ -665,7 +669,7 @@ static void test_two_seeds_by_hand(void **state)
     neph_assert_close(measured(&neph_extractor_two_seed, &frames, NULL, "reference_noise_rmse"),
                       sqrt(2.0), 1e-15, 0.0);
 
-    struct neph_frame_pair pair = pair_of(&frames);
+    struct neph_frame_pair pair = make_frames_pair(&frames);
     struct extraction extraction = extraction_begin(&neph_extractor_two_seed, &pair, NULL);
     planes[1][1] = INFINITY;
     struct neph_diag diag = {0};
@@ -691,7 +695,7 @@ static void test_sizes(void **state)
         double squares = 0.0;
         struct extraction extraction = run(&neph_extractor_shift, &frames, NULL);
         size_t count;
-        double *as_is = values_of(&extraction, 0, &count);
+        double *as_is = read_map_values(&extraction, 0, &count);
         for (size_t k = 0; k < count; k++)
             squares += as_is[k];
         free(as_is);

@@ -74,14 +74,14 @@ static void test_tiling_rule(void **state)
         {1, 1, 1, 1, 1},        {1000, 1, 8, 125, 1},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-        struct neph_tiling tiling = neph_tiling_of(cases[i].width_px, cases[i].height_px);
+        struct neph_tiling tiling = neph_tiling_make(cases[i].width_px, cases[i].height_px);
         assert_int_equal(tiling.side_px, cases[i].side_px);
         assert_int_equal(tiling.columns, cases[i].columns);
         assert_int_equal(tiling.rows, cases[i].rows);
     }
 }
 
-static bool mean_of(const void *context, const double *sums, double *value)
+static bool average_tiles(const void *context, const double *sums, double *value)
 {
     (void)context;
     *value = sums[1] / sums[0];
@@ -120,7 +120,7 @@ static void test_bootstrap_of_a_mean(void **state)
     }
     double mean = sum / TILES, sigma = sqrt((square / TILES - mean * mean) / TILES);
     const struct neph_bootstrapped statistics[] = {
-        {mean_of, NULL}, {never, NULL}, {if_first_tile_is_drawn, NULL}};
+        {average_tiles, NULL}, {never, NULL}, {if_first_tile_is_drawn, NULL}};
     struct neph_bootstrap_bounds bounds[3], again[3];
     struct neph_resampling resampling = {0};
     struct neph_diag diag = {0};

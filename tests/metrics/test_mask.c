@@ -482,7 +482,7 @@ static void test_channels_make_masks(void **state)
     neph_image_destroy(image);
 }
 
-static void test_mask_from_a_picture(void **state)
+static void test_mask_from_an_image(void **state)
 {
     struct neph_image *image = create_image(4, 1);
     struct neph_mask *mask = NULL;

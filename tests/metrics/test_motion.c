@@ -63,9 +63,9 @@ static struct motion *ground_motion(const struct neph_motion_camera *now,
                                      &depth_m);
         motion->depth_m[i] = hit ? (float)depth_m : INFINITY;
     }
-    neph_assert_ok(neph_motion_of_depth(now, before, WIDTH, HEIGHT, motion->depth_m,
-                                        NEPH_MOTION_EYE_DEPTH, motion->x_px, motion->y_px,
-                                        motion->before_m, &diag),
+    neph_assert_ok(neph_motion_from_depth(now, before, WIDTH, HEIGHT, motion->depth_m,
+                                          NEPH_MOTION_EYE_DEPTH, motion->x_px, motion->y_px,
+                                          motion->before_m, &diag),
                    &diag);
     return motion;
 }
@@ -111,7 +111,7 @@ static void test_vectors_reproject_a_textured_plane(void **state)
 
 /* At the centre a rotation by an angle moves the sky by its tangent; a translation does not move
  * the sky. */
-static void test_sky_moves_by_rotation_alone(void **state)
+static void test_sky_moves_only_by_rotation(void **state)
 {
     const struct neph_motion_camera start = camera_at(0.0, 1.0, 0.0, 0.0, 0.4);
     const struct neph_motion_camera moved = camera_at(100.0, 50.0, -70.0, 0.0, 0.4);
@@ -128,14 +128,14 @@ static void test_sky_moves_by_rotation_alone(void **state)
     const float sky = INFINITY;
     float x_px, y_px;
     /* One pixel of one pixel's height: it looks along the axis, and 0.5 px are tan(fov / 2). */
-    assert_int_equal(neph_motion_of_depth(&left, &level, 1, 1, &sky, NEPH_MOTION_EYE_DEPTH, &x_px,
-                                          &y_px, NULL, NULL),
+    assert_int_equal(neph_motion_from_depth(&left, &level, 1, 1, &sky, NEPH_MOTION_EYE_DEPTH, &x_px,
+                                            &y_px, NULL, NULL),
                      NEPH_OK);
     neph_assert_close((double)x_px, -0.5 / tan(0.5) * tan(0.1), 1e-6, 0.0);
     neph_assert_close((double)y_px, 0.0, 0.0, 1e-9);
     const struct neph_motion_camera up = camera_at(0.0, 1.0, 0.0, 0.0, 0.1);
-    assert_int_equal(neph_motion_of_depth(&up, &level, 1, 1, &sky, NEPH_MOTION_EYE_DEPTH, &x_px,
-                                          &y_px, NULL, NULL),
+    assert_int_equal(neph_motion_from_depth(&up, &level, 1, 1, &sky, NEPH_MOTION_EYE_DEPTH, &x_px,
+                                            &y_px, NULL, NULL),
                      NEPH_OK);
     neph_assert_close((double)y_px, -0.5 / tan(0.5) * tan(0.1), 1e-6, 0.0);
 }
@@ -154,9 +154,9 @@ static void test_distance(void **state)
         const double y = slope * (0.5 * HEIGHT - (i / WIDTH + 0.5));
         other->depth_m[i] = (float)((double)motion->depth_m[i] * sqrt(1.0 + x * x + y * y));
     }
-    assert_int_equal(neph_motion_of_depth(&now, &before, WIDTH, HEIGHT, other->depth_m,
-                                          NEPH_MOTION_DISTANCE, other->x_px, other->y_px,
-                                          other->before_m, NULL),
+    assert_int_equal(neph_motion_from_depth(&now, &before, WIDTH, HEIGHT, other->depth_m,
+                                            NEPH_MOTION_DISTANCE, other->x_px, other->y_px,
+                                            other->before_m, NULL),
                      NEPH_OK);
     for (int i = 0; i < PIXELS; i++) {
         neph_assert_close((double)other->x_px[i], (double)motion->x_px[i], 1e-5, 1e-4);
@@ -173,15 +173,15 @@ static void test_behind_the_camera_and_bad_depths(void **state)
     const struct neph_motion_camera before = camera_at(0.0, 1.0, -10.0, 0.0, 0.0);
     const float near_m = 5.0f, bad_m[3] = {0.0f, -1.0f, NAN};
     float x_px, y_px, before_m;
-    assert_int_equal(neph_motion_of_depth(&now, &before, 1, 1, &near_m, NEPH_MOTION_EYE_DEPTH,
-                                          &x_px, &y_px, &before_m, NULL),
+    assert_int_equal(neph_motion_from_depth(&now, &before, 1, 1, &near_m, NEPH_MOTION_EYE_DEPTH,
+                                            &x_px, &y_px, &before_m, NULL),
                      NEPH_OK);
     assert_true(x_px == NEPH_MOTION_NOWHERE_PX && y_px == NEPH_MOTION_NOWHERE_PX);
     assert_true(before_m == 0.0f);
     for (int k = 0; k < 3; k++) {
         struct neph_diag diag = {0};
-        assert_int_equal(neph_motion_of_depth(&now, &before, 1, 1, &bad_m[k], NEPH_MOTION_EYE_DEPTH,
-                                              &x_px, &y_px, NULL, &diag),
+        assert_int_equal(neph_motion_from_depth(&now, &before, 1, 1, &bad_m[k],
+                                                NEPH_MOTION_EYE_DEPTH, &x_px, &y_px, NULL, &diag),
                          NEPH_ERR_INPUT);
         assert_non_null(strstr(diag.message, "(0, 0)"));
     }
@@ -191,8 +191,9 @@ static void test_behind_the_camera_and_bad_depths(void **state)
 
 static const struct neph_viewing viewing = {60.0, 67.0, 0.0, 100.0};
 
-static struct neph_image *frame_of(int width, int height, const double *grey, const float *depth_m,
-                                   const float *x_px, const float *y_px)
+static struct neph_image *make_motion_frame(int width, int height, const double *grey,
+                                            const float *depth_m, const float *x_px,
+                                            const float *y_px)
 {
     static const char *const names[] = {"Z", "motion.x", "motion.y"};
     const float *const layers[] = {depth_m, x_px, y_px};
@@ -273,7 +274,7 @@ static const struct neph_measurement *find(const struct meter *it, const char *n
     return NULL;
 }
 
-static double value_of(const struct meter *it, const char *name)
+static double find_value(const struct meter *it, const char *name)
 {
     const struct neph_measurement *found = find(it, name);
     if (!found->defined)
@@ -295,11 +296,12 @@ static void test_residual_change(void **state)
             reference[i] = 0.5 + 0.3 * sin(0.3 * i + frame);
             test[i] = reference[i] + (frame % 2 ? 0.01 : -0.01);
         }
-        feed(&it, frame_of(W, H, reference, NULL, NULL, NULL),
-             frame_of(W, H, test, NULL, NULL, NULL));
+        feed(&it, make_motion_frame(W, H, reference, NULL, NULL, NULL),
+             make_motion_frame(W, H, test, NULL, NULL, NULL));
     }
     finish(&it);
-    neph_assert_close(value_of(&it, "residual_change_rms"), 0.02, 1e-5, 0.0); /* floats near 0.8 */
+    neph_assert_close(find_value(&it, "residual_change_rms"), 0.02, 1e-5,
+                      0.0); /* floats near 0.8 */
     assert_non_null(strstr(
         neph_meter_obstacle(it.meter, neph_quantity_find("radiance"), &neph_extractor_motion),
         "motion.x"));
@@ -316,13 +318,13 @@ static void test_residual_change_in_luma(void **state)
     struct meter it = new_meter("signal=luma");
     for (int frame = 0; frame < 4; frame++) {
         const double reference = 0.2, test = frame % 2 ? 0.25 : 0.2;
-        feed(&it, frame_of(1, 1, &reference, NULL, NULL, NULL),
-             frame_of(1, 1, &test, NULL, NULL, NULL));
+        feed(&it, make_motion_frame(1, 1, &reference, NULL, NULL, NULL),
+             make_motion_frame(1, 1, &test, NULL, NULL, NULL));
     }
     finish(&it);
     const double change = srgb(0.25) - srgb(0.2);
-    neph_assert_close(value_of(&it, "residual_change_luma_rms"), change, 1e-6, 0.0);
-    neph_assert_close(value_of(&it, "residual_change_psnr"), -20.0 * log10(change), 1e-6, 0.0);
+    neph_assert_close(find_value(&it, "residual_change_luma_rms"), change, 1e-6, 0.0);
+    neph_assert_close(find_value(&it, "residual_change_psnr"), -20.0 * log10(change), 1e-6, 0.0);
     end(&it);
 }
 
@@ -332,11 +334,11 @@ static void test_largest_change(void **state)
     struct meter it = new_meter("signal=luma");
     for (int frame = 0; frame < 3; frame++) {
         const double reference = frame % 2, test = 1.0 - reference;
-        feed(&it, frame_of(1, 1, &reference, NULL, NULL, NULL),
-             frame_of(1, 1, &test, NULL, NULL, NULL));
+        feed(&it, make_motion_frame(1, 1, &reference, NULL, NULL, NULL),
+             make_motion_frame(1, 1, &test, NULL, NULL, NULL));
     }
     finish(&it);
-    neph_assert_close(value_of(&it, "residual_change_luma_rms"), 2.0, 1e-12, 0.0);
+    neph_assert_close(find_value(&it, "residual_change_luma_rms"), 2.0, 1e-12, 0.0);
     assert_true(find(&it, "residual_change_luma_rms")->metric->high == 2.0);
     end(&it);
 }
@@ -346,8 +348,8 @@ static void test_one_frame_says_nothing(void **state)
     struct meter it = new_meter("signal=luma");
     const double grey[4] = {0.1, 0.2, 0.3, 0.4};
     const float depth_m[4] = {1.0f, 1.0f, 1.0f, 1.0f}, still[4] = {0.0f};
-    feed(&it, frame_of(2, 2, grey, depth_m, still, still),
-         frame_of(2, 2, grey, depth_m, still, still));
+    feed(&it, make_motion_frame(2, 2, grey, depth_m, still, still),
+         make_motion_frame(2, 2, grey, depth_m, still, still));
     finish(&it);
     static const char *const names[] = {"residual_change_rms",         "residual_change_psnr",
                                         "motion_residual_excess",      "motion_coverage",
@@ -379,24 +381,28 @@ static void test_residual_over_a_plane(void **state)
             reference[i] = texture(point_m);
             test[i] = reference[i] + (frame % 2 ? 0.01 : -0.01);
         }
-        feed(&it, frame_of(WIDTH, HEIGHT, reference, motion->depth_m, motion->x_px, motion->y_px),
-             frame_of(WIDTH, HEIGHT, test, NULL, NULL, NULL));
+        feed(&it,
+             make_motion_frame(WIDTH, HEIGHT, reference, motion->depth_m, motion->x_px,
+                               motion->y_px),
+             make_motion_frame(WIDTH, HEIGHT, test, NULL, NULL, NULL));
         free(motion);
     }
     finish(&it);
-    const double of_reference = value_of(&it, "motion_residual_reference");
-    const double of_test = value_of(&it, "motion_residual_test");
+    const double of_reference = find_value(&it, "motion_residual_reference");
+    const double of_test = find_value(&it, "motion_residual_test");
     print_message("reference %.3g, test %.3g, coverage %.3f\n", of_reference, of_test,
-                  value_of(&it, "motion_coverage"));
+                  find_value(&it, "motion_coverage"));
     /* Bilinear: at most 1/8 (wave number per px)^2 each way of the amplitude 0.3; 3.1 m are 50 px
      * at least, so (1.7 * 3.1 / 50)^2 / 8 * 2 * 0.3 < 1e-3. */
     assert_true(of_reference > 0.0 && of_reference < 1e-3);
     neph_assert_close(of_test, 0.02, 0.0, of_reference);
-    neph_assert_close(value_of(&it, "motion_residual_excess"), of_test - of_reference, 1e-12, 0.0);
-    assert_true(value_of(&it, "motion_coverage") > 0.9 && value_of(&it, "motion_coverage") < 1.0);
-    assert_true(value_of(&it, "disoccluded_share") == 0.0);
+    neph_assert_close(find_value(&it, "motion_residual_excess"), of_test - of_reference, 1e-12,
+                      0.0);
+    assert_true(find_value(&it, "motion_coverage") > 0.9 &&
+                find_value(&it, "motion_coverage") < 1.0);
+    assert_true(find_value(&it, "disoccluded_share") == 0.0);
     assert_false(find(&it, "residual_change_disoccluded")->defined);
-    neph_assert_close(value_of(&it, "residual_change_elsewhere"), 0.02, 1e-5, 0.0);
+    neph_assert_close(find_value(&it, "residual_change_elsewhere"), 0.02, 1e-5, 0.0);
     free(reference);
     end(&it);
 }
@@ -430,25 +436,25 @@ static void test_disocclusion(void **state)
     for (int frame = 0; frame < CARD_FRAMES; frame++) {
         card_frame(frame, reference, test, layers);
         /* The layers may belong to the test, too. */
-        feed(&it, frame_of(CARD_W, CARD_H, reference, NULL, NULL, NULL),
-             frame_of(CARD_W, CARD_H, test, layers[0], layers[1], layers[2]));
+        feed(&it, make_motion_frame(CARD_W, CARD_H, reference, NULL, NULL, NULL),
+             make_motion_frame(CARD_W, CARD_H, test, layers[0], layers[1], layers[2]));
     }
     finish(&it);
-    neph_assert_close(value_of(&it, "disoccluded_share"), 3.0 / CARD_W, 1e-12, 0.0);
+    neph_assert_close(find_value(&it, "disoccluded_share"), 3.0 / CARD_W, 1e-12, 0.0);
     static const char *const names[] = {"disoccluded_residual_0", "disoccluded_residual_1",
                                         "disoccluded_residual_2", "disoccluded_residual_4",
                                         "disoccluded_residual_8", "disoccluded_residual_16"};
     static const int ages[] = {0, 1, 2, 4, 8, 16};
     for (int k = 0; k < 6; k++)
-        neph_assert_close(value_of(&it, names[k]), 0.25 * pow(1.0 - card_alpha, ages[k]), 1e-6,
+        neph_assert_close(find_value(&it, names[k]), 0.25 * pow(1.0 - card_alpha, ages[k]), 1e-6,
                           3e-8);
-    neph_assert_close(value_of(&it, "disoccluded_recovery"), log(0.1) / log(1.0 - card_alpha), 1e-6,
-                      0.0);
+    neph_assert_close(find_value(&it, "disoccluded_recovery"), log(0.1) / log(1.0 - card_alpha),
+                      1e-6, 0.0);
     /* At disocclusion the error jumps from 0 to 0.25; later it falls by 0.3 a frame. */
-    neph_assert_close(value_of(&it, "residual_change_disoccluded"), 0.25, 1e-6, 0.0);
-    assert_true(value_of(&it, "residual_change_elsewhere") < 0.075);
+    neph_assert_close(find_value(&it, "residual_change_disoccluded"), 0.25, 1e-6, 0.0);
+    assert_true(find_value(&it, "residual_change_elsewhere") < 0.075);
     /* The card's texture moves exactly with it. */
-    assert_true(value_of(&it, "motion_residual_reference") == 0.0);
+    assert_true(find_value(&it, "motion_residual_reference") == 0.0);
     end(&it);
 }
 
@@ -461,13 +467,13 @@ static void test_error_that_stays(void **state)
         card_frame(frame, reference, test, layers);
         for (int i = 0; i < CARD_N; i++)
             test[i] = reference[i] + 0.125;
-        feed(&it, frame_of(CARD_W, CARD_H, reference, layers[0], layers[1], layers[2]),
-             frame_of(CARD_W, CARD_H, test, NULL, NULL, NULL));
+        feed(&it, make_motion_frame(CARD_W, CARD_H, reference, layers[0], layers[1], layers[2]),
+             make_motion_frame(CARD_W, CARD_H, test, NULL, NULL, NULL));
     }
     finish(&it);
     assert_false(find(&it, "disoccluded_recovery")->defined);
     assert_non_null(strstr(find(&it, "disoccluded_recovery")->undefined_because, "10 %"));
-    neph_assert_close(value_of(&it, "residual_change_disoccluded"), 0.0, 0.0, 1e-15);
+    neph_assert_close(find_value(&it, "residual_change_disoccluded"), 0.0, 0.0, 1e-15);
     end(&it);
 }
 
@@ -484,12 +490,12 @@ static void test_edges_are_left_out(void **state)
         depth_m[i] = i % W < 5 ? 2.0f : INFINITY;
     }
     for (int frame = 0; frame < 3; frame++)
-        feed(&it, frame_of(W, H, grey, depth_m, still, still),
-             frame_of(W, H, grey, NULL, NULL, NULL));
+        feed(&it, make_motion_frame(W, H, grey, depth_m, still, still),
+             make_motion_frame(W, H, grey, NULL, NULL, NULL));
     finish(&it);
-    neph_assert_close(value_of(&it, "motion_coverage"), 7.0 / 11.0, 1e-15, 0.0);
-    assert_true(value_of(&it, "disoccluded_share") == 0.0);
-    assert_true(value_of(&it, "motion_residual_test") == 0.0);
+    neph_assert_close(find_value(&it, "motion_coverage"), 7.0 / 11.0, 1e-15, 0.0);
+    assert_true(find_value(&it, "disoccluded_share") == 0.0);
+    assert_true(find_value(&it, "motion_residual_test") == 0.0);
     end(&it);
 }
 
@@ -503,17 +509,17 @@ static double share_disoccluded_by_approach(bool with_depth)
         float depth_m[4], *before_m;
         for (int i = 0; i < 4; i++)
             depth_m[i] = 10.0f * powf(0.9f, (float)frame);
-        struct neph_image *reference = frame_of(2, 2, grey, depth_m, still, still);
+        struct neph_image *reference = make_motion_frame(2, 2, grey, depth_m, still, still);
         if (with_depth) {
             assert_int_equal(neph_image_add_channel(reference, "motion.depth", &before_m, NULL),
                              NEPH_OK);
             for (int i = 0; i < 4; i++)
                 before_m[i] = depth_m[i] / 0.9f;
         }
-        feed(&it, reference, frame_of(2, 2, grey, NULL, NULL, NULL));
+        feed(&it, reference, make_motion_frame(2, 2, grey, NULL, NULL, NULL));
     }
     finish(&it);
-    const double share = value_of(&it, "disoccluded_share");
+    const double share = find_value(&it, "disoccluded_share");
     end(&it);
     return share;
 }
@@ -527,7 +533,7 @@ static double share_disoccluded_by_cloud(bool with_distance, float wall_m, float
     const float still[4] = {0.0f}, depth_m[4] = {wall_m, wall_m, wall_m, wall_m};
     for (int frame = 0; frame < 2; frame++) {
         float *distance_m, *clear[3];
-        struct neph_image *reference = frame_of(2, 2, grey, depth_m, still, still);
+        struct neph_image *reference = make_motion_frame(2, 2, grey, depth_m, still, still);
         assert_int_equal(neph_image_add_rgb(reference, "transmittance", clear, NULL), NEPH_OK);
         for (int i = 0; i < 12; i++)
             clear[i / 4][i % 4] = transmittance;
@@ -537,10 +543,10 @@ static double share_disoccluded_by_cloud(bool with_distance, float wall_m, float
             for (int i = 0; i < 4; i++)
                 distance_m[i] = i == 0 && frame == 1 ? 100.0f : 900.0f;
         }
-        feed(&it, reference, frame_of(2, 2, grey, NULL, NULL, NULL));
+        feed(&it, reference, make_motion_frame(2, 2, grey, NULL, NULL, NULL));
     }
     finish(&it);
-    const double share = value_of(&it, "disoccluded_share");
+    const double share = find_value(&it, "disoccluded_share");
     end(&it);
     return share;
 }
@@ -562,7 +568,7 @@ static void test_bad_layers(void **state)
     const float depth_m[4] = {1.0f, 1.0f, 1.0f, 1.0f}, still[4] = {0.0f};
     struct neph_diag diag = {0};
     for (int k = 0; k < 3; k++) {
-        struct neph_image *image = frame_of(2, 2, grey, depth_m, still, still);
+        struct neph_image *image = make_motion_frame(2, 2, grey, depth_m, still, still);
         neph_image_channel(image, names[k])[3] = NAN;
         const struct neph_frame_pair pair = extraction_pair(image, NULL, image, "radiance", 0,
                                                             &viewing);
@@ -584,14 +590,14 @@ static void test_bad_layers_spoil_no_other_number(void **state)
     const float still[4] = {0.0f};
     for (int frame = 0; frame < 3; frame++) {
         const float depth_m[4] = {1.0f, frame == 1 ? NAN : 1.0f, 1.0f, 1.0f};
-        feed(&it, frame_of(2, 2, grey, depth_m, still, still),
-             frame_of(2, 2, grey, NULL, NULL, NULL));
+        feed(&it, make_motion_frame(2, 2, grey, depth_m, still, still),
+             make_motion_frame(2, 2, grey, NULL, NULL, NULL));
     }
     finish(&it);
     const struct neph_quantity *radiance = neph_quantity_find("radiance");
     assert_string_equal(neph_meter_obstacle(it.meter, radiance, &neph_extractor_motion),
                         "'Z' of the reference is nan at the pixel (1, 0) of frame 1");
-    assert_true(value_of(&it, "residual_change_rms") == 0.0);
+    assert_true(find_value(&it, "residual_change_rms") == 0.0);
     end(&it);
 }
 
@@ -613,15 +619,15 @@ static void test_wild_motion(void **state)
         layers[0][frame % N] = frame % 2 ? INFINITY : 0.0f;
         layers[1][frame % N] = frame % 3 ? INFINITY : -INFINITY;
         layers[2][(7 * frame) % N] = NEPH_MOTION_NOWHERE_PX;
-        feed(&it, frame_of(W, H, grey, layers[0], layers[1], layers[2]),
-             frame_of(W, H, grey, NULL, NULL, NULL));
+        feed(&it, make_motion_frame(W, H, grey, layers[0], layers[1], layers[2]),
+             make_motion_frame(W, H, grey, NULL, NULL, NULL));
     }
     finish(&it);
     int count;
     const struct neph_measurement *all = neph_meter_measurements(it.meter, &count);
     for (int i = 0; i < count; i++)
         assert_true(isfinite(all[i].value) && isfinite(all[i].low) && isfinite(all[i].high));
-    assert_true(value_of(&it, "disoccluded_share") > 0.0);
+    assert_true(find_value(&it, "disoccluded_share") > 0.0);
     end(&it);
 }
 

@@ -85,7 +85,7 @@ static void finish_pair(struct pair *pair)
     neph_measurements_destroy(pair->of_b, pair->count_b);
 }
 
-static struct neph_paired paired_of(const struct pair *pair, const char *metric)
+static struct neph_paired compare_paired(const struct pair *pair, const char *metric)
 {
     const struct neph_measurement *first = named(pair->of_a, pair->count_a, metric);
     const struct neph_measurement *second = named(pair->of_b, pair->count_b, metric);
@@ -114,7 +114,7 @@ static void test_it_errs_as_often_as_it_says(void **state)
         struct neph_image *b = noisy(0.1, shared, 0.05, neph_test_random(&seed));
         struct pair pair = measure_pair(reference, a, b);
         for (int m = 0; m < METRIC_COUNT; m++) {
-            const struct neph_paired paired = paired_of(&pair, metrics[m]);
+            const struct neph_paired paired = compare_paired(&pair, metrics[m]);
             assert_true(paired.difference.defined);
             assert_int_equal(paired.difference.n, 64);
             below[m] += paired.p < 0.05;
@@ -135,12 +135,12 @@ static void test_it_errs_as_often_as_it_says(void **state)
 
 /* One per cent more of the same noise: negligible for either interval, and certain in the
  * difference. */
-static void test_what_both_share_falls_out(void **state)
+static void test_common_noise_cancels(void **state)
 {
     struct neph_image *reference = flat(), *a = noisy(0.101, 7, 0.0, 1), *b = noisy(0.1, 7, 0.0, 1);
     struct pair pair = measure_pair(reference, a, b);
     const struct neph_measurement *mae = named(pair.of_a, pair.count_a, "mae");
-    const struct neph_paired paired = paired_of(&pair, "mae");
+    const struct neph_paired paired = compare_paired(&pair, "mae");
     neph_assert_close(paired.difference.value, 0.01 * mae->value / 1.01, 1e-5, 0.0);
     assert_true(mae->high - mae->low > 3.0 * paired.difference.value);
     assert_true(paired.difference.low > 0.0 && paired.p < 1e-6);
@@ -154,7 +154,7 @@ static void test_nothing_is_made_up(void **state)
 {
     struct neph_image *reference = flat(), *a = noisy(0.1, 1, 0.0, 1);
     struct pair pair = measure_pair(reference, a, a);
-    struct neph_paired paired = paired_of(&pair, "mae");
+    struct neph_paired paired = compare_paired(&pair, "mae");
     assert_true(paired.p == 1.0 && paired.difference.value == 0.0);
     finish_pair(&pair);
     struct neph_draws one = {.tile_count = 64, .tiles = 1}, other = one;

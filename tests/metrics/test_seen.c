@@ -105,22 +105,22 @@ static struct extraction run(const struct stimulus *s)
     return run_after(s, 0);
 }
 
-static double *map_of(const struct extraction *extraction, const char *name)
+static double *read_seen_map(const struct extraction *extraction, const char *name)
 {
     return extraction_map(extraction, extraction_map_index(extraction->extractor, name));
 }
 
 static double at(const struct extraction *extraction, const char *name, int x, int y)
 {
-    double *map = map_of(extraction, name);
+    double *map = read_seen_map(extraction, name);
     const double value = map[y * extraction->width_px + x];
     free(map);
     return value;
 }
 
-static double largest_of(const struct extraction *extraction, const char *name)
+static double largest_map_value(const struct extraction *extraction, const char *name)
 {
-    double *map = map_of(extraction, name), most = -INFINITY;
+    double *map = read_seen_map(extraction, name), most = -INFINITY;
     for (int i = 0; i < extraction->width_px * extraction->height_px; i++)
         most = fmax(most, map[i]);
     free(map);
@@ -191,7 +191,7 @@ static void test_disk(void **state)
             .radius_px = 15.0,
         };
         struct extraction found = run(&s);
-        neph_assert_close(largest_of(&found, "seen_contrast"), 1.0, 0.02, 0.0);
+        neph_assert_close(largest_map_value(&found, "seen_contrast"), 1.0, 0.02, 0.0);
         neph_assert_close(at(&found, "seen_contrast", 82, 47), 1.0, 0.02, 0.0);
         neph_assert_close(extraction_scalar(&found, "coherent_contrast"), 1.0, 0.02, 0.0);
         neph_assert_close(extraction_scalar(&found, "coherent_radius"), 1.0, 1e-12, 0.0);
@@ -333,7 +333,7 @@ static void test_noise(void **state)
                                    .viewing = viewing_at(30.0, 60.0),
                                    .contrast = 0.05};
         struct extraction found = run(&s);
-        double *map = map_of(&found, "seen_contrast"), sum = 0.0;
+        double *map = read_seen_map(&found, "seen_contrast"), sum = 0.0;
         for (int k = 0; k < 6000; k++)
             sum += map[k] * map[k] / 6000.0;
         contrast[i] = sqrt(sum);
@@ -356,8 +356,8 @@ static void test_drift(void **state)
                                    .contrast = 0.2,
                                    .hertz = 0.125};
         struct extraction found = run(&s);
-        assert_true(largest_of(&found, "seen_contrast") < (i ? 0.1 : 1e-4));
-        assert_true(largest_of(&found, "pop_p") < 0.1);
+        assert_true(largest_map_value(&found, "seen_contrast") < (i ? 0.1 : 1e-4));
+        assert_true(largest_map_value(&found, "pop_p") < 0.1);
         extraction_end(&found);
     }
 }
@@ -377,7 +377,8 @@ static void test_pops(void **state)
                                    .in_both = in_both};
         struct extraction found = run(&s);
         neph_assert_close(at(&found, "pop_p", 20, 15),
-                          in_both ? 0.0 : neph_eye_pop_seen(100.0 * mean_light * 0.3), 1e-4, 0.0);
+                          in_both ? 0.0 : neph_eye_pop_probability(100.0 * mean_light * 0.3), 1e-4,
+                          0.0);
         extraction_end(&found);
     }
 }
@@ -416,7 +417,7 @@ static void test_pops_by_their_definition(void **state)
                                    .series = series};
         struct extraction found = run(&s);
         neph_assert_close(at(&found, "pop_p", 1, 1),
-                          neph_eye_pop_seen(100.0 * mean_light * 0.4 * largest), 1e-5, 0.0);
+                          neph_eye_pop_probability(100.0 * mean_light * 0.4 * largest), 1e-5, 0.0);
         extraction_end(&found);
     }
 }
@@ -426,7 +427,7 @@ static void test_pops_by_their_definition(void **state)
 static void test_disks(void **state)
 {
     enum { W = 70, H = 50 };
-    const struct neph_seen_disks disks = neph_seen_disks_of(W, H, 10.0);
+    const struct neph_seen_disks disks = neph_seen_disks_make(W, H, 10.0);
     double *sums = calloc(H * (W + 1), sizeof(*sums));
     float *means = calloc((size_t)disks.disk_count, sizeof(*means));
     for (int y = 0; y < H; y++)
@@ -465,7 +466,7 @@ static void test_in_phase_is_seen_better(void **state)
     s.cycles_per_degree = 5.0;
     struct extraction apart = run(&s);
     const double whole = extraction_scalar(&together, "coherent_contrast");
-    assert_true(whole > 1.3 * largest_of(&apart, "seen_contrast"));
+    assert_true(whole > 1.3 * largest_map_value(&apart, "seen_contrast"));
     assert_true(whole > 20.0 * extraction_scalar(&apart, "coherent_contrast"));
     extraction_end(&together);
     extraction_end(&apart);
@@ -485,7 +486,7 @@ static void test_stillness(void **state)
                                .in_both = true};
     struct extraction found = run(&s);
     double value;
-    assert_true(largest_of(&found, "seen_contrast") == 0.0);
+    assert_true(largest_map_value(&found, "seen_contrast") == 0.0);
     assert_true(isnan(at(&found, "seen_hz", 3, 3)));
     assert_string_equal(neph_extractor_seen.scalar(found.state, 0, &value),
                         "nothing moves that the reference does not");

@@ -26,7 +26,7 @@ static void create_set(struct set *set, const float *values, size_t count)
     assert_true(set->values && set->keys);
     for (size_t i = 0; i < count; i++) {
         set->values[i] = (double)values[i];
-        set->keys[i < part ? i : i + 5] = neph_key_of(set->values[i]);
+        set->keys[i < part ? i : i + 5] = neph_key_from_value(set->values[i]);
     }
     neph_sort_doubles(set->values, count);
     set->first[0] = 0;
@@ -51,8 +51,9 @@ static void test_keys_keep_the_order(void **state)
 {
     static const double ascending[] = {-1e300, -1.0, -1e-40, 0.0, 1e-45, 1e-40, 0.5, 1.0, 1e300};
     for (size_t i = 0; i < sizeof(ascending) / sizeof(ascending[0]); i++) {
-        assert_true(i == 0 || neph_key_of(ascending[i]) > neph_key_of(ascending[i - 1]));
-        double back = neph_key_value(neph_key_of(ascending[i]));
+        assert_true(i == 0 ||
+                    neph_key_from_value(ascending[i]) > neph_key_from_value(ascending[i - 1]));
+        double back = neph_key_value(neph_key_from_value(ascending[i]));
         double expected = fabs(ascending[i]) > 1e100 ? copysign((double)FLT_MAX, ascending[i])
                                                      : (double)(float)ascending[i];
         assert_true(back == expected);

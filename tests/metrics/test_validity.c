@@ -263,7 +263,7 @@ static void test_a_cycle_is_not_frozen(void **state)
 }
 
 /* Size and names count, attributes do not. */
-static void test_what_the_hash_sees(void **state)
+static void test_inputs_of_the_hash(void **state)
 {
     struct neph_image *wide = create_image(6, 1), *high = create_image(1, 6),
                       *named = create_image(6, 1);

@@ -24,7 +24,7 @@ static uint64_t test_seed(uint64_t usual)
 static double draw_positive(uint64_t *random)
 {
     const uint64_t bits = neph_test_random(random) % 0x7ff0000000000000u;
-    return neph_of_bits(bits ? bits : 1);
+    return neph_double_from_bits(bits ? bits : 1);
 }
 
 /* A relative error, and for denormal results one unit in the last place more. */
@@ -111,7 +111,7 @@ static void test_lanes_give_the_bits_of_single_calls(void **state)
     for (int i = 0; i < LANE_COUNT; i++) {
         double alone;
         all_of_them(&x[i], &alone, 1);
-        assert_true(neph_bits_of(alone) == neph_bits_of(together[i]));
+        assert_true(neph_bits_from_double(alone) == neph_bits_from_double(together[i]));
     }
 }
 

@@ -364,7 +364,7 @@ void compare_add_scores(struct compare_scores *sum, const struct compare_scores 
     sum->without_noise += part->without_noise;
 }
 
-static double largest_of(struct neph_rgb c)
+static double largest_channel(struct neph_rgb c)
 {
     return fmax(c.r, fmax(c.g, c.b));
 }
@@ -378,8 +378,9 @@ static double find_peak(const struct neph_scene *scene, const struct reading *a,
     for (int i = 0; i < 3 * COMPARE_PIXELS; i++)
         peak = fmax(peak, fmax(a->mean[i % 3][i / 3], b->mean[i % 3][i / 3]));
     for (int m = 0; m < scene->medium_count; m++)
-        peak = fmax(peak, largest_of(scene->media[m].emission_w_per_m2_sr));
-    return scene->environment_light ? fmax(peak, largest_of(scene->background_w_per_m2_sr)) : peak;
+        peak = fmax(peak, largest_channel(scene->media[m].emission_w_per_m2_sr));
+    return scene->environment_light ? fmax(peak, largest_channel(scene->background_w_per_m2_sr))
+                                    : peak;
 }
 
 /* The largest value of a phase function [1/sr], limited to 1: its peak is narrow. */
@@ -398,9 +399,9 @@ static double source_peak(const struct neph_scene *scene)
 {
     const struct neph_camera_key *key = &scene->camera_keys[0];
     const struct neph_vec3 view_m = neph_vec3_sub(key->look_at_m, key->position_m);
-    double sum = scene->sun.present ? largest_of(scene->sun.irradiance_w_per_m2) : 0.0;
+    double sum = scene->sun.present ? largest_channel(scene->sun.irradiance_w_per_m2) : 0.0;
     for (int l = 0; l < scene->light_count; l++)
-        sum += largest_of(scene->lights[l].intensity_w_per_sr) / neph_vec3_dot(view_m, view_m);
+        sum += largest_channel(scene->lights[l].intensity_w_per_sr) / neph_vec3_dot(view_m, view_m);
     return scene->scattering == NEPH_SCATTERING_NONE ? 0.0 : sum * phase_peak_per_sr(scene);
 }
 

@@ -368,7 +368,7 @@ static double variance_slack(long count)
 }
 
 /* Prints one line of the table; returns whether its variance is as expected. */
-static bool print_scores_of(const char *name, const struct compare_scores *scores)
+static bool print_score_line(const char *name, const struct compare_scores *scores)
 {
     const double n = fmax(1.0, (double)scores->count), variance = scores->square_sum / n;
     printf("%-18s %8ld %+8.3f %9.3f %9.3f %8ld %9.3f %6ld\n", name, scores->count, scores->sum / n,
@@ -388,11 +388,11 @@ static bool print_scores(const struct run *run)
         struct compare_scores pair = run->tally.scores[FAMILY_ANY][p];
         compare_add_scores(&near, &run->tally.scores[FAMILY_NEAR_LIGHTS][p]);
         compare_add_scores(&pair, &run->tally.scores[FAMILY_NEAR_LIGHTS][p]);
-        is_right &= print_scores_of(names[p], &pair);
+        is_right &= print_score_line(names[p], &pair);
         compare_add_scores(&all, &pair);
     }
-    is_right &= print_scores_of("lights near rays", &near);
-    is_right &= print_scores_of("all", &all);
+    is_right &= print_score_line("lights near rays", &near);
+    is_right &= print_score_line("all", &all);
     if (all.count > 0)
         printf("the variance may be 1 +- %.2f: %s\n", variance_slack(all.count),
                is_right ? "it is" : "it is not");

@@ -14,7 +14,7 @@
 static const uint64_t seed = 36;
 
 /* The set of forms of a scene, as bits; a form with itself has one bit and a flag. */
-static unsigned forms_of(int index)
+static unsigned collect_forms(int index)
 {
     const struct recipe recipe = recipe_draw(seed, index, 0);
     unsigned bits = 0;
@@ -28,7 +28,7 @@ static void test_every_pair_and_triple_is_drawn_once_in_a_period(void **state)
     static int seen[2 << FORM_COUNT];
     const int first = 12345, period = recipe_period();
     for (int i = 0; i < period; i++)
-        seen[forms_of(first + i)]++;
+        seen[collect_forms(first + i)]++;
     int singles = 0, pairs = 0, triples = 0;
     for (unsigned set = 1; set < 1u << FORM_COUNT; set++) {
         const int size = __builtin_popcount(set);
@@ -88,7 +88,7 @@ static struct neph_scene *load(const struct recipe *recipe, struct neph_diag *di
     char path[] = "/tmp/neph_recipe_XXXXXX.yaml";
     const int file = mkstemps(path, 5);
     assert_true(file >= 0);
-    char *name = neph_scene_name_of(path);
+    char *name = neph_scene_name_from_path(path);
     for (char *c = name; *c; c++)
         *c = (char)(*c >= 'A' && *c <= 'Z' ? *c + 32 : *c);
     FILE *stream = fdopen(file, "w");

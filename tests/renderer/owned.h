@@ -50,14 +50,14 @@ static inline void test_end_realtime(struct neph_realtime **realtime)
     neph_realtime_destroy(*realtime);
 }
 
-static inline void test_end_screening(struct neph_screening **screening)
+static inline void test_end_screening(struct neph_screen_renderer **screening)
 {
-    neph_screening_destroy(*screening);
+    neph_screen_renderer_destroy(*screening);
 }
 
-static inline void test_end_fog_looks(struct neph_fog_looks **fog_looks)
+static inline void test_end_fog_looks(struct neph_fog_renderer **fog_looks)
 {
-    neph_fog_looks_destroy(*fog_looks);
+    neph_fog_renderer_destroy(*fog_looks);
 }
 
 /* Destroys the grids and clouds of a scene that a test has built. */

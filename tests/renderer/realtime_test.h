@@ -42,7 +42,7 @@ static inline void test_be_gpu(struct neph_rt_device *device)
 {
     struct neph_diag diag = {0};
     device->kind = NEPH_RT_GPU;
-    neph_assert_ok(neph_halves_ask(device->vulkan, &device->native_halves, &diag), &diag);
+    neph_assert_ok(neph_halves_test(device->vulkan, &device->native_halves, &diag), &diag);
 }
 
 /* Opens both sides for a view of the given size, at an origin in its buffers, with a camera of 50

@@ -38,7 +38,7 @@ static uint32_t *load(uint32_t seed)
     return ranks;
 }
 
-static double value_of(uint32_t rank)
+static double mask_value(uint32_t rank)
 {
     return (rank + 0.5) / PIXELS - 0.5;
 }
@@ -60,8 +60,8 @@ static double power_at(const uint32_t *slice, int kx, int ky, const double cosin
     for (int y = 0; y < SIDE; y++)
         for (int x = 0; x < SIDE; x++) {
             const unsigned phase = (unsigned)(kx * x + ky * y);
-            re += value_of(slice[y * SIDE + x]) * cosines[phase % SIDE];
-            im += value_of(slice[y * SIDE + x]) * cosines[(phase + SIDE / 4) % SIDE];
+            re += mask_value(slice[y * SIDE + x]) * cosines[phase % SIDE];
+            im += mask_value(slice[y * SIDE + x]) * cosines[(phase + SIDE / 4) % SIDE];
         }
     return 12.0 * (re * re + im * im) / PIXELS;
 }
@@ -98,8 +98,8 @@ static double frame_power(const uint32_t *stack, int k)
     for (int pixel = 0; pixel < PIXELS; pixel++) {
         double re = 0.0, im = 0.0;
         for (int frame = 0; frame < FRAMES; frame++) {
-            re += value_of(stack[frame * PIXELS + pixel]) * cosines[k * frame % FRAMES];
-            im += value_of(stack[frame * PIXELS + pixel]) *
+            re += mask_value(stack[frame * PIXELS + pixel]) * cosines[k * frame % FRAMES];
+            im += mask_value(stack[frame * PIXELS + pixel]) *
                   cosines[(k * frame + FRAMES / 4) % FRAMES];
         }
         sum += 12.0 * (re * re + im * im) / FRAMES;

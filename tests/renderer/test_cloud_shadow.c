@@ -30,7 +30,7 @@ static void look_down(struct test_scene *test, double side_m)
                  (struct neph_vec3){1e3, ground_m, 1e3});
 }
 
-static struct neph_vec3 place_of(const struct test_scene *test, int pixel)
+static struct neph_vec3 pixel_ground_point(const struct test_scene *test, int pixel)
 {
     const double pixel_m = test->scene.orthographic_height_m / SIDE_PX;
     const double column = pixel % SIDE_PX + 0.5, row = pixel / SIDE_PX + 0.5;
@@ -61,7 +61,7 @@ static void measure(struct neph_vulkan *vulkan, const struct test_scene *test,
         through[p] = (double)neph_image_channel(image, names[c])[p] / full;
 }
 
-static double depth_of(const struct neph_scene *scene, struct neph_vec3 point_m, int c)
+static double compute_optical_depth(const struct neph_scene *scene, struct neph_vec3 point_m, int c)
 {
     const struct neph_rgb depth = neph_scene_optical_depth(scene, point_m, scene->sun.direction,
                                                            0.0, 1e5);
@@ -78,7 +78,8 @@ static struct difference against_truth(const struct test_scene *test, int c,
 {
     struct difference off = {0.0, 0.0};
     for (int p = 0; p < PIXELS; p++) {
-        const double truth = exp(-depth_of(&test->scene, place_of(test, p), c));
+        const double truth = exp(
+            -compute_optical_depth(&test->scene, pixel_ground_point(test, p), c));
         off.largest = fmax(off.largest, fabs(through[p] - truth));
         off.mean += fabs(through[p] - truth) / PIXELS;
     }
@@ -96,7 +97,7 @@ static double texel_through(const struct neph_shadow_space *space, const struct 
         point_m = neph_vec3_along(point_m, space->side[axis],
                                   space->levels[level].low_m[axis] +
                                       texel[axis] * space->levels[level].texel_m[axis]);
-    return exp(-depth_of(scene, point_m, c));
+    return exp(-compute_optical_depth(scene, point_m, c));
 }
 
 /* Below all clouds, in the finest level that contains the point. */
@@ -127,7 +128,7 @@ static double reference_through(const struct neph_shadow_space *space,
         }
         return sum;
     }
-    return exp(-depth_of(scene, point_m, c));
+    return exp(-compute_optical_depth(scene, point_m, c));
 }
 
 static void check_reference(struct neph_vulkan *vulkan, const struct test_scene *test,
@@ -136,14 +137,15 @@ static void check_reference(struct neph_vulkan *vulkan, const struct test_scene 
     struct neph_march_params params = mapped(map->texels, 1);
     double through[PIXELS], largest = 0.0, from_truth = 0.0;
     params.shortcuts.shadow = *map;
-    const struct neph_shadow_space space = neph_shadow_space_of(map, &test->scene,
-                                                                test->key.position_m);
+    const struct neph_shadow_space space = neph_shadow_space_compute(map, &test->scene,
+                                                                     test->key.position_m);
     measure(vulkan, test, &params, 1, through);
     for (int p = 0; p < PIXELS; p++) {
-        const struct neph_vec3 point_m = place_of(test, p);
+        const struct neph_vec3 point_m = pixel_ground_point(test, p);
         const double reference = reference_through(&space, map, &test->scene, point_m, 1);
         largest = fmax(largest, fabs(through[p] - reference));
-        from_truth = fmax(from_truth, fabs(reference - exp(-depth_of(&test->scene, point_m, 1))));
+        from_truth = fmax(from_truth,
+                          fabs(reference - exp(-compute_optical_depth(&test->scene, point_m, 1))));
     }
     print_message("%s: off the reference by %.1e, which is off the truth by %.1e\n", what, largest,
                   from_truth);
@@ -207,7 +209,7 @@ static void test_a_blob_is_of_second_order(void **state)
     add_blob(&test, (struct neph_vec3){1.0, 14.0, -2.0});
     for (int texels = 16; texels <= 128; texels *= 2) {
         struct neph_march_params params = mapped(texels, 1);
-        const struct neph_shadow_space space = neph_shadow_space_of(
+        const struct neph_shadow_space space = neph_shadow_space_compute(
             &params.shortcuts.shadow, &test.scene, test.key.position_m);
         measure(*state, &test, &params, 0, through);
         const struct difference off = against_truth(&test, 0, through);
@@ -249,7 +251,8 @@ static void test_voxels_are_within_two_per_cent(void **state)
         (const int[3]){24, 6, 24}, (struct neph_vec3){0.0, 8.0, -28.0},
         (struct neph_vec3){1.2, 0.8, 1.2}, -2.0, &random);
     for (int p = 0; p < PIXELS; p++)
-        sunlit += exp(-depth_of(&test.scene, place_of(&test, p), 0)) / PIXELS;
+        sunlit += exp(-compute_optical_depth(&test.scene, pixel_ground_point(&test, p), 0)) /
+                  PIXELS;
     assert_true(sunlit > 0.2 && sunlit < 0.8);
     double before = INFINITY;
     for (int texels = 64; texels <= 512; texels *= 8) {
@@ -278,7 +281,8 @@ static double middle_of_edge(const struct test_scene *test, const double through
     for (int p = row; p < row + SIDE_PX - 1; p++)
         if (through[p] <= half && through[p + 1] > half) {
             const double part = (half - through[p]) / (through[p + 1] - through[p]);
-            const double from_m = place_of(test, p).x, to_m = place_of(test, p + 1).x;
+            const double from_m = pixel_ground_point(test, p).x,
+                         to_m = pixel_ground_point(test, p + 1).x;
             return from_m + part * (to_m - from_m);
         }
     return INFINITY;
@@ -297,8 +301,8 @@ static void test_edges_keep_their_place(void **state)
     for (double edge_m = -0.5; edge_m < 0.5; edge_m += 0.173) {
         cloud->bounds = (struct neph_bounds){{-15.3, 10.0, -30.0}, {edge_m, 14.0, 10.0}};
         const struct neph_march_params params = mapped(32, 1);
-        const double texel_m = neph_shadow_space_of(&params.shortcuts.shadow, &test.scene,
-                                                    test.key.position_m)
+        const double texel_m = neph_shadow_space_compute(&params.shortcuts.shadow, &test.scene,
+                                                         test.key.position_m)
                                    .levels[0]
                                    .texel_m[0];
         measure(*state, &test, &params, 0, through);
@@ -307,8 +311,9 @@ static void test_edges_keep_their_place(void **state)
         print_message("an edge at %.3f m is off by %.2f texels\n", edge_m, off_texels);
         assert_true(fabs(off_texels) <= 0.5 + 1e-3);
         for (int p = row; p < row + SIDE_PX; p++) {
-            const double from_edge = (place_of(&test, p).x - edge_m) / texel_m;
-            const double truth = exp(-depth_of(&test.scene, place_of(&test, p), 0));
+            const double from_edge = (pixel_ground_point(&test, p).x - edge_m) / texel_m;
+            const double truth = exp(
+                -compute_optical_depth(&test.scene, pixel_ground_point(&test, p), 0));
             assert_true(fabs(from_edge) <= 1.5 || fabs(through[p] - truth) < 1e-4);
         }
     }
@@ -327,7 +332,7 @@ static struct neph_image *between(struct neph_vulkan *vulkan, const struct neph_
 }
 
 /* Fog between two layers of clouds, and a tower through both. */
-static void test_layers_tell_what_is_between(void **state)
+static void test_layers_give_depths_between_clouds(void **state)
 {
     OWNED(media) struct test_scene test;
     uint64_t random = 21;
@@ -351,7 +356,7 @@ static void test_layers_tell_what_is_between(void **state)
 }
 
 /* A scene with fog only has no map, and its frames have the same bits. */
-static void test_fog_alone_keeps_the_bits(void **state)
+static void test_only_fog_keeps_the_bits(void **state)
 {
     struct test_scene test;
     double through[2][PIXELS];
@@ -378,8 +383,8 @@ static void test_texels_stay_with_the_clouds(void **state)
     test_scene_init(&test);
     add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
     const struct neph_shadow_map map = {.texels = 64, .layers = 1, .levels = 2, .extent_m = 60.0};
-    const struct neph_shadow_space here = neph_shadow_space_of(&map, &test.scene,
-                                                               test.key.position_m);
+    const struct neph_shadow_space here = neph_shadow_space_compute(&map, &test.scene,
+                                                                    test.key.position_m);
     uint64_t random = 3;
     for (int i = 0; i < 200; i++) {
         struct test_scene moved = test;
@@ -389,8 +394,8 @@ static void test_texels_stay_with_the_clouds(void **state)
         neph_medium_drift(&moved.scene.media[0], wind_m);
         if (fabs(moved.scene.sun.direction.y) < 0.02)
             continue;
-        const struct neph_shadow_space there = neph_shadow_space_of(&map, &moved.scene,
-                                                                    moved.key.position_m);
+        const struct neph_shadow_space there = neph_shadow_space_compute(&map, &moved.scene,
+                                                                         moved.key.position_m);
         const struct neph_vec3 gone_m = neph_vec3_sub(there.origin_m, here.origin_m);
         assert_float_equal(neph_vec3_length(neph_vec3_sub(gone_m, wind_m)), 0.0, 1e-9);
         for (int level = 0; level < 2; level++)
@@ -414,7 +419,7 @@ static void test_far_from_the_origin_it_is_the_same(void **state)
     params.shortcuts.shadow.levels = 2;
     measure(*state, &test, &params, 0, here);
     neph_medium_drift(&test.scene.media[0], far_m);
-    test.solids[0].box = neph_bounds_moved(test.solids[0].box, far_m);
+    test.solids[0].box = neph_bounds_translate(test.solids[0].box, far_m);
     test.key.position_m = neph_vec3_add(test.key.position_m, far_m);
     test.key.look_at_m = neph_vec3_add(test.key.look_at_m, far_m);
     measure(*state, &test, &params, 0, there);
@@ -437,8 +442,8 @@ static void test_a_map_of_all_clouds_stays(void **state)
     for (int tenths = 900; tenths >= 300; tenths--) {
         const double height_rad = tenths * M_PI / 1800.0;
         test.scene.sun.direction = (struct neph_vec3){cos(height_rad), sin(height_rad), 0.0};
-        const struct neph_shadow_space space = neph_shadow_space_of(&map, &test.scene,
-                                                                    test.key.position_m);
+        const struct neph_shadow_space space = neph_shadow_space_compute(&map, &test.scene,
+                                                                         test.key.position_m);
         const struct neph_shadow_level *now = &space.levels[0];
         changes += memcmp(now, &before, sizeof(before)) != 0;
         before = *now;
@@ -465,7 +470,7 @@ static bool same_radiance(const struct neph_image *a, const struct neph_image *b
 
 /* The map is filled once; over four frames when the sun has moved; at once when the map has
  * changed. */
-static void test_the_map_is_filled_over_pictures(void **state)
+static void test_the_map_refills_over_frames(void **state)
 {
     enum { PICTURES = 4 };
     struct test_scene test;
@@ -525,7 +530,7 @@ static void test_in_real_time_the_ground_is_the_same(void **state)
 
 /* --- refusals -------------------------------------------------------------------------------- */
 
-static void test_what_is_out_of_range_is_refused(void **state)
+static void test_values_out_of_range_are_refused(void **state)
 {
     static const struct {
         struct neph_shadow_map map;

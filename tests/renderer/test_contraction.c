@@ -113,12 +113,12 @@ struct module {
     bool *is_kept;            /* NoContraction */
 };
 
-static uint32_t opcode_of(const uint32_t *instruction)
+static uint32_t get_opcode(const uint32_t *instruction)
 {
     return instruction[0] & 0xffffu;
 }
 
-static uint32_t length_of(const uint32_t *instruction)
+static uint32_t instruction_length(const uint32_t *instruction)
 {
     return instruction[0] >> 16;
 }
@@ -131,12 +131,13 @@ static struct module read_module(const uint32_t *words, size_t word_count)
     module.is_kept = calloc(module.bound, sizeof(*module.is_kept));
     assert_true(module.results && module.is_kept);
     const uint32_t *end = words + word_count;
-    for (const uint32_t *at = words + HEADER_WORDS; at < end; at += length_of(at)) {
-        assert_true(length_of(at) > 0 && at + length_of(at) <= end);
-        const uint32_t op = opcode_of(at);
+    for (const uint32_t *at = words + HEADER_WORDS; at < end; at += instruction_length(at)) {
+        assert_true(instruction_length(at) > 0 && at + instruction_length(at) <= end);
+        const uint32_t op = get_opcode(at);
         if (op == OP_DECORATE && at[2] == DECORATION_NO_CONTRACTION)
             module.is_kept[at[1]] = true;
-        if (op == OP_EXT_INST || (op >= FIRST_WITH_RESULT && op <= LAST && length_of(at) > 3))
+        if (op == OP_EXT_INST ||
+            (op >= FIRST_WITH_RESULT && op <= LAST && instruction_length(at) > 3))
             module.results[at[2]] = at;
     }
     return module;
@@ -154,7 +155,7 @@ static bool is_rounded(const struct module *module, uint32_t id, int depth)
     const uint32_t *at = module->results[id];
     if (!at || depth == 0)
         return false;
-    const uint32_t op = opcode_of(at);
+    const uint32_t op = get_opcode(at);
     uint32_t first = 0; /* operands from here on may be the rounded one */
     if (op == OP_EXT_INST) {
         const uint32_t function = at[4];
@@ -168,7 +169,7 @@ static bool is_rounded(const struct module *module, uint32_t id, int depth)
     } else if (op == OP_COMPOSITE_CONSTRUCT || op == OP_SELECT) {
         first = op == OP_SELECT ? 4 : 3;
     }
-    for (uint32_t i = first; first > 0 && i < length_of(at); i++)
+    for (uint32_t i = first; first > 0 && i < instruction_length(at); i++)
         if (at[i] < module->bound && is_rounded(module, at[i], depth - 1))
             return true;
     return false;
@@ -178,12 +179,12 @@ static bool is_rounded(const struct module *module, uint32_t id, int depth)
 static bool is_open_product(const struct module *module, uint32_t id)
 {
     const uint32_t *at = module->results[id];
-    while (at && opcode_of(at) == OP_COMPOSITE_EXTRACT) {
+    while (at && get_opcode(at) == OP_COMPOSITE_EXTRACT) {
         id = at[3];
         at = module->results[id];
     }
     return at && !module->is_kept[id] &&
-           (opcode_of(at) == OP_F_MUL || opcode_of(at) == OP_VECTOR_TIMES_SCALAR);
+           (get_opcode(at) == OP_F_MUL || get_opcode(at) == OP_VECTOR_TIMES_SCALAR);
 }
 
 /* A difference between a product and an integer part that a device may fuse, or that the SPIR-V
@@ -194,9 +195,9 @@ static bool is_open_fraction(const struct module *module, uint32_t id)
     const uint32_t *at = module->results[id];
     if (!at || module->is_kept[id])
         return false;
-    if (opcode_of(at) == OP_EXT_INST)
+    if (get_opcode(at) == OP_EXT_INST)
         return at[4] == GLSL_FMA && is_rounded(module, at[7], DEPTH);
-    return opcode_of(at) == OP_F_SUB && is_open_product(module, at[3]) &&
+    return get_opcode(at) == OP_F_SUB && is_open_product(module, at[3]) &&
            is_rounded(module, at[4], DEPTH);
 }
 

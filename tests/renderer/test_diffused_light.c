@@ -12,7 +12,7 @@
 
 enum { WIDTH_PX = 16, HEIGHT_PX = 9 };
 
-static struct neph_march_params params_of(int cells)
+static struct neph_march_params make_params(int cells)
 {
     return (struct neph_march_params){
         .width_px = WIDTH_PX,
@@ -29,12 +29,13 @@ static struct neph_gpu_diffusion_cell *shown(const struct neph_scene *scene,
                                              const struct neph_march_params *params, bool continues,
                                              struct neph_march_scene *march)
 {
-    const struct neph_march_moment moment = {.continues = continues};
+    const struct neph_march_frame_state moment = {.continues = continues};
     struct neph_diag diag = {0};
     struct neph_sun_fill_cost fill = {.dispatches = 0};
     double gpu_s = 0.0;
     struct neph_march_scene_cost cost = {.fill = &fill, .light_gpu_s = &gpu_s};
-    neph_assert_ok(neph_march_scene_show(scene, params, 0.0, &moment, march, &cost, &diag), &diag);
+    neph_assert_ok(neph_march_scene_update(scene, params, 0.0, &moment, march, &cost, &diag),
+                   &diag);
     const struct neph_diffused_light *light = &march->diffused_light;
     const uint32_t *size = light->levels[0].size;
     return test_read_buffer(light->vulkan, &light->cells,
@@ -44,9 +45,9 @@ static struct neph_gpu_diffusion_cell *shown(const struct neph_scene *scene,
 
 /* The cells of a single frame. For free(). */
 static struct neph_gpu_diffusion_cell *
-cells_of(struct neph_vulkan *vulkan, const struct neph_scene *scene, int cells, uint32_t size[3])
+solve_cells(struct neph_vulkan *vulkan, const struct neph_scene *scene, int cells, uint32_t size[3])
 {
-    const struct neph_march_params params = params_of(cells);
+    const struct neph_march_params params = make_params(cells);
     struct neph_march_scene march = {.gpu = {.frame = NULL}};
     struct neph_diag diag = {0};
     neph_assert_ok(neph_march_scene_create(vulkan, scene, &params, &march, &diag), &diag);
@@ -112,7 +113,7 @@ static void test_cells_balance(void **state)
         test_scene_build(&test, rooms[r].build);
         make_sunlit(&test);
         OWNED(memory)
-        struct neph_gpu_diffusion_cell *cells = cells_of(*state, &test.scene, 24, size);
+        struct neph_gpu_diffusion_cell *cells = solve_cells(*state, &test.scene, 24, size);
         double given = 0.0, gone = 0.0, left = 0.0;
         size_t i = 0;
         for (at[2] = 0; at[2] < size[2]; at[2]++)
@@ -149,7 +150,7 @@ static const struct layer {
     {"g 0.5, albedo 0.9, depth 40, from above", 40.0, 0.9, 0.5, 0.5, false, 0.1},
 };
 
-static struct neph_slab_params slab_of(const struct layer *layer)
+static struct neph_slab_params make_layer_slab(const struct layer *layer)
 {
     return (struct neph_slab_params){
         .optical_depth = layer->depth,
@@ -161,7 +162,7 @@ static struct neph_slab_params slab_of(const struct layer *layer)
 
 static void layer_scene(const struct layer *layer, struct test_scene *test)
 {
-    const struct neph_slab_params slab = slab_of(layer);
+    const struct neph_slab_params slab = make_layer_slab(layer);
     slab_scene(test, &slab, layer->from_below, 0.002);
 }
 
@@ -244,7 +245,7 @@ static void test_a_slab_has_the_closed_solution(void **state)
         layer_scene(&layers[s], &test);
         solve(&layers[s], &of);
         OWNED(memory)
-        struct neph_gpu_diffusion_cell *cells = cells_of(*state, &test.scene, 32, size);
+        struct neph_gpu_diffusion_cell *cells = solve_cells(*state, &test.scene, 32, size);
         assert_true(size[0] == 1 && size[1] == 256 && size[2] == 1);
         for (uint32_t i = 0; i < size[1]; i++) {
             const double truth = fluence(&of, 1.0 - (i + 0.5) / size[1]);
@@ -289,7 +290,7 @@ static void test_many_cells_balance_to_the_last_bits(void **state)
         double worst = 0.0, largest = 0.0;
         layer_scene(&layers[s], &test);
         OWNED(memory)
-        struct neph_gpu_diffusion_cell *cells = cells_of(*state, &test.scene, 128, size);
+        struct neph_gpu_diffusion_cell *cells = solve_cells(*state, &test.scene, 128, size);
         OWNED(memory) double *truth = balanced(cells, size[1]);
         assert_int_equal(size[1], 1024);
         for (uint32_t i = 0; i < size[1]; i++) {
@@ -311,8 +312,8 @@ static double phase_per_sr(double g, double cosine)
 }
 
 /* shaders/diffused_light.glsl, summed over many steps of a ray. */
-static double radiance_of(const struct layer *layer, const struct test_scene *test,
-                          struct neph_vec3 ray)
+static double integrate_radiance(const struct layer *layer, const struct test_scene *test,
+                                 struct neph_vec3 ray)
 {
     enum { STEPS = 20000 };
     const struct neph_vec3 sun = test->scene.sun.direction;
@@ -337,16 +338,16 @@ static double radiance_of(const struct layer *layer, const struct test_scene *te
     return layer->albedo * layer->depth * sum * length / STEPS;
 }
 
-static void test_pictures_of_slabs(void **state)
+static void test_frames_of_slabs(void **state)
 {
     for (size_t s = 0; s < sizeof(layers) / sizeof(layers[0]); s++) {
-        const struct neph_march_params params = params_of(64);
+        const struct neph_march_params params = make_params(64);
         struct test_scene test;
         layer_scene(&layers[s], &test);
         OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
         const struct neph_vec3 ray = neph_scene_camera(&test.scene, 0.0).forward;
-        const double reference = radiance_of(&layers[s], &test, ray);
-        const struct neph_slab_params slab = slab_of(&layers[s]);
+        const double reference = integrate_radiance(&layers[s], &test, ray);
+        const struct neph_slab_params slab = make_layer_slab(&layers[s]);
         const double truth = slab_per_sr(&test, &slab);
         const double seen = (double)neph_image_channel(
             frame, "volume.G")[WIDTH_PX * (HEIGHT_PX / 2) + WIDTH_PX / 2];
@@ -367,7 +368,7 @@ static void test_a_white_furnace(void **state)
 {
     static const struct neph_vec3 suns[] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
                                             {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
-    const struct neph_march_params params = params_of(24);
+    const struct neph_march_params params = make_params(24);
     double given = 0.0, taken = 0.0;
     for (int s = 0; s < 6; s++) {
         struct test_scene test;
@@ -402,10 +403,10 @@ static double apart(const struct neph_gpu_diffusion_cell *a,
 
 /* One cycle per frame: after a jump of the sun the cells converge to the solution without history.
  * In a static scene they stay there, bit by bit. */
-static void test_a_row_comes_to_rest(void **state)
+static void test_a_sequence_becomes_static(void **state)
 {
     enum { PICTURES = 60, CELLS = 16 };
-    struct neph_march_params params = params_of(CELLS), alone = params;
+    struct neph_march_params params = make_params(CELLS), alone = params;
     struct neph_march_scene row = {.gpu = {.frame = NULL}}, fresh = {.gpu = {.frame = NULL}};
     struct test_scene test;
     struct neph_diag diag = {0};
@@ -450,7 +451,7 @@ static void test_a_row_comes_to_rest(void **state)
 static void test_solids_that_move_are_seen(void **state)
 {
     enum { CELLS = 16 };
-    const struct neph_march_params params = params_of(CELLS);
+    const struct neph_march_params params = make_params(CELLS);
     struct neph_march_scene row = {.gpu = {.frame = NULL}}, fresh = {.gpu = {.frame = NULL}};
     struct test_scene test;
     struct neph_diag diag = {0};
@@ -482,14 +483,14 @@ static void test_solids_that_move_are_seen(void **state)
 
 /* --- refusals --------------------------------------------------------------------------------- */
 
-static void test_what_it_cannot_is_refused(void **state)
+static void test_unsupported_input_is_refused(void **state)
 {
     struct test_scene test;
     struct neph_diag diag = {0};
     char reason[256];
     test_scene_build(&test, add_blob);
     make_sunlit(&test);
-    struct neph_march_params params = params_of(16);
+    struct neph_march_params params = make_params(16);
     neph_assert_ok(neph_march_check(&test.scene, &params, &diag), &diag);
     params.diffusion.cells = 3;
     assert_int_equal(neph_march_check(&test.scene, &params, &diag), NEPH_ERR_USAGE);

@@ -45,7 +45,7 @@ static void check_after_flight(struct neph_vulkan *vulkan, const struct neph_sce
     neph_image_destroy(expected);
 }
 
-static void test_the_picture_after_pictures_in_flight(void **state)
+static void test_the_frame_after_frames_in_flight(void **state)
 {
     OWNED(scene) struct neph_scene *scene = test_load("catalog/camera_dolly");
     const struct neph_settings settings = few_steps("ours");
@@ -54,7 +54,7 @@ static void test_the_picture_after_pictures_in_flight(void **state)
 
 /* Clouds drift: each frame refills nodes that earlier frames may still read. Of the work in flight
  * only the fill is counted. */
-static void test_a_cache_is_filled_between_pictures_in_flight(void **state)
+static void test_the_cache_fills_in_flight(void **state)
 {
     OWNED(scene) struct neph_scene *scene = test_load("stress/wind_cloud");
     const struct neph_settings settings = test_preset(
@@ -68,13 +68,13 @@ static void test_a_cache_is_filled_between_pictures_in_flight(void **state)
     send(realtime, scene, 0);
     send(realtime, scene, 1);
     for (int frame = 0; frame < 2; frame++) {
-        neph_assert_ok(neph_realtime_home(realtime, &home, &diag), &diag);
+        neph_assert_ok(neph_realtime_collect(realtime, &home, &diag), &diag);
         assert_true(home.density_evaluations > 0);
     }
 }
 
 /* The bytes that passes move are known in advance; counters are not available in flight. */
-static void test_costs_come_home_in_order(void **state)
+static void test_costs_are_collected_in_order(void **state)
 {
     OWNED(scene) struct neph_scene *scene = test_load("catalog/camera_dolly");
     const struct neph_settings settings = few_steps("ours");
@@ -83,12 +83,12 @@ static void test_costs_come_home_in_order(void **state)
     struct neph_realtime_stats read, home;
     struct neph_diag diag = {0};
     neph_image_destroy(test_next(realtime, scene, 0, &read));
-    assert_int_equal(neph_realtime_home(realtime, &home, &diag), NEPH_ERR_USAGE);
+    assert_int_equal(neph_realtime_collect(realtime, &home, &diag), NEPH_ERR_USAGE);
     for (int frame = 1; frame <= NEPH_IN_FLIGHT_FRAMES; frame++)
         send(realtime, scene, frame);
     for (int frame = 1; frame <= NEPH_IN_FLIGHT_FRAMES; frame++) {
         uint64_t traffic_bytes = 0;
-        neph_assert_ok(neph_realtime_home(realtime, &home, &diag), &diag);
+        neph_assert_ok(neph_realtime_collect(realtime, &home, &diag), &diag);
         assert_int_equal(home.traffic_bytes, read.traffic_bytes);
         assert_int_equal(home.density_evaluations, 0);
         for (int i = 0; neph_rt_passes[i]; i++) {
@@ -97,12 +97,12 @@ static void test_costs_come_home_in_order(void **state)
         }
         assert_int_equal(traffic_bytes, home.traffic_bytes);
     }
-    assert_int_equal(neph_realtime_home(realtime, &home, &diag), NEPH_ERR_USAGE);
+    assert_int_equal(neph_realtime_collect(realtime, &home, &diag), NEPH_ERR_USAGE);
 }
 
 /* Without a split the march of every pixel goes through the CPU to the next passes, so it cannot be
  * in flight. */
-static void test_no_split_flies_alone(void **state)
+static void test_no_split_cannot_be_in_flight(void **state)
 {
     OWNED(scene) struct neph_scene *scene = test_load("catalog/camera_dolly");
     struct neph_settings settings = few_steps("off");
@@ -111,7 +111,7 @@ static void test_no_split_flies_alone(void **state)
     struct neph_realtime_stats home;
     struct neph_diag diag = {0};
     send(realtime, scene, 0);
-    neph_assert_ok(neph_realtime_home(realtime, &home, &diag), &diag);
+    neph_assert_ok(neph_realtime_collect(realtime, &home, &diag), &diag);
     assert_true(home.gpu_s > 0.0);
     neph_realtime_destroy(realtime);
     settings.values[RT_TAA] = 1.0;
@@ -135,10 +135,10 @@ static void test_the_march_in_flight(void **state)
     for (int frame = 0; frame < FRAMES; frame++)
         neph_assert_ok(neph_march_frame(march, scene, frame, NULL, NULL, NULL, &diag), &diag);
     for (int i = 0; i < NEPH_IN_FLIGHT_FRAMES; i++) {
-        neph_assert_ok(neph_march_home(march, &gpu_s, &diag), &diag);
+        neph_assert_ok(neph_march_collect(march, &gpu_s, &diag), &diag);
         assert_true(gpu_s > 0.0);
     }
-    assert_int_equal(neph_march_home(march, &gpu_s, &diag), NEPH_ERR_USAGE);
+    assert_int_equal(neph_march_collect(march, &gpu_s, &diag), NEPH_ERR_USAGE);
     neph_assert_ok(neph_march_frame(march, scene, 0, NULL, NULL, NULL, &diag), &diag);
     neph_assert_ok(neph_march_frame(march, scene, FRAMES, NULL, &after, NULL, &diag), &diag);
     assert_true(test_same_bits(alone, after));

@@ -57,11 +57,11 @@ static void put_vec3(float out[3], struct neph_vec3 v)
     out[2] = (float)v.z;
 }
 
-static struct probe probe_of(const struct question *question)
+static struct probe make_probe(const struct question *question)
 {
     struct probe probe = {
-        .look = neph_gpu_fog_look_from(&question->scene, &question->scene.fog_look, question->model,
-                                       question->eye_m),
+        .look = neph_gpu_fog_pack(&question->scene, &question->scene.fog_look, question->model,
+                                  question->eye_m),
         .length_m = isinf(question->length_m) ? NEPH_GPU_FAR_M : (float)question->length_m,
     };
     put_vec3(probe.direction, question->direction);
@@ -79,11 +79,11 @@ static struct answer *ask(struct neph_vulkan *vulkan, const struct question *que
     OWNED(memory) struct probe *probes = calloc((size_t)count, sizeof(*probes));
     assert_non_null(probes);
     for (int i = 0; i < count; i++)
-        probes[i] = probe_of(&questions[i]);
+        probes[i] = make_probe(&questions[i]);
     return test_probe(vulkan, &params, NULL, probes, sizeof(*probes), sizeof(struct answer), count);
 }
 
-static struct neph_fog_look_light reference_of(const struct question *question)
+static struct neph_fog_look_light compute_reference(const struct question *question)
 {
     return neph_fog_look_ray(&question->scene, &question->scene.fog_look, question->model,
                              question->eye_m, question->direction, question->length_m);
@@ -113,7 +113,8 @@ static struct neph_fog_look some_look(uint64_t *seed)
         .directional_exponent = some_float(seed, 0, 64),
         .directional_start_m = some_float(seed, 0, 100),
     };
-    return neph_fog_look_only(&full, (unsigned)neph_test_random(seed) & NEPH_FOG_CONTROLS_ALL);
+    return neph_fog_look_mask_controls(&full,
+                                       (unsigned)neph_test_random(seed) & NEPH_FOG_CONTROLS_ALL);
 }
 
 /* Fogs of up to 16 mean free paths: e^-16 is the last digit of white. */
@@ -146,7 +147,7 @@ static struct question some_question(uint64_t *seed, int trial)
 static void check_answer(const struct question *question, const struct answer *answer,
                          double *worst)
 {
-    const struct neph_fog_look_light reference = reference_of(question);
+    const struct neph_fog_look_light reference = compute_reference(question);
     const double *volume = &reference.volume.r, asked = 1e-5, least = 1e-7;
     if (reference.transmittance > 1.1e-7) {
         neph_assert_close(answer->through, reference.transmittance, asked, 0.0);
@@ -238,7 +239,7 @@ static void test_the_points_where_engines_fail(void **state)
     }
     OWNED(memory) struct answer *answers = ask(vulkan, questions, count);
     for (int i = 0; i < count; i++) {
-        const struct neph_fog_look_light reference = reference_of(&questions[i]);
+        const struct neph_fog_look_light reference = compute_reference(&questions[i]);
         neph_assert_close(answers[i].through, reference.transmittance, 1e-5, 1e-7);
         neph_assert_close(answers[i].volume[0], reference.volume.r, 1e-5, 1e-7);
     }
@@ -250,30 +251,31 @@ static void test_the_points_where_engines_fail(void **state)
 /* ---- frames
  * ----------------------------------------------------------------------------------- */
 
-static struct neph_fog_looks *looks_at(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                       bool sun_is_clear)
+static struct neph_fog_renderer *looks_at(struct neph_vulkan *vulkan,
+                                          const struct neph_scene *scene, bool sun_is_clear)
 {
     struct neph_diag diag = {0};
-    struct neph_fog_looks *looks = NULL;
+    struct neph_fog_renderer *looks = NULL;
     const struct neph_fog_look_params params = {
         .width_px = 40, .height_px = 24, .look = scene->fog_look, .sun_is_clear = sun_is_clear};
-    neph_assert_ok(neph_fog_looks_create(vulkan, scene, &params, &looks, &diag), &diag);
+    neph_assert_ok(neph_fog_renderer_create(vulkan, scene, &params, &looks, &diag), &diag);
     return looks;
 }
 
-static struct neph_image *next_picture(struct neph_fog_looks *looks, const struct neph_scene *scene)
+static struct neph_image *next_picture(struct neph_fog_renderer *looks,
+                                       const struct neph_scene *scene)
 {
     struct neph_diag diag = {0};
     struct neph_image *image = NULL;
     double gpu_s;
-    neph_assert_ok(neph_fog_looks_frame(looks, scene, 0.0, &image, &gpu_s, &diag), &diag);
+    neph_assert_ok(neph_fog_renderer_frame(looks, scene, 0.0, &image, &gpu_s, &diag), &diag);
     return image;
 }
 
 static struct neph_image *picture(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                   bool sun_is_clear)
 {
-    OWNED(fog_looks) struct neph_fog_looks *looks = looks_at(vulkan, scene, sun_is_clear);
+    OWNED(fog_looks) struct neph_fog_renderer *looks = looks_at(vulkan, scene, sun_is_clear);
     return next_picture(looks, scene);
 }
 
@@ -340,23 +342,23 @@ static void test_a_clear_sun_is_not_dimmed(void **state)
 }
 
 /* A frame with another camera and sun after others in flight equals the frame of a new renderer. */
-static void test_pictures_in_a_row(void **state)
+static void test_frames_in_a_sequence(void **state)
 {
     struct test_scene test;
     set_stage(&test);
-    OWNED(fog_looks) struct neph_fog_looks *looks = looks_at(*state, &test.scene, false);
+    OWNED(fog_looks) struct neph_fog_renderer *looks = looks_at(*state, &test.scene, false);
     struct neph_diag diag = {0};
     double gpu_s;
     for (int i = 0; i < 5; i++)
-        neph_assert_ok(neph_fog_looks_frame(looks, &test.scene, 0.0, NULL, NULL, &diag), &diag);
-    neph_assert_ok(neph_fog_looks_home(looks, &gpu_s, &diag), &diag);
+        neph_assert_ok(neph_fog_renderer_frame(looks, &test.scene, 0.0, NULL, NULL, &diag), &diag);
+    neph_assert_ok(neph_fog_renderer_collect(looks, &gpu_s, &diag), &diag);
     test.key.position_m.y += 7.0;
     test.scene.sun.irradiance_w_per_m2.g *= 2.0;
     OWNED(image) struct neph_image *later = next_picture(looks, &test.scene);
     OWNED(image) struct neph_image *alone = picture(*state, &test.scene, false);
     assert_memory_equal(neph_image_channel(later, "G"), neph_image_channel(alone, "G"),
                         40 * 24 * sizeof(float));
-    assert_int_equal(neph_fog_looks_home(looks, &gpu_s, &diag), NEPH_ERR_USAGE);
+    assert_int_equal(neph_fog_renderer_collect(looks, &gpu_s, &diag), NEPH_ERR_USAGE);
     test.scene.medium_count = 0; /* no media */
     OWNED(image) struct neph_image *clear = next_picture(looks, &test.scene);
     for (int i = 0; i < 40 * 24; i++)

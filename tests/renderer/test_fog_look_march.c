@@ -27,7 +27,7 @@ static void set_stage(struct test_scene *test)
     fog->emission_w_per_m2_sr = (struct neph_rgb){0.5, 0.75, 1.0};
     test_add(test, make_blob(0.08, (struct neph_vec3){-20.0, 20.0, -90.0}, 12.0));
     test_add(test, make_blob(0.02, (struct neph_vec3){15.0, 45.0, -110.0}, 15.0));
-    test->scene.fog_look = neph_fog_look_of_physics(&test->scene, fog);
+    test->scene.fog_look = neph_fog_look_from_physics(&test->scene, fog);
 }
 
 /* Moves clouds out of view: a scene with fog only then has the kernels of one with clouds. */
@@ -37,13 +37,13 @@ static void hide_clouds(struct test_scene *test)
         test->scene.media[m].gaussian.center_m = (struct neph_vec3){0.0, -400.0, 900.0};
 }
 
-static struct neph_march_params params_of(int fog)
+static struct neph_march_params make_params(int fog)
 {
     return (struct neph_march_params){.width_px = WIDTH,
                                       .height_px = HEIGHT,
                                       .steps = 256,
                                       .lighting = NEPH_MARCH_SINGLE,
-                                      .fog = neph_fog_for_march(fog)};
+                                      .fog = neph_march_fog_choose(fog)};
 }
 
 /* Mean over pixels of |a - b|, over the mean of b. */
@@ -70,7 +70,7 @@ static void test_a_glowing_fog_and_clouds_are_exact(void **state)
         through[i] = (float)light.transmittance.g;
     }
     for (int fog = neph_test_by_day(1, 0); fog < 2; fog++) {
-        const struct neph_march_params params = params_of(fog);
+        const struct neph_march_params params = make_params(fog);
         OWNED(image) struct neph_image *image = test_march(*state, &test.scene, &params, NULL);
         const double off = distance(neph_image_channel(image, "G"), radiance);
         print_message("fog as a %s: off by %.2g\n", fog ? "look" : "medium", off);
@@ -101,7 +101,7 @@ static void test_any_order_of_layers_is_the_same(void **state)
     set_stage(&test);
     test.scene.fog_look.max_opacity = 0.8;
     test.scene.fog_look.directional_w_per_m2_sr = make_grey(0.5);
-    const struct neph_march_params params = params_of(1);
+    const struct neph_march_params params = make_params(1);
     OWNED(image) struct neph_image *whole = test_march(*state, &test.scene, &params, NULL);
     struct neph_medium *media = test.scene.media;
     cut_in_two(&test.scene, 1);
@@ -124,17 +124,17 @@ static struct neph_image *look_at(struct neph_vulkan *vulkan, const struct neph_
     struct neph_fog_look_params params = {
         .width_px = WIDTH, .height_px = HEIGHT, .look = scene->fog_look, .model = model};
     params.look.volumetric_fog_distance_m = 0.0;
-    OWNED(fog_looks) struct neph_fog_looks *looks = NULL;
+    OWNED(fog_looks) struct neph_fog_renderer *looks = NULL;
     struct neph_image *image = NULL;
     struct neph_diag diag = {0};
     double gpu_s;
-    neph_assert_ok(neph_fog_looks_create(vulkan, scene, &params, &looks, &diag), &diag);
-    neph_assert_ok(neph_fog_looks_frame(looks, scene, 0.0, &image, &gpu_s, &diag), &diag);
+    neph_assert_ok(neph_fog_renderer_create(vulkan, scene, &params, &looks, &diag), &diag);
+    neph_assert_ok(neph_fog_renderer_frame(looks, scene, 0.0, &image, &gpu_s, &diag), &diag);
     return image;
 }
 
 /* Without clouds the frame equals engine fog_look's, with every control that the scenes use. */
-static void test_without_clouds_it_is_the_look(void **state)
+static void test_without_clouds_equals_fog_look(void **state)
 {
     static const struct {
         const char *scene;
@@ -144,7 +144,7 @@ static void test_without_clouds_it_is_the_look(void **state)
                  {"catalog/fog_look_ridge", NEPH_FOG_FILAMENT}};
     for (int n = 0; n < neph_test_by_day(1, 3); n++) {
         OWNED(scene) struct neph_scene *scene = test_load(looks[n].scene);
-        const struct neph_march_params params = params_of(1 + (int)looks[n].model);
+        const struct neph_march_params params = make_params(1 + (int)looks[n].model);
         OWNED(image)
         struct neph_image *marched = test_march(*state, scene, &params, NULL),
                           *look = look_at(*state, scene, looks[n].model);
@@ -185,7 +185,7 @@ static void test_realtime_has_the_same_fog(void **state)
         set_stage(&test);
         if (!cases[n].has_clouds)
             test.scene.medium_count = 1;
-        const struct neph_march_params params = params_of(1);
+        const struct neph_march_params params = make_params(1);
         OWNED(image)
         struct neph_image *marched = test_march(*state, &test.scene, &params, NULL),
                           *image = render_realtime(*state, &test.scene, cases[n].words);
@@ -215,7 +215,7 @@ static void test_a_glow_is_handed_over_anywhere(void **state)
         if (cases[n].is_clear)
             hide_clouds(&test);
         test.scene.fog_look.volumetric_fog_distance_m = cases[n].handed_m;
-        const struct neph_march_params params = params_of(1);
+        const struct neph_march_params params = make_params(1);
         OWNED(image)
         struct neph_image *whole = test_march(*state, &test.scene, &params, NULL),
                           *image = render_realtime(*state, &test.scene, handed_over);
@@ -266,7 +266,7 @@ static void test_near_fog_is_physics(void **state)
         expected[i] = (float)handed_over_ray(&test.scene, &ray, handed_m * slope);
     }
     const double off = distance(neph_image_channel(image, "G"), expected);
-    const struct neph_march_params params = params_of(1);
+    const struct neph_march_params params = make_params(1);
     OWNED(image) struct neph_image *looked = test_march(*state, &test.scene, &params, NULL);
     const double look_off = distance(neph_image_channel(looked, "G"), expected);
     print_message("near fog by physics: off by %.2g; by its look: by %.2g\n", off, look_off);
@@ -282,18 +282,19 @@ static void test_fog_before_the_sky(void **state)
 {
     neph_test_waits_for_the_night();
     OWNED(scene) struct neph_scene *scene = test_load("catalog/sky_earth");
-    struct neph_march_params params = params_of(0);
+    struct neph_march_params params = make_params(0);
     params.steps = 8;
-    params.sky = neph_sky_for_march((struct neph_march_sky_choices){true, false, 8, 8, 8, 6e4, 0});
+    params.sky = neph_march_sky_choose(
+        (struct neph_march_sky_choices){true, false, 8, 8, 8, 6e4, 0});
     params.sky.tables.field.altitudes = 6;
     params.sky.tables.field.suns = 16;
     params.sky.tables.field.orders = 1;
     scene->scattering = NEPH_SCATTERING_SINGLE;
     OWNED(image) struct neph_image *clear = test_march(*state, scene, &params, NULL);
     scene->media[scene->medium_count++] = make_height_fog(1e-4, 0.01);
-    scene->fog_look = neph_fog_look_only(&(struct neph_fog_look){.present = true}, 0);
+    scene->fog_look = neph_fog_look_mask_controls(&(struct neph_fog_look){.present = true}, 0);
     scene->fog_look.inscattering_w_per_m2_sr.g = 0.5;
-    params.fog = neph_fog_for_march(1);
+    params.fog = neph_march_fog_choose(1);
     OWNED(image) struct neph_image *fogged = test_march(*state, scene, &params, NULL);
     const float *clear_r = neph_image_channel(clear, "R"),
                 *clear_g = neph_image_channel(clear, "G"), *r = neph_image_channel(fogged, "R"),
@@ -319,7 +320,7 @@ static void refuses_under(const struct neph_scene *scene, struct neph_march_veil
                           enum neph_march_lighting lighting, const char *words)
 {
     char reason[256] = "";
-    assert_false(neph_march_can_render_under(scene, veils, lighting, reason, sizeof(reason)));
+    assert_false(neph_march_can_render_with(scene, veils, lighting, reason, sizeof(reason)));
     if (!strstr(reason, words))
         print_error("no '%s' in '%s'\n", words, reason);
     assert_non_null(strstr(reason, words));
@@ -328,11 +329,11 @@ static void refuses_under(const struct neph_scene *scene, struct neph_march_veil
 static void refuses(const struct neph_scene *scene, int fog, enum neph_march_lighting lighting,
                     const char *words)
 {
-    refuses_under(scene, (struct neph_march_veils){.fog = neph_fog_for_march(fog)}, lighting,
+    refuses_under(scene, (struct neph_march_veils){.fog = neph_march_fog_choose(fog)}, lighting,
                   words);
 }
 
-static void test_says_what_it_cannot(void **state)
+static void test_unsupported_scenes_are_named(void **state)
 {
     struct test_scene test;
     set_stage(&test);
@@ -353,13 +354,13 @@ static void test_says_what_it_cannot(void **state)
     OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
     earth->media[earth->medium_count++] = make_height_fog(1e-4, 0.01);
     earth->fog_look = (struct neph_fog_look){.present = true, .sky_light = white};
-    refuses_under(earth, (struct neph_march_veils){true, neph_fog_for_march(1)}, NEPH_MARCH_OCTAVES,
-                  "sky_light with sky=tables");
+    refuses_under(earth, (struct neph_march_veils){true, neph_march_fog_choose(1)},
+                  NEPH_MARCH_OCTAVES, "sky_light with sky=tables");
     other.medium_count = 1; /* nothing remains to march */
     char reason[256];
-    const struct neph_march_veils look = {.fog = neph_fog_for_march(1)};
+    const struct neph_march_veils look = {.fog = neph_march_fog_choose(1)};
     assert_true(
-        neph_march_can_render_under(&other, look, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
+        neph_march_can_render_with(&other, look, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
 }
 
 #include "tests/renderer/main.h"

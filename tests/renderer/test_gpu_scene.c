@@ -42,7 +42,7 @@ static void test_where_nothing_is_in_the_way_all_is_lit(void **state)
         const bool may_be = may_be_shaded(*state, &test.scene);
         bool is_shaded = false;
         for (int i = 0; i < 200; i++)
-            is_shaded |= !neph_scene_sees_sun(&test.scene, random_place_in(&box, &seed));
+            is_shaded |= !neph_scene_is_sun_visible(&test.scene, random_place_in(&box, &seed));
         assert_false(is_shaded && !may_be);
         free_count += !may_be && test.scene.solid_count > 0;
         shaded_count += is_shaded;

@@ -162,7 +162,7 @@ static const struct neph_march_params marched = {.width_px = WIDTH_PX,
 
 /* A texture changes values by a few parts in a thousand, and no counter. Empty cells are skipped as
  * without: a cell with eight nodes of 0 is 0 for all weights. */
-static void test_a_march_changes_by_the_values_alone(void **state)
+static void test_a_texture_changes_only_values(void **state)
 {
     OWNED(media) struct test_scene test;
     struct neph_march_stats plain_stats, texture_stats;
@@ -296,7 +296,7 @@ static void test_a_texture_has_its_own_march(void **state)
 
 /* --- refusals --------------------------------------------------------------------------------- */
 
-static void test_closed_forms_alone_are_refused(void **state)
+static void test_closed_forms_only_are_refused(void **state)
 {
     OWNED(media) struct test_scene test;
     struct neph_diag diag = {0};

@@ -100,7 +100,7 @@ static void test_fog_without_bounds_is_of_second_order(void **state)
  * positions have a resolution of 0.06 mm. Steps of 2 mm, 0.3 mm and 0.03 mm keep their length.
  * Lengths from the positions of the ends gave errors of 0.7 %, of 8 %, and no light. Vulkan allows
  * atan() an error of 4,096 units in the last place. */
-static void test_short_steps_far_from_a_lamp(void **state)
+static void test_short_steps_far_from_a_light(void **state)
 {
     struct test_scene test;
     test_scene_init(&test);
@@ -146,7 +146,7 @@ static void test_sun_and_lamps_add(void **state)
 }
 
 /* Lighting models that would omit lights refuse the scene. */
-static void test_what_knows_no_lamps_says_so(void **state)
+static void test_models_without_lights_refuse_them(void **state)
 {
     struct test_scene test;
     lamp_stage(&test)->scene.scattering = NEPH_SCATTERING_MULTIPLE;
@@ -171,7 +171,7 @@ struct sum {
     double light, variance;
 };
 
-static struct sum sum_of(const struct neph_image *frame, int channel)
+static struct sum sum_samples(const struct neph_image *frame, int channel)
 {
     const struct test_rgb radiance = test_layer(frame, NULL),
                           variance = test_layer(frame, "variance");
@@ -194,7 +194,7 @@ static void test_the_tracer_is_the_exact_transport(void **state)
         for (int p = 0; p < PIXELS; p++)
             exact += test_exact_ray(&test.scene, WIDTH_PX, HEIGHT_PX, p).radiance.g;
         OWNED(image) struct neph_image *frame = trace(*state, &test, 128);
-        const struct sum sum = sum_of(frame, 1);
+        const struct sum sum = sum_samples(frame, 1);
         print_message("sum off by %+.1e, standard error %.1e\n", sum.light / exact - 1.0,
                       sqrt(sum.variance) / exact);
         neph_assert_close(sum.light, exact, 0.0, 4.0 * sqrt(sum.variance));
@@ -214,7 +214,7 @@ static void test_of_all_orders_it_is_the_oracle(void **state)
     OWNED(image) struct neph_image *frame = trace(*state, &test, 512);
     OWNED(image) struct neph_image *truth = test_oracle(&test.scene, WIDTH_PX, HEIGHT_PX, 7, 512);
     for (int channel = 0; channel < 3; channel++) {
-        const struct sum a = sum_of(frame, channel), b = sum_of(truth, channel);
+        const struct sum a = sum_samples(frame, channel), b = sum_samples(truth, channel);
         print_message("sum off by %+.1e, standard error %.1e\n", a.light / b.light - 1.0,
                       sqrt(a.variance + b.variance) / b.light);
         neph_assert_close(a.light, b.light, 0.0, 4.0 * sqrt(a.variance + b.variance));

@@ -115,7 +115,8 @@ static struct neph_image *render(struct neph_vulkan *vulkan, const struct neph_s
     return test_trace(vulkan, scene, &params, NULL);
 }
 
-static struct noise noise_of(struct neph_vulkan *vulkan, const struct neph_scene *scene, bool sobol)
+static struct noise measure_noise(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                  bool sobol)
 {
     struct neph_image *frames[2];
     struct test_rgb light[2], variance[2];
@@ -145,8 +146,8 @@ static const double told_ratio = 2.2;
 
 static void check(struct neph_vulkan *vulkan, const struct neph_scene *scene, double gain_least)
 {
-    const struct noise random = noise_of(vulkan, scene, false);
-    const struct noise sobol = noise_of(vulkan, scene, true);
+    const struct noise random = measure_noise(vulkan, scene, false);
+    const struct noise sobol = measure_noise(vulkan, scene, true);
     const double gain = random.seen2 / sobol.seen2;
     print_message("noise^2 %.3g, told %.3g; by Sobol %.3g, told %.3g: %.2f times less\n",
                   random.seen2, random.told2, sobol.seen2, sobol.told2, gain);

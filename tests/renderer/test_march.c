@@ -42,7 +42,7 @@ static const struct {
              {NEPH_MEDIUM_HEIGHT_FOG, 2}};
 
 /* Layers with extinction, as the device counts them. */
-static int layers_of(const struct neph_medium *medium)
+static int count_layers(const struct neph_medium *medium)
 {
     int count = 0;
     for (int i = 0; i < medium->layer_count; i++)
@@ -71,7 +71,7 @@ static struct neph_medium stand_in(const struct test_scene *test, size_t sort)
 
 /* A scene with invisible media for the kinds that it lacks, and with a sphere that might shadow a
  * medium: all scenes then share one kernel, and compiling it is most of a test's time. */
-static void put_in_company(const struct test_scene *test, struct test_scene *with)
+static void add_shared_kernel_media(const struct test_scene *test, struct test_scene *with)
 {
     bool is_placed[NEPH_SCENE_MEDIA_MAX] = {false};
     *with = *test;
@@ -80,7 +80,7 @@ static void put_in_company(const struct test_scene *test, struct test_scene *wit
         int m = 0;
         while (m < test->scene.medium_count &&
                (is_placed[m] || test->scene.media[m].kind != sorts[s].kind ||
-                layers_of(&test->scene.media[m]) != sorts[s].layers))
+                count_layers(&test->scene.media[m]) != sorts[s].layers))
             m++;
         is_placed[m] = true;
         test_add(with, m < test->scene.medium_count ? test->scene.media[m] : stand_in(test, s));
@@ -99,7 +99,7 @@ static struct neph_image *render(struct neph_vulkan *vulkan, const struct test_s
                                  struct neph_march_stats *stats)
 {
     struct test_scene with;
-    put_in_company(test, &with);
+    add_shared_kernel_media(test, &with);
     struct neph_image *frame = test_march(vulkan, &with.scene, params, stats);
     assert_int_equal(frame->channel_count, neph_image_channel(frame, "volume.distance") ? 11 : 10);
     return frame;
@@ -506,7 +506,7 @@ static void test_evaluations_are_counted(void **state)
 /* The mean distance of the visible homogeneous medium is 1 / extinction, the integral of t sigma
  * e^(-sigma t). 512 steps over 16 optical depths sample at their middles, which is too far by the
  * fraction (optical depth of a step)^2 / 12 = 8e-5; the omitted end is 16 e^-16 = 2e-6. */
-static void test_distance_of_what_is_seen(void **state)
+static void test_distance_of_the_visible_medium(void **state)
 {
     struct test_scene test;
     test_scene_init(&test);
@@ -608,7 +608,7 @@ static void test_parameters_out_of_range_are_refused(void **state)
     print_message("%s\n", diag.message);
 }
 
-static void test_says_what_it_cannot(void **state)
+static void test_unsupported_scenes_are_named(void **state)
 {
     struct test_scene test;
     test_scene_build(&test, scene_fog);
@@ -689,10 +689,10 @@ static void build_extreme_scene(uint64_t *random, struct test_scene *test)
 static bool is_crowd(const struct test_scene *test)
 {
     struct test_scene with;
-    put_in_company(test, &with);
+    add_shared_kernel_media(test, &with);
     int count = 0;
     for (int m = 0; m < with.scene.medium_count; m++)
-        count += layers_of(&with.scene.media[m]) > 0;
+        count += count_layers(&with.scene.media[m]) > 0;
     return count > NEPH_GPU_KNOWN_MEDIA_MAX;
 }
 
@@ -707,7 +707,7 @@ static size_t count_nonsense(const struct neph_image *frame, const char *layer, 
     return count;
 }
 
-static void test_extreme_inputs_give_no_nonsense(void **state)
+static void test_extreme_inputs_are_finite(void **state)
 {
     const int rounds = neph_test_by_day(200, 400);
     uint64_t random = seed;
@@ -751,12 +751,12 @@ static void test_extreme_inputs_give_no_nonsense(void **state)
 }
 
 /* Must be the last test: the interrupt flag stays set. */
-static void test_interruption_is_heard(void **state)
+static void test_interrupt_stops_the_render(void **state)
 {
     struct test_scene test;
     test_scene_build(&test, scene_fog);
     struct test_scene with;
-    put_in_company(&test, &with);
+    add_shared_kernel_media(&test, &with);
     signal(SIGINT, SIG_DFL); /* a background shell ignores it */
     neph_interrupt_install();
     raise(SIGINT);

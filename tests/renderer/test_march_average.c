@@ -29,7 +29,7 @@ static struct neph_image *through(struct neph_march *march, const struct neph_sc
 {
     struct neph_image *image = NULL;
     struct neph_diag diag = {0};
-    const struct neph_march_moment moment = {.jitter_px = {jitter_px[0], jitter_px[1]}};
+    const struct neph_march_frame_state moment = {.jitter_px = {jitter_px[0], jitter_px[1]}};
     neph_assert_ok(neph_march_frame(march, scene, 0.0, &moment, &image, NULL, &diag), &diag);
     return image;
 }
@@ -50,7 +50,7 @@ static void assert_net(int n)
         int hits[NEPH_MARCH_RAYS_PER_PX_MAX] = {0};
         for (int i = 0; i < n; i++) {
             float at_px[2];
-            neph_march_point(i, n, at_px);
+            neph_march_sample_offset(i, n, at_px);
             const int x = (int)floor((at_px[0] + 0.5) * columns);
             const int y = (int)floor((at_px[1] + 0.5) * (n / columns));
             neph_assert_in_range(x, 0, columns - 1);
@@ -69,7 +69,7 @@ static void test_points_are_a_net_around_the_centre(void **state)
         assert_net(n);
         for (int i = 0; i < n; i++) {
             float at_px[2];
-            neph_march_point(i, n, at_px);
+            neph_march_sample_offset(i, n, at_px);
             sum[0] += at_px[0];
             sum[1] += at_px[1];
         }
@@ -101,7 +101,7 @@ static void test_the_mean_is_the_mean_and_depth_is_the_centres(void **state)
     struct neph_image *centre = through(march, &test.scene, centre_px), *rays[RAYS];
     for (int i = 0; i < RAYS; i++) {
         float jitter_px[2];
-        neph_march_point(i, RAYS, jitter_px);
+        neph_march_sample_offset(i, RAYS, jitter_px);
         rays[i] = through(march, &test.scene, jitter_px);
     }
     const size_t count = neph_image_pixel_count(mean);

@@ -148,11 +148,11 @@ static void test_far_from_the_origin_it_is_the_same(void **state)
         look_from(&test, heights_m[h]);
         OWNED(image) struct neph_image *here = render(*state, &test.scene);
         grid->origin_m = neph_vec3_add(grid->origin_m, far_m);
-        test.solids[0].box = neph_bounds_moved(ground, far_m);
+        test.solids[0].box = neph_bounds_translate(ground, far_m);
         test.key.position_m = neph_vec3_add(test.key.position_m, far_m);
         test.key.look_at_m = neph_vec3_add(test.key.look_at_m, far_m);
         for (int i = 0; i < LAYERS; i++)
-            test.scene.media[i].bounds = neph_bounds_moved(room, far_m);
+            test.scene.media[i].bounds = neph_bounds_translate(room, far_m);
         OWNED(image) struct neph_image *there = render(*state, &test.scene);
         largest = fmax(largest, largest_difference(here, there));
         for (int i = 0; i < LAYERS; i++)

@@ -102,9 +102,9 @@ static double slab_fitted(const struct test_scene *test, struct neph_vec3 ray, i
     const struct neph_vec3 sun = test->scene.sun.direction;
     const double albedos[3] = {slab->albedo.r, slab->albedo.g, slab->albedo.b};
     const double mean = (albedos[0] + albedos[1] + albedos[2]) / 3.0;
-    const struct neph_octaves all = neph_octaves_of(&neph_octaves_fitted, slab->phase.g, mean);
-    const struct neph_octaves own = neph_octaves_of(&neph_octaves_fitted, slab->phase.g,
-                                                    albedos[channel]);
+    const struct neph_octaves all = neph_octaves_compute(&neph_octaves_fitted, slab->phase.g, mean);
+    const struct neph_octaves own = neph_octaves_compute(&neph_octaves_fitted, slab->phase.g,
+                                                         albedos[channel]);
     const double depth = slab->layers[0].extinction_per_m * 3.0 / -ray.y;
     double sum = 0.0, a = 1.0, b = 1.0, c = 1.0;
     for (int i = 0; i < all.count; i++) {
@@ -195,8 +195,8 @@ static double slab_similarity(const struct test_scene *test, struct neph_vec3 ra
     const struct neph_medium *slab = &test->scene.media[0];
     const double g = slab->phase.g, albedo = slab->albedo.g, peak = neph_similar_peak(g);
     const double cosine = neph_vec3_dot(ray, test->scene.sun.direction);
-    const struct neph_octaves octaves = neph_octaves_of(&neph_octaves_fitted, neph_similar_g(g),
-                                                        neph_similar_albedo(albedo, g));
+    const struct neph_octaves octaves = neph_octaves_compute(
+        &neph_octaves_fitted, neph_similar_g(g), neph_similar_albedo(albedo, g));
     double sum = 0.0;
     for (int i = 0; i < WAY_STEPS; i++) {
         const struct way way = way_at(test, ray, i);
@@ -291,7 +291,7 @@ static void test_the_table_is_a_slab(void **state)
              * upward half. */
             for (int i = 0; i < STEPS; i++) {
                 const double x = (i + 0.5) / STEPS, t = depths[d] * x * x;
-                const double mean = neph_slab_light_endless_per_sr(t, depths[d] - t, albedos[a]);
+                const double mean = neph_slab_light_infinite_per_sr(t, depths[d] - t, albedos[a]);
                 const double source = albedos[a] * (mean + exp(-t) / (4.0 * M_PI));
                 up += 2.0 * M_PI * neph_slab_light_e2(t) * source * depths[d] * 2.0 * x / STEPS;
             }
@@ -454,7 +454,7 @@ static void test_horizon_light_of_an_empty_layer(void **state)
         assert_true(volume[2][p] == 0.0f && radiance[2][p] == 0.4f);
 }
 
-static void test_what_each_model_cannot(void **state)
+static void test_models_refuse_unsupported_scenes(void **state)
 {
     struct test_scene test;
     char reason[256];

@@ -35,14 +35,14 @@ static struct neph_scene *load_aerial(int clouds)
     return scene;
 }
 
-static struct neph_march_params params_of(enum neph_march_lighting lighting, int nodes)
+static struct neph_march_params make_params(enum neph_march_lighting lighting, int nodes)
 {
     struct neph_march_params params = {
         .width_px = WIDTH,
         .height_px = HEIGHT,
         .steps = 96,
         .lighting = lighting,
-        .sky = neph_sky_for_march(
+        .sky = neph_march_sky_choose(
             (struct neph_march_sky_choices){true, true, nodes, nodes, nodes, 6e4, 0}),
     };
     params.sky.tables.field.altitudes = 6;
@@ -67,7 +67,7 @@ static double distance(const struct neph_image *image, const char *layer, const 
     return off / sum;
 }
 
-static double *values_of(const struct neph_image *image)
+static double *copy_values(const struct neph_image *image)
 {
     const struct test_rgb rgb = test_layer(image, NULL);
     double *values = malloc(3 * PIXELS * sizeof(*values));
@@ -100,7 +100,7 @@ static void test_air_and_cloud_are_exact_of_one_order(void **state)
         double exact[3 * PIXELS], through[3 * PIXELS], off[2] = {0.0, 0.0};
         exact_light(scene, exact, through);
         for (int fine = neph_test_by_day(1, 0); fine < 2; fine++) {
-            const struct neph_march_params params = params_of(NEPH_MARCH_SINGLE, fine ? 64 : 16);
+            const struct neph_march_params params = make_params(NEPH_MARCH_SINGLE, fine ? 64 : 16);
             OWNED(image) struct neph_image *image = test_march(*state, scene, &params, NULL);
             off[fine] = distance(image, NULL, exact);
             assert_true(distance(image, "transmittance", through) < 1e-3);
@@ -140,12 +140,12 @@ static void test_any_order_of_layers_is_the_same(void **state)
     enum { HAZE = 1, CLOUD = 3 };
     static const int cuts[][2] = {{CLOUD, HAZE + 1}, {-1, -1}, {CLOUD, -1}, {HAZE, -1}};
     OWNED(scene) struct neph_scene *scene = load_with_cloud(3.0, NEPH_SCATTERING_MULTIPLE);
-    const struct neph_march_params params = params_of(NEPH_MARCH_OCTAVES, 16);
+    const struct neph_march_params params = make_params(NEPH_MARCH_OCTAVES, 16);
     struct neph_scene plain = *scene;
     for (int i = 0; i < 2 && !neph_test_is_night(); i++)
         cut_in_two(&plain, cuts[0][i], 0.5);
     struct neph_image *image = test_march(*state, &plain, &params, NULL);
-    OWNED(memory) double *whole = values_of(image);
+    OWNED(memory) double *whole = copy_values(image);
     neph_image_destroy(image);
     for (int n = 0; n < neph_test_by_day(1, 4); n++) {
         struct neph_scene cut = *scene;
@@ -164,21 +164,21 @@ static void test_any_order_of_layers_is_the_same(void **state)
 /* --- behind and before ------------------------------------------------------------------------ */
 
 /* A cloud without extinction changes nothing, and without solids except the ground the frame is the
- * table's; neph_sky_see() is its CPU reference. */
+ * table's; neph_sky_trace() is its CPU reference. */
 static void test_without_clouds_it_is_the_sky(void **state)
 {
     neph_test_waits_for_the_night();
     OWNED(scene) struct neph_scene *scene = test_load("catalog/sky_earth");
-    struct neph_march_params params = params_of(NEPH_MARCH_SINGLE, 8);
+    struct neph_march_params params = make_params(NEPH_MARCH_SINGLE, 8);
     OWNED(sky) struct neph_sky *sky = test_sky(scene, &params.sky.tables);
     struct neph_diag diag = {0};
     OWNED(image) struct neph_image *image = test_march(*state, scene, &params, NULL);
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     OWNED(memory) double *light = calloc(3 * PIXELS, sizeof(*light));
-    neph_assert_ok(neph_sky_stand(sky, camera.position_m, &diag), &diag);
+    neph_assert_ok(neph_sky_fill_view_table(sky, camera.position_m, &diag), &diag);
     for (int i = 0; i < PIXELS; i++) {
         const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
-        const struct neph_sky_light seen = neph_sky_see(sky, ray.origin_m, ray.direction);
+        const struct neph_sky_light seen = neph_sky_trace(sky, ray.origin_m, ray.direction);
         memcpy(&light[3 * i], seen.radiance, sizeof(seen.radiance));
     }
     const double off = distance(image, NULL, light);
@@ -191,7 +191,7 @@ static void test_aerial_perspective_converges(void **state)
 {
     OWNED(scene) struct neph_scene *scene = load_aerial(2);
     double off[2];
-    struct neph_march_params params = params_of(NEPH_MARCH_OCTAVES, 8);
+    struct neph_march_params params = make_params(NEPH_MARCH_OCTAVES, 8);
     struct neph_sky_params walked = params.sky.tables;
     struct neph_scene air = *scene;
     scene->camera_keys[0].look_at_m = (struct neph_vec3){-0.1, 2.02, -1.0};
@@ -214,7 +214,7 @@ static void test_aerial_perspective_converges(void **state)
             const struct neph_hit hit = neph_scene_hit(scene, ray.origin_m, ray.direction);
             if (!hit.solid || hit.solid == &scene->solids[0])
                 continue;
-            const struct neph_sky_light seen = neph_sky_see(sky, ray.origin_m, ray.direction);
+            const struct neph_sky_light seen = neph_sky_trace(sky, ray.origin_m, ray.direction);
             for (int c = 0; c < 3; c++)
                 off[fine] += fabs((double)rgb[c][i] / seen.radiance[c] - 1.0) / 3.0;
             solid++;
@@ -243,7 +243,7 @@ static void mean_sky(const struct neph_scene *scene, const struct neph_sky_param
     for (int i = 0; i < DIRECTIONS; i++) { /* uniform on the sphere, by the golden angle */
         const double y = 1.0 - (2.0 * i + 1.0) / DIRECTIONS, across = sqrt(1.0 - y * y);
         const double turn = M_PI * (3.0 - sqrt(5.0)) * i;
-        const struct neph_sky_light light = neph_sky_see(
+        const struct neph_sky_light light = neph_sky_trace(
             sky, place_m, (struct neph_vec3){across * cos(turn), y, across * sin(turn)});
         for (int c = 0; c < 3; c++)
             mean[c] += light.radiance[c] / DIRECTIONS;
@@ -259,7 +259,7 @@ static void test_the_sky_lights_a_thin_cloud(void **state)
     const double depth = 0.4;
     const struct neph_vec3 place_m = {-300.0, 2000.0, -12e3};
     OWNED(scene) struct neph_scene *scene = load_with_cloud(depth, NEPH_SCATTERING_MULTIPLE);
-    struct neph_march_params params = params_of(NEPH_MARCH_TRACED, 16);
+    struct neph_march_params params = make_params(NEPH_MARCH_TRACED, 16);
     double mean[3];
     scene->camera_keys[0].position_m = (struct neph_vec3){-300.0, 2000.0, -11.9e3};
     scene->camera_keys[0].look_at_m = place_m;
@@ -290,7 +290,7 @@ static void test_clouds_light_the_air_below(void **state)
 {
     neph_test_waits_for_the_night();
     OWNED(scene) struct neph_scene *scene = test_load("catalog/sky_aerial");
-    struct neph_march_params params = params_of(NEPH_MARCH_OCTAVES, 16);
+    struct neph_march_params params = make_params(NEPH_MARCH_OCTAVES, 16);
     params.sky.tables.field.orders = 8;
     params.steps = 64;
     scene->camera_keys[0].position_m = (struct neph_vec3){0.0, 400.0, 0.0};
@@ -344,9 +344,9 @@ static void test_realtime_has_the_same_sky(void **state)
 {
     OWNED(scene) struct neph_scene *scene = load_aerial(1);
     scene->scattering = NEPH_SCATTERING_SINGLE;
-    const struct neph_march_params params = params_of(NEPH_MARCH_SINGLE, 8);
+    const struct neph_march_params params = make_params(NEPH_MARCH_SINGLE, 8);
     OWNED(image) struct neph_image *marched = test_march(*state, scene, &params, NULL);
-    OWNED(memory) double *values = values_of(marched);
+    OWNED(memory) double *values = copy_values(marched);
     OWNED(image) struct neph_image *image = render_realtime(*state, scene, plain_words);
     const double off = distance(image, NULL, values);
     print_message("the sky in real time: off by %.2g\n", off);
@@ -381,17 +381,17 @@ static void refuses(const struct neph_scene *scene, enum neph_march_lighting lig
                     const char *words)
 {
     char reason[256] = "";
-    assert_false(neph_march_can_render_under(scene, sky, lighting, reason, sizeof(reason)));
+    assert_false(neph_march_can_render_with(scene, sky, lighting, reason, sizeof(reason)));
     if (!strstr(reason, words))
         print_error("no '%s' in '%s'\n", words, reason);
     assert_non_null(strstr(reason, words));
 }
 
-static void test_says_what_it_cannot(void **state)
+static void test_unsupported_scenes_are_named(void **state)
 {
     char reason[256];
     OWNED(scene) struct neph_scene *scene = load_with_cloud(1.0, NEPH_SCATTERING_MULTIPLE);
-    assert_true(neph_march_can_render_under(scene, sky, NEPH_MARCH_TRACED, reason, sizeof(reason)));
+    assert_true(neph_march_can_render_with(scene, sky, NEPH_MARCH_TRACED, reason, sizeof(reason)));
     assert_false(neph_march_can_render(scene, NEPH_MARCH_TRACED, reason,
                                        sizeof(reason))); /* air has colour */
     refuses(scene, NEPH_MARCH_SINGLE, "multiple scattering");

@@ -49,7 +49,7 @@ static void add_apart(struct test_scene *test, struct neph_medium medium, struct
 
 /* A medium of each kind and a solid behind the camera and below, which no ray reaches: the scenes
  * then share one kernel, and compiling it is most of a test's time. */
-static void add_company(struct test_scene *test)
+static void add_shared_kernel_media(struct test_scene *test)
 {
     const struct neph_vec3 at_m = neph_vec3_add(test->key.position_m,
                                                 (struct neph_vec3){0.0, -500.0, 500.0});
@@ -88,7 +88,7 @@ struct difference {
     double transmittance, volume; /* largest differences; volume relative to the largest radiance */
 };
 
-static struct difference difference_of(const struct test_scene *test, struct neph_image *frame)
+static struct difference measure_difference(const struct test_scene *test, struct neph_image *frame)
 {
     struct difference worst = {0.0, 0.0};
     double brightest = 0.0;
@@ -115,11 +115,11 @@ static void test_march_is_exact_transport(void **state)
         struct neph_march_params params = {.width_px = WIDTH, .height_px = HEIGHT, .steps = 64};
         init(&test, scenes[s].height_m);
         scenes[s].build(&test);
-        add_company(&test);
-        const struct difference coarse = difference_of(
+        add_shared_kernel_media(&test);
+        const struct difference coarse = measure_difference(
             &test, test_march(*state, &test.scene, &params, NULL));
         params.steps = 256;
-        const struct difference fine = difference_of(
+        const struct difference fine = measure_difference(
             &test, test_march(*state, &test.scene, &params, NULL));
         const double order = log2(coarse.volume / fine.volume) / 2.0;
         print_message("%-12s T off by %.1e; volume by %.1e, %.1e: order %.2f\n", scenes[s].name,
@@ -140,7 +140,7 @@ static void test_solids(void **state)
     scene_yard(&test);
     test.key.position_m = (struct neph_vec3){1.0, 9.0, 4.0};
     test.key.look_at_m = (struct neph_vec3){0.0, 1.0, -14.0};
-    add_company(&test);
+    add_shared_kernel_media(&test);
     test.scene.scattering = NEPH_SCATTERING_NONE;
     OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
     const float *green = neph_image_channel(frame, "G"), *z_m = neph_image_channel(frame, "Z");
@@ -181,14 +181,14 @@ static void scene_grid_in_fog(struct test_scene *test)
 static void scene_grid_in_company(struct test_scene *test)
 {
     scene_grid_in_fog(test);
-    add_company(test);
+    add_shared_kernel_media(test);
 }
 
 /* Far from the world's origin. Both cameras compute positions relative to it. */
 static void scene_far_away(struct test_scene *test)
 {
     scene_far_from_the_origin(test);
-    add_company(test);
+    add_shared_kernel_media(test);
 }
 
 static const struct {

@@ -37,7 +37,7 @@ static void choose(struct figure *figure)
     const int size_px[2] = {SIDE_PX, SIDE_PX}, origin_px[2] = {0, 0};
     neph_rt_view_init(&figure->view, &settings, size_px, origin_px, size_px);
     for (int p = 0; neph_rt_passes[p]; p++)
-        if (neph_rt_holds(&figure->view, neph_rt_passes[p]->condition)) {
+        if (neph_rt_is_condition_met(&figure->view, neph_rt_passes[p]->condition)) {
             figure->rows[figure->row_count++] = neph_rt_passes[p];
             figure->before |= neph_rt_targets_before(neph_rt_passes[p]);
         }
@@ -62,7 +62,7 @@ static const char *pass_resolution(const struct neph_rt_pass *pass)
 {
     switch (pass->resolution) {
     case RT_FULL:
-    case RT_PICTURE:
+    case RT_OUTPUT:
         return "full";
     case RT_HALF:
         return "half";

@@ -154,7 +154,7 @@ static void test_the_shaders_are_their_matrices(void **state)
     }
 }
 
-static double sum_of(const float *samples, int count)
+static double sum_samples(const float *samples, int count)
 {
     double sum = 0.0;
     for (int i = 0; i < count; i++)
@@ -176,17 +176,18 @@ static void test_no_light_is_won_or_lost(void **state)
         struct neph_image *made = post_made(
             *state, "bloom=conserving bloom_scattered=0.8 bloom_levels=8", image, out);
         for (int c = 0; c < 3; c++)
-            neph_assert_close(sum_of(out[c], count), sum_of(in[c], count), 1e-6, 0.0);
+            neph_assert_close(sum_samples(out[c], count), sum_samples(in[c], count), 1e-6, 0.0);
         neph_image_destroy(made);
         /* Additive bloom adds the spread light. */
         made = post_made(*state, "bloom=additive bloom_intensity=0.5", image, out);
         for (int c = 0; c < 3; c++)
-            neph_assert_close(sum_of(out[c], count), 1.5 * sum_of(in[c], count), 1e-6, 0.0);
+            neph_assert_close(sum_samples(out[c], count), 1.5 * sum_samples(in[c], count), 1e-6,
+                              0.0);
         neph_image_destroy(made);
     }
 }
 
-static void test_a_constant_stays_what_it_is(void **state)
+static void test_a_constant_image_stays_constant(void **state)
 {
     float *in[3], *out[3];
     OWNED(image) struct neph_image *image = post_image(61, 37, in);

@@ -218,10 +218,10 @@ static void test_the_display_shows_the_light(void **state)
     struct neph_image *made = post_made(*state, "tone=on tone_map=none encode=pq", image, out);
     assert_true(neph_post_is_hdr(&settings));
     static uint16_t codes[3 * count];
-    neph_post_codes(&settings, made, 10, codes);
+    neph_post_encode_codes(&settings, made, 10, codes);
     for (int i = 0; i < count; i++)
         assert_true(fabs(codes[3 * i + 1] - 1023.0 * out[1][i]) <= 0.5);
-    neph_post_show(&settings, made);
+    neph_post_apply_display(&settings, made);
     for (int i = 0; i < count; i++) {
         const double most = fmax(in[0][i], fmax(in[1][i], in[2][i]));
         for (int c = 0; c < 3; c++)
@@ -231,7 +231,7 @@ static void test_the_display_shows_the_light(void **state)
 }
 
 /* 10 to 16 bits of an sRGB display: the 8-bit codes with more digits. */
-static void test_codes_have_the_bits_asked_for(void **state)
+static void test_codes_have_the_requested_bits(void **state)
 {
     const struct neph_settings settings = post_settings("tone=on tone_map=none");
     float *in[3];
@@ -241,7 +241,7 @@ static void test_codes_have_the_bits_asked_for(void **state)
             in[c][i] = (float)i / (count - 1);
     for (int bits = 8; bits <= 16; bits++) {
         static uint16_t codes[3 * count];
-        neph_post_codes(&settings, image, bits, codes);
+        neph_post_encode_codes(&settings, image, bits, codes);
         const double largest = (1 << bits) - 1;
         assert_int_equal(codes[0], 0);
         assert_int_equal(codes[3 * count - 1], (int)largest);

@@ -345,7 +345,7 @@ static void test_easu_is_its_algorithm(void **state)
         }
 }
 
-static void test_a_constant_stays_what_it_is(void **state)
+static void test_a_constant_image_stays_constant(void **state)
 {
     static const char *const settings[] = {"fxaa=console",
                                            "fxaa=quality_12",

@@ -10,12 +10,13 @@ enum { width = 67, height = 43, count = width * height };
 struct sequence {
     struct neph_vulkan *vulkan;
     struct neph_post_params params;
-    struct neph_post_eye eye;
+    struct neph_exposure_state eye;
     struct neph_image *frame;
     float *rgb[3];
 };
 
-static struct sequence sequence_of(struct neph_vulkan *vulkan, const char *settings, double step_s)
+static struct sequence open_sequence(struct neph_vulkan *vulkan, const char *settings,
+                                     double step_s)
 {
     struct sequence s = {.vulkan = vulkan};
     s.params = (struct neph_post_params){.settings = post_settings(settings), .step_s = step_s};
@@ -50,10 +51,10 @@ static struct neph_post_stats next(struct sequence *s, double *first)
 /* A logarithm of up to 16 in float32; positions in bins are multiples of 1 / 65536. */
 static const double ev_tolerance = 4e-6 + 0.25 / 65536;
 
-static void test_what_is_flat_is_shown_grey(void **state)
+static void test_a_flat_image_becomes_grey(void **state)
 {
     static const double evs[] = {-9.9, -3.1415, -0.125, 0.0, 0.0625, 2.5, 9.87};
-    struct sequence s = sequence_of(*state, AUTO, 0.0);
+    struct sequence s = open_sequence(*state, AUTO, 0.0);
     for (size_t i = 0; i < COUNT(evs); i++) {
         double shown;
         fill(&s, evs[i]);
@@ -80,7 +81,7 @@ static void test_percentiles_of_a_ramp(void **state)
                  {AUTO "meter_low_percent=80 meter_high_percent=98", 0.8, 0.98},
                  {AUTO "meter_low_percent=0 meter_high_percent=20", 0.0, 0.2}};
     const double first_ev = -6.0, range_ev = 8.0;
-    struct sequence s = sequence_of(*state, AUTO, 0.0);
+    struct sequence s = open_sequence(*state, AUTO, 0.0);
     for (int i = 0; i < count; i++)
         for (int c = 0; c < 3; c++) /* shuffled: 613 is coprime to the count */
             s.rgb[c][i] = (float)exp2(first_ev + range_ev * (i * 613 % count + 0.5) / count);
@@ -125,10 +126,10 @@ static double metered(const struct sequence *s, double low, double high)
 
 static void test_the_meter_is_its_formula(void **state)
 {
-    struct sequence s = sequence_of(*state,
-                                    AUTO "meter_low_percent=35 meter_high_percent=97.5 "
-                                         "exposure_min_ev=-16 exposure_max_ev=16",
-                                    0.0);
+    struct sequence s = open_sequence(*state,
+                                      AUTO "meter_low_percent=35 meter_high_percent=97.5 "
+                                           "exposure_min_ev=-16 exposure_max_ev=16",
+                                      0.0);
     for (uint64_t seed = 1; seed <= 4; seed++) {
         uint64_t drawn = seed;
         for (int i = 0; i < count; i++)
@@ -149,7 +150,8 @@ static void test_the_meter_sees_every_pixel(void **state)
 {
     enum { wide = 211, high = 97, all = wide * high };
     static const int bright[] = {0, 1, 4095, 4096, 9001, all - 1, all};
-    struct sequence s = sequence_of(*state, AUTO "meter_low_percent=0 meter_high_percent=100", 0.0);
+    struct sequence s = open_sequence(*state, AUTO "meter_low_percent=0 meter_high_percent=100",
+                                      0.0);
     neph_image_destroy(s.frame);
     s.frame = post_image(wide, high, s.rgb);
     for (size_t k = 0; k < COUNT(bright); k++) {
@@ -168,7 +170,7 @@ static void test_the_meter_sees_every_pixel(void **state)
 static void test_the_meter_sees_luminance(void **state)
 {
     static const double weights[3] = {0.2126, 0.7152, 0.0722};
-    struct sequence s = sequence_of(*state, AUTO, 0.0);
+    struct sequence s = open_sequence(*state, AUTO, 0.0);
     for (int bright = 0; bright < 3; bright++) {
         for (int i = 0; i < count; i++)
             for (int c = 0; c < 3; c++)
@@ -196,7 +198,7 @@ static void test_a_step_of_light_is_approached(void **state)
     } steps[] = {{-3.0, 2.0, 3.0}, {2.0, -1.5, 1.0}, {0.0, 0.5, 3.0}, {0.25, -0.25, 1.0}};
     const double step_s = 1.0 / 30.0;
     for (size_t k = 0; k < COUNT(steps); k++) {
-        struct sequence s = sequence_of(*state, AUTO, step_s);
+        struct sequence s = open_sequence(*state, AUTO, step_s);
         fill(&s, steps[k].from_ev);
         next(&s, NULL);
         fill(&s, steps[k].to_ev);
@@ -218,8 +220,8 @@ static void test_the_way_does_not_know_the_frame_rate(void **state)
     double ends[2];
     for (int k = 0; k < 2; k++) {
         const int frames = k ? 7 : 30;
-        struct sequence s = sequence_of(*state, AUTO "adapt_up_ev_per_s=4 adapt_near_ev=2",
-                                        1.0 / frames);
+        struct sequence s = open_sequence(*state, AUTO "adapt_up_ev_per_s=4 adapt_near_ev=2",
+                                          1.0 / frames);
         fill(&s, -2.0);
         next(&s, NULL);
         fill(&s, 3.0);
@@ -231,9 +233,9 @@ static void test_the_way_does_not_know_the_frame_rate(void **state)
     neph_assert_close(ends[0], 3.0 - rest_ev(5.0, 4.0, 2.0, 1.0), 0.0, 4e-5);
 }
 
-static void test_limits_hold_and_a_still_eye_stays(void **state)
+static void test_limits_and_a_stopped_eye(void **state)
 {
-    struct sequence s = sequence_of(*state, AUTO "exposure_min_ev=-2 exposure_max_ev=1", 0.1);
+    struct sequence s = open_sequence(*state, AUTO "exposure_min_ev=-2 exposure_max_ev=1", 0.1);
     fill(&s, -8.0);
     assert_true(next(&s, NULL).adapted_ev == -2.0);
     fill(&s, 8.0);
@@ -245,7 +247,7 @@ static void test_limits_hold_and_a_still_eye_stays(void **state)
     neph_image_destroy(s.frame);
 }
 
-static void test_what_cannot_be_metered_is_refused(void **state)
+static void test_invalid_metering_is_refused(void **state)
 {
     static const char *const wrong[][2] = {
         {AUTO "meter_low_percent=90 meter_high_percent=90", "meter_high_percent"},

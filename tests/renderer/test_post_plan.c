@@ -134,7 +134,7 @@ static void test_a_file_is_its_chain(void **state)
     assert_int_equal(plan.order.passes[0], NEPH_POST_BLOOM);
     assert_int_equal(plan.order.passes[1], NEPH_POST_TONE_MAPPING);
     assert_int_equal(plan.volume_count, 2);
-    assert_true(neph_post_plan_wants_camera(&plan));
+    assert_true(neph_post_plan_needs_camera(&plan));
     struct neph_settings there = settings;
     neph_post_blend(plan.volumes, plan.volume_count, (struct neph_vec3){5, 5, 20}, &there);
     neph_assert_close(there.values[POST_EXPOSURE_EV], 1.5 + 0.25 * 2.5, 0.0, 1e-15);
@@ -146,7 +146,7 @@ static void test_a_file_is_its_chain(void **state)
     neph_post_plan_finish(&plan);
 }
 
-static void test_what_makes_no_sense_is_refused_by_line(void **state)
+static void test_invalid_files_are_refused_by_line(void **state)
 {
     static const struct {
         const char *text, *says, *hints;
@@ -175,7 +175,7 @@ static void test_what_makes_no_sense_is_refused_by_line(void **state)
     }
 }
 
-static void test_the_manual_holds_the_keys(void **state)
+static void test_the_manual_lists_the_keys(void **state)
 {
     const struct printed_table table = {NEPH_SOURCE_DIR "/docs/post.md",
                                         "<!-- written by tests/test_post_plan --write -->\n"
@@ -201,7 +201,7 @@ static struct neph_image *made_by(struct neph_vulkan *vulkan, const struct neph_
 
 /* Upscaling before tone mapping differs from upscaling codes; both equal the stages run one by
  * one. */
-static void test_the_order_is_what_runs(void **state)
+static void test_stages_run_in_order(void **state)
 {
     static const struct neph_post_order upscale_first = {
         3, {NEPH_POST_UPSCALE, NEPH_POST_BLOOM, NEPH_POST_TONE_MAPPING}};
@@ -248,7 +248,7 @@ static void test_the_second_upscale_comes_after_the_first(void **state)
 
 /* Passes are turned off from the last to the first: the last active pass writes the image, from the
  * output of the pass before. */
-static void test_the_last_that_is_on_writes_the_picture(void **state)
+static void test_the_last_active_stage_writes(void **state)
 {
     static const struct {
         const char *setting;
@@ -286,7 +286,7 @@ static double half_ulp(double value)
 }
 
 /* Half-precision values are within one step for every rounding of the device; 10 bits are codes. */
-static void test_targets_keep_what_fits_into_them(void **state)
+static void test_targets_round_to_their_format(void **state)
 {
     static const char chain[] = "bloom=conserving tone=on tone_map=reinhard sharpen=cas";
     static const char *const last[] = {"bloom=conserving", "tone=on tone_map=reinhard"};
@@ -379,7 +379,7 @@ static void test_heat_changes_nothing(void **state)
         const struct neph_post_params params = {
             .settings = post_settings("tone=on auto_exposure=on bloom=conserving lut=on "
                                       "fxaa=quality_29 upscale=lanczos sharpen=cas"),
-            .heat_runs = 700 * i,
+            .warm_up_runs = 700 * i,
         };
         neph_assert_ok(neph_post_run(*state, &params, frame, &pictures[i], &stats[i], &diag),
                        &diag);
@@ -396,19 +396,19 @@ static void test_heat_changes_nothing(void **state)
 int main(int count, char **arguments)
 {
     const struct CMUnitTest manual[] = {
-        cmocka_unit_test_prestate(test_the_manual_holds_the_keys, writes_readme(count, arguments)),
+        cmocka_unit_test_prestate(test_the_manual_lists_the_keys, writes_readme(count, arguments)),
     };
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_volume_fades_with_the_distance),
         cmocka_unit_test(test_priority_is_the_order_of_lerps),
         cmocka_unit_test(test_choices_change_at_once),
         cmocka_unit_test(test_a_file_is_its_chain),
-        cmocka_unit_test(test_what_makes_no_sense_is_refused_by_line),
-        cmocka_unit_test(test_the_order_is_what_runs),
+        cmocka_unit_test(test_invalid_files_are_refused_by_line),
+        cmocka_unit_test(test_stages_run_in_order),
         cmocka_unit_test(test_the_second_upscale_comes_after_the_first),
-        cmocka_unit_test(test_the_last_that_is_on_writes_the_picture),
+        cmocka_unit_test(test_the_last_active_stage_writes),
         cmocka_unit_test(test_a_window_is_met_to_the_pixel),
-        cmocka_unit_test(test_targets_keep_what_fits_into_them),
+        cmocka_unit_test(test_targets_round_to_their_format),
         cmocka_unit_test(test_heat_changes_nothing),
     };
     return cmocka_run_group_tests(manual, NULL, NULL) +

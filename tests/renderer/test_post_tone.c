@@ -151,7 +151,7 @@ static struct rgb mapped(int map, struct rgb x)
 
 /* ---- running the chain ----------------------------------------------------------------------- */
 
-static struct neph_image *image_of(int width, int height, const struct rgb *colours)
+static struct neph_image *make_image(int width, int height, const struct rgb *colours)
 {
     float *rgb[3];
     struct neph_image *image = post_image(width, height, rgb);
@@ -223,9 +223,9 @@ static void test_matrices_are_those_of_aces(void **state)
 }
 
 /* Light with Y = 1 in Rec.709; the matrix is from W3C's CSS Color 4. */
-static struct rgb light_of(double temperature_k)
+static struct rgb white_point_light(double temperature_k)
 {
-    const struct neph_chromaticity seen = neph_white_of(temperature_k);
+    const struct neph_chromaticity seen = neph_white_chromaticity(temperature_k);
     const double x = seen.x / seen.y, z = (1.0 - seen.x - seen.y) / seen.y;
     return (struct rgb){{3.24096994 * x - 1.53738318 - 0.49861076 * z,
                          -0.96924364 * x + 1.87596750 + 0.04155506 * z,
@@ -235,13 +235,14 @@ static struct rgb light_of(double temperature_k)
 static void test_white_balance_makes_its_light_white(void **state)
 {
     for (double t = 1700.0; t < 25000.0; t *= 1.3) {
-        const struct rgb seen = times(neph_white_balance(t), light_of(t));
+        const struct rgb seen = times(neph_white_balance(t), white_point_light(t));
         for (int c = 0; c < 3; c++)
-            neph_assert_close(seen.c[c], light_of(NEPH_WHITE_K).c[c], 1e-6,
+            neph_assert_close(seen.c[c], white_point_light(NEPH_WHITE_K).c[c], 1e-6,
                               0.0); /* 8 digits, a gain of 5 */
     }
-    neph_assert_close(neph_white_of(NEPH_WHITE_K).x, 0.3127, 0.0, 1.2e-4); /* D65, to 4 digits */
-    neph_assert_close(neph_white_of(NEPH_WHITE_K).y, 0.3290, 0.0, 1.2e-4);
+    neph_assert_close(neph_white_chromaticity(NEPH_WHITE_K).x, 0.3127, 0.0,
+                      1.2e-4); /* D65, to 4 digits */
+    neph_assert_close(neph_white_chromaticity(NEPH_WHITE_K).y, 0.3290, 0.0, 1.2e-4);
 }
 
 /* ---- the shader ------------------------------------------------------------------------------ */
@@ -268,7 +269,7 @@ static void test_the_shader_is_its_formulas(void **state)
     static const char *const names[] = {"none", "reinhard", "narkowicz", "unreal", "neutral"};
     struct rgb colours[count];
     fill(colours, 20261125);
-    OWNED(image) struct neph_image *image = image_of(width, height, colours);
+    OWNED(image) struct neph_image *image = make_image(width, height, colours);
     for (int map = 0; map < (int)COUNT(names); map++)
         for (int encodes = 0; encodes < 2; encodes++) {
             char text[128];
@@ -297,7 +298,7 @@ static void test_the_table_is_near_its_formula(void **state)
 {
     struct rgb colours[count];
     fill(colours, 4);
-    OWNED(image) struct neph_image *image = image_of(width, height, colours);
+    OWNED(image) struct neph_image *image = make_image(width, height, colours);
     float *table[3], *formula[3];
     double sum = 0.0, most = 0.0;
     OWNED(image) struct neph_image *by_table = post_made(*state, "tone=on lut=on", image, table);
@@ -323,7 +324,7 @@ static void test_extremes_stay_numbers(void **state)
     struct rgb colours[n * n * n];
     for (int i = 0; i < n * n * n; i++)
         colours[i] = (struct rgb){{values[i % n], values[i / n % n], values[i / (n * n)]}};
-    OWNED(image) struct neph_image *image = image_of(n * n, n, colours);
+    OWNED(image) struct neph_image *image = make_image(n * n, n, colours);
     static const char *const settings[] = {
         "tone=on tone_map=none",
         "tone=on tone_map=reinhard",
@@ -349,7 +350,7 @@ static void test_the_corner_is_darker_by_the_fourth_power_of_the_cosine(void **s
     struct rgb colours[count];
     for (int i = 0; i < count; i++)
         colours[i] = (struct rgb){{0.5, 0.5, 0.5}};
-    OWNED(image) struct neph_image *image = image_of(width, height, colours);
+    OWNED(image) struct neph_image *image = make_image(width, height, colours);
     float *rgb[3];
     OWNED(image)
     struct neph_image *made = post_made(*state, "tone=on tone_map=none encode=linear vignette=1",
@@ -367,7 +368,7 @@ static void test_grain_is_uniform_noise_of_its_range(void **state)
     struct rgb colours[count];
     for (int i = 0; i < count; i++)
         colours[i] = (struct rgb){{0.25, 0.25, 0.25}};
-    OWNED(image) struct neph_image *image = image_of(width, height, colours);
+    OWNED(image) struct neph_image *image = make_image(width, height, colours);
     float *rgb[3], *plain[3];
     double sum = 0.0, squares = 0.0;
     OWNED(image)

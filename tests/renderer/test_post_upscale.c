@@ -127,7 +127,7 @@ static void test_the_gaussian_is_its_formula(void **state)
 
 /* ---- common properties ----------------------------------------------------------------------- */
 
-static void test_a_constant_stays_what_it_is(void **state)
+static void test_a_constant_image_stays_constant(void **state)
 {
     static const double percents[] = {12.5, 37.0, 50.0, 100.0 / 1.5, 77.0, 100.0};
     float *in[3], *out[3];
@@ -186,7 +186,7 @@ static void test_without_its_guard_lanczos_has_no_number_at_centres(void **state
     }
 }
 
-static void test_what_is_too_large_is_refused(void **state)
+static void test_too_distant_scenes_are_refused(void **state)
 {
     float *in[3];
     struct neph_image *image = post_image(4096, 1, in), *made = NULL;

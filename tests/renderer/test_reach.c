@@ -129,14 +129,14 @@ static const struct {
     {"one of 1e5 from as far", scene_parallel_far, false},
 };
 
-static void test_what_is_refused(void **state)
+static void test_invalid_input_is_refused(void **state)
 {
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct test_scene test;
         char reason[256] = "";
         init_far(&test);
         cases[i].make(&test);
-        const bool is_within = neph_float32_reaches(&test.scene, reason, sizeof(reason));
+        const bool is_within = neph_is_in_float32_range(&test.scene, reason, sizeof(reason));
         if (is_within != cases[i].is_within)
             fail_msg("%s: %s", cases[i].name, is_within ? "not refused" : reason);
         assert_int_equal(is_within, reason[0] == '\0');
@@ -192,7 +192,7 @@ static void test_the_last_that_is_rendered_is_right(void **state)
 
 /* Sunlight from a half-space in pixels with rays that start up to 9e4 mean free paths from the
  * camera; noise and steps as above. */
-static void test_the_largest_orthographic_picture_is_right(void **state)
+static void test_largest_orthographic_frame_is_right(void **state)
 {
     enum { WIDTH_PX = 48, HEIGHT_PX = 27 };
     struct test_scene test;

@@ -150,7 +150,7 @@ static double mean_of_nine(const int half_pixel[2], bool is_bilateral)
     return sum / total;
 }
 
-static void test_what_stands_in_for_history(void **state)
+static void test_fallback_colours(void **state)
 {
     static const struct {
         const char *assignments;
@@ -218,7 +218,7 @@ static void open_bright(struct neph_vulkan *vulkan, const char *assignments,
 
 /* The depth test compares one texel, or 3x3; or one texel unless the wind has moved the history by
  * more than an eighth of a pixel: here 1 m is a quarter. */
-static void test_where_a_rejection_looks(void **state)
+static void test_texels_of_the_rejection_test(void **state)
 {
     static const struct {
         const char *around;

@@ -56,7 +56,7 @@ static const struct neph_injections nothing = {.history_count = 0};
 /* --- histories and rays ----------------------------------------------------------------------- */
 
 /* Garbage in memory before the first frame has no effect. With validity off it has. */
-static void test_garbage_before_a_first_picture_never_shows(void **state)
+static void test_garbage_before_the_first_frame(void **state)
 {
     struct test_scene test;
     struct neph_injected_history dirty = {3, NEPH_INJECTED_GARBAGE, true};
@@ -76,7 +76,7 @@ static void test_garbage_before_a_first_picture_never_shows(void **state)
 }
 
 /* Every element and channel of every history is counted, and nothing else. */
-static void test_what_is_put_in_is_counted(void **state)
+static void test_injected_values_are_counted(void **state)
 {
     struct test_scene test;
     struct neph_injected_history history = {1, NEPH_INJECTED_NAN, false};
@@ -102,7 +102,7 @@ static void test_what_is_put_in_is_counted(void **state)
 }
 
 /* With validity off an injected value shows in the frame. */
-static void test_a_bad_ray_shows_where_nobody_looks(void **state)
+static void test_a_bad_ray_shows_without_validity(void **state)
 {
     struct test_scene test;
     struct neph_injected_rays rays = {1, 1, NEPH_INJECTED_NAN};
@@ -119,7 +119,7 @@ static void test_a_bad_ray_shows_where_nobody_looks(void **state)
 /* Random words: one in 512 is invalid in half precision, one in 256 in float32, and half are
  * negative. In each target the device counts the same number as the C code, inside the view
  * only. */
-static void test_the_device_counts_what_is_bad(void **state)
+static void test_the_device_counts_bad_values(void **state)
 {
     uint64_t seed = 5;
     OWNED(passes) struct test_passes test;
@@ -176,7 +176,7 @@ static void test_a_sequence_is_watched(void **state)
 
 /* A view in buffers filled with NaN equals the single view, bit by bit; a renderer that counts
  * tiles from the corner of the buffer differs. */
-static void test_a_split_view_is_the_view_alone(void **state)
+static void test_a_split_view_equals_a_single_view(void **state)
 {
     struct test_scene test;
     const struct neph_injections split = {.view = {36, 4, 8, 4, NEPH_INJECTED_NAN}};
@@ -187,7 +187,7 @@ static void test_a_split_view_is_the_view_alone(void **state)
         assert_int_equal(differing(*state, &test.scene, &settings, &split, &nothing), 0);
     }
     if (!neph_test_is_night())
-        return; /* test_a_view_decides_alone in test_realtime_tile.c tests this for the pass */
+        return; /* test_views_are_independent in test_realtime_tile.c tests this for the pass */
     const struct neph_settings faulty = test_preset("fixed", "tile_origin=buffer");
     assert_true(differing(*state, &test.scene, &faulty, &split, &nothing) > 0);
 }
@@ -229,7 +229,7 @@ static void test_another_size_and_back(void **state)
 }
 
 /* Injections that need the frame before are refused in flight. */
-static void test_no_other_picture_in_flight(void **state)
+static void test_injection_is_refused_in_flight(void **state)
 {
     struct test_scene test;
     struct neph_diag diag = {0};
@@ -247,7 +247,7 @@ static void test_no_other_picture_in_flight(void **state)
 
 /* A shift of the origin by a power of two has no rounding: the same bits with a reprojected
  * history; else the camera seems to have moved far, and the history is invalid. */
-static void test_pictures_do_not_know_where_the_world_lies(void **state)
+static void test_frames_do_not_depend_on_the_origin(void **state)
 {
     struct test_scene test;
     struct neph_injected_origin shift = {2, {1048576.0, 0.0, -65536.0}};
@@ -335,7 +335,8 @@ static void check_motion(struct neph_rt_device *device, const struct neph_rt_pas
                     watch->scene, mover, watch->frame > 0 ? watch->frame - 1 : 0);
                 const struct neph_vec3 point_m = neph_vec3_along(ray.origin_m, ray.direction,
                                                                  hit.t_m);
-                expected = neph_vec3_sub(point_m, neph_placed_before_m(&here, &there, point_m));
+                expected = neph_vec3_sub(point_m,
+                                         neph_find_earlier_place_m(&here, &there, point_m));
                 watch->moving++;
             }
             watch->checked += fabs(moved[0] - expected.x) < 1e-4 &&
@@ -365,7 +366,7 @@ static void test_motion_is_that_of_the_solids(void **state)
 
 /* A movable solid without motion costs the same and gives the same frames as a fixed one: behind
  * its last key. */
-static void test_movers_that_rest_are_none(void **state)
+static void test_static_movers_equal_fixed_solids(void **state)
 {
     enum { RESTING = 8, PICTURES = 12 };
     struct movers stage;
@@ -432,7 +433,7 @@ static void test_anti_aliasing_follows_solids(void **state)
 }
 
 /* In a scene without moving solids the setting costs no pass and no memory, and changes no bit. */
-static void test_what_stands_still_costs_nothing(void **state)
+static void test_static_solids_cost_nothing(void **state)
 {
     struct test_scene test;
     const struct neph_settings on = test_preset("ours", "solid_motion=on");

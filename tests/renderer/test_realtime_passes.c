@@ -116,7 +116,7 @@ static void assert_same_targets(const char *pass, const char *what, uint32_t dec
     }
 }
 
-static void test_records_are_what_shaders_do(void **state)
+static void test_records_agree_with_shaders(void **state)
 {
     for (int p = 0; neph_rt_passes[p]; p++) {
         const struct neph_rt_pass *pass = neph_rt_passes[p];
@@ -127,7 +127,7 @@ static void test_records_are_what_shaders_do(void **state)
 }
 
 /* Every target that is read was written by a pass before, in this frame or the last. */
-static void test_what_is_read_was_written(void **state)
+static void test_targets_are_written_before_reads(void **state)
 {
     uint32_t there = 0;
     for (int p = 0; neph_rt_passes[p]; p++) {
@@ -188,8 +188,8 @@ static void test_threads_cover_all_texels(void **state)
         int resolution, column;
         uint64_t count;
     } cases[] = {
-        {RT_PICTURE, 0, 73 * 41},
-        {RT_PICTURE, 4, 73 * 11},
+        {RT_OUTPUT, 0, 73 * 41},
+        {RT_OUTPUT, 4, 73 * 11},
         {RT_FULL, 0, 37 * 21},
         {RT_FULL, 4, 37 * 6},
         {RT_FULL, 21, 37},
@@ -224,7 +224,7 @@ static void test_threads_cover_all_texels(void **state)
 
 /* The number of froxel columns is the same for every frame size, in whole pixels; a given size is
  * used. */
-static void test_columns_of_froxels_go_with_the_picture(void **state)
+static void test_froxel_columns_follow_frame_size(void **state)
 {
     static const struct {
         int width_px, height_px, asked_px, px;

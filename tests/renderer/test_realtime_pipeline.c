@@ -125,7 +125,7 @@ static void check_nothing(struct neph_vulkan *vulkan, const struct neph_scene *s
 }
 
 /* Without media every preset without anti-aliasing shows the scene, bit by bit. One medium below
- * the ground keeps the kernels of other tests; test_few_and_many_solids_look_alike has none. */
+ * the ground keeps the kernels of other tests; test_few_and_many_solids_agree has none. */
 static void test_zero_density_changes_nothing(void **state)
 {
     struct test_scene test;
@@ -435,7 +435,7 @@ static void test_given_depth(void **state)
 
 /* Shaders are specialized for a few solids and read many one by one: in both cases the background
  * equals the march's. */
-static void test_few_and_many_solids_look_alike(void **state)
+static void test_few_and_many_solids_agree(void **state)
 {
     static const int counts[] = {0, RT_SOLIDS_UNKNOWN - 1, RT_SOLIDS_UNKNOWN};
     struct test_scene test;
@@ -495,7 +495,7 @@ static void check_dark(struct neph_rt_device *device, const struct neph_rt_pass 
 }
 
 /* Without light nothing is marched, here as in `march`, and T is as accurate as there. */
-static void test_what_does_not_shine_is_not_marched(void **state)
+static void test_dark_media_are_not_marched(void **state)
 {
     struct test_scene test;
     struct neph_realtime_stats stats;

@@ -103,13 +103,13 @@ static uint64_t fly(struct neph_realtime *realtime, const struct neph_scene *sce
     struct neph_diag diag = {0};
     const struct neph_realtime_frame picture = {scene, frame, NULL};
     neph_assert_ok(neph_realtime_render(realtime, &picture, NULL, NULL, &diag), &diag);
-    neph_assert_ok(neph_realtime_home(realtime, &stats, &diag), &diag);
+    neph_assert_ok(neph_realtime_collect(realtime, &stats, &diag), &diag);
     return stats.pass_traffic_bytes[neph_rt_pass_index(pass)];
 }
 
 /* Frames in flight, some of them read back, compared with frames that are all read back. The sun
  * moves; the transition from static to moving is the same, too. */
-static void test_what_nobody_reads_is_no_other_picture(void **state)
+static void test_unread_frames_keep_the_bits(void **state)
 {
     enum { PICTURES = 52, SUN_MOVES = 34, KNOWN_AFTER = 15 };
     struct test_scene test;
@@ -138,7 +138,7 @@ static void test_what_nobody_reads_is_no_other_picture(void **state)
 
 /* With absorbing media only, anti-aliased frames are computed once per jitter position, and no ray
  * is marched again until something moves. */
-static void test_what_takes_light_alone_is_made_once(void **state)
+static void test_absorbing_frames_are_computed_once(void **state)
 {
     enum { PICTURES = 56, SUN_MOVES = 42, KEPT_AFTER = 22 };
     struct test_scene test;
@@ -208,7 +208,7 @@ static void open_steady(struct neph_vulkan *vulkan, int round, struct test_passe
 
 /* With the kernels of lavapipe and, in odd rounds, of a GPU. The ray that a tile keeps is the one
  * that the gradient would keep. */
-static void test_passes_that_know_do_as_those_that_look(void **state)
+static void test_static_passes_equal_full_passes(void **state)
 {
     static const struct {
         const char *pass;
@@ -247,13 +247,13 @@ static void test_passes_that_know_do_as_those_that_look(void **state)
 static bool is_known(const int size_px[2], const char *words, uint32_t pictures)
 {
     const struct neph_settings settings = test_settings(words);
-    const struct neph_rt_stillness stillness = {.pictures = pictures};
+    const struct neph_rt_static_content stillness = {.pictures = pictures};
     struct neph_gpu_view view;
     neph_rt_view_init(&view, &settings, size_px, (int[2]){0, 0}, size_px);
-    return neph_rt_stillness_is_known(&stillness, &view);
+    return neph_rt_is_gradient_known_zero(&stillness, &view);
 }
 
-static void test_what_is_not_known(void **state)
+static void test_sequences_that_are_not_static(void **state)
 {
     static const int whole_px[2] = {64, 36}, cut_px[2] = {64, 38}, cut_twice_px[2] = {61, 38},
                      row_px[2] = {64, 4};

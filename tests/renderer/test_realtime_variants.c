@@ -55,7 +55,7 @@ static void fill_at_random(struct test_passes *test, int target, uint64_t *seed)
         }
         if (target == RT_RAY_DISTANCE || target == RT_VOLUME_DISTANCE)
             value[0] *= 1000.0f;
-        if (target == RT_LOOK_THEN || target == RT_LOOK_BEHIND_THEN)
+        if (target == RT_SAMPLE_THEN || target == RT_SAMPLE_BEHIND_THEN)
             value[3] = (float)(neph_test_random(seed) % 2);
         test_set(test, target, i, value);
     }
@@ -130,7 +130,7 @@ static void compare_pass(struct neph_vulkan *vulkan, const struct neph_rt_pass *
     if (kind == NEPH_RT_GPU)
         test_be_gpu(&test.device);
     const struct neph_rt_pass *absorbed = pass->variants[kind].absorbs;
-    if (absorbed && !neph_rt_holds(&test.view, absorbed->condition))
+    if (absorbed && !neph_rt_is_condition_met(&test.view, absorbed->condition))
         absorbed = NULL;
     test.view.frame = (uint32_t)seed;
     test.view.has_history = preset % 4 != 3;
@@ -142,7 +142,7 @@ static void compare_pass(struct neph_vulkan *vulkan, const struct neph_rt_pass *
     for (int t = 0; t < RT_TARGET_COUNT; t++)
         fill_at_random(&test, t, &seed);
     const uint32_t targets = pass->writes | (absorbed ? absorbed->writes : 0u);
-    if (neph_rt_holds(&test.view, pass->condition) &&
+    if (neph_rt_is_condition_met(&test.view, pass->condition) &&
         neph_rt_shader_for(&test.view, pass, kind) != &pass->shader) {
         run_readable(&test, pass, absorbed);
         take_results(&test, targets, readable);

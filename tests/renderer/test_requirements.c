@@ -45,7 +45,7 @@ static void assert_refused(const struct neph_requirement *row,
                            const struct neph_device_facts *facts)
 {
     struct neph_diag diag = {0};
-    const struct neph_vulkan_requirement answer = neph_requirement_answer(row, facts);
+    const struct neph_vulkan_requirement answer = neph_requirement_describe(row, facts);
     assert_int_equal(neph_requirements_check(facts, &diag), NEPH_ERR_UNAVAILABLE);
     assert_int_equal(neph_status_exit_code(NEPH_ERR_UNAVAILABLE), 69);
     const char *const words[] = {row->name, "'Abacus 3'", answer.value, answer.needed,
@@ -180,7 +180,7 @@ static void test_docs_have_the_table(void **state)
     for (int i = 0; i < count; i++) {
         char line[128];
         snprintf(line, sizeof(line), "\n| `%s` | %s | %s |", rows[i].name,
-                 neph_requirement_answer(&rows[i], &facts).needed,
+                 neph_requirement_describe(&rows[i], &facts).needed,
                  rows[i].necessity == NEPH_REQUIRED          ? "required"
                  : rows[i].necessity == NEPH_REQUIRED_OF_CPU ? "required of a CPU"
                                                              : "optional");

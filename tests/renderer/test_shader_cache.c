@@ -20,7 +20,7 @@ static struct neph_shader_cache *open_cache(const char *folder)
     return cache;
 }
 
-static void key_of(uint32_t number, char key[NEPH_HASH_HEX_SIZE])
+static void make_key(uint32_t number, char key[NEPH_HASH_HEX_SIZE])
 {
     const uint32_t code[2] = {number, 3}, constants[2] = {5, 6};
     struct neph_diag diag = {0};
@@ -37,7 +37,7 @@ static void put(struct neph_shader_cache *cache, uint32_t number)
 {
     char key[NEPH_HASH_HEX_SIZE];
     uint32_t words[WORDS];
-    key_of(number, key);
+    make_key(number, key);
     fill(number, words);
     neph_shader_cache_write(cache, key, words, sizeof(words));
 }
@@ -48,7 +48,7 @@ static bool has(struct neph_shader_cache *cache, uint32_t number)
     char key[NEPH_HASH_HEX_SIZE];
     uint32_t expected[WORDS], *words = NULL;
     size_t size_bytes = 0;
-    key_of(number, key);
+    make_key(number, key);
     fill(number, expected);
     if (!neph_shader_cache_read(cache, key, &words, &size_bytes))
         return false;
@@ -58,10 +58,10 @@ static bool has(struct neph_shader_cache *cache, uint32_t number)
     return true;
 }
 
-static void path_of(void **state, uint32_t number, char path[2 * SCRATCH_PATH_MAX])
+static void make_cache_path(void **state, uint32_t number, char path[2 * SCRATCH_PATH_MAX])
 {
     char key[NEPH_HASH_HEX_SIZE], folder[SCRATCH_PATH_MAX];
-    key_of(number, key);
+    make_key(number, key);
     snprintf(path, 2 * SCRATCH_PATH_MAX, "%s/%s", scratch_path(state, folder, "shaders"), key);
 }
 
@@ -103,7 +103,7 @@ static void test_damaged_files(void **state)
     const struct scratch *scratch = *state;
     struct neph_shader_cache *cache = open_cache(scratch->folder);
     char path[2 * SCRATCH_PATH_MAX];
-    path_of(state, 1, path);
+    make_cache_path(state, 1, path);
     static const off_t lengths[] = {0, 1, 63, 64, 65, 68, 4 * WORDS, 4 * WORDS + 63};
     for (size_t i = 0; i < sizeof(lengths) / sizeof(lengths[0]); i++) {
         put(cache, 1);
@@ -150,7 +150,7 @@ static void test_the_limit(void **state)
     put(cache, 0); /* creates the folder */
     scratch_write(scratch_path(state, other, "shaders/README"), "mine", 4);
     for (uint32_t i = 1; i <= FILES; i++) {
-        path_of(state, i, path);
+        make_cache_path(state, i, path);
         scratch_write(path, "", 0);
         assert_int_equal(truncate(path, FILE_BYTES), 0);
         const struct timespec used[2] = {{.tv_sec = 1000 + i}, {.tv_sec = 1000 + i}};
@@ -158,7 +158,7 @@ static void test_the_limit(void **state)
     }
     neph_shader_cache_destroy(cache);
     for (uint32_t i = 0; i <= FILES; i++) {
-        path_of(state, i, path);
+        make_cache_path(state, i, path);
         const bool is_old = i > 0 && i <= FILES - NEPH_SHADER_CACHE_MAX_BYTES / FILE_BYTES + 1;
         assert_int_equal(access(path, F_OK) == 0, !is_old);
     }

@@ -121,7 +121,7 @@ struct ray {
     double place_m; /* float32 error of positions near its ends */
 };
 
-static struct ray ray_of(const struct test_scene *test, const struct probe *p)
+static struct ray make_reference_ray(const struct test_scene *test, const struct probe *p)
 {
     const double size_m = fabs((double)p->origin_m[0]) + fabs((double)p->origin_m[1]) +
                           fabs((double)p->origin_m[2]);
@@ -137,8 +137,8 @@ struct worst {
     int left_out, met;
 };
 
-static void hold(double actual, double expected, double allowed, double *worst, const char *what,
-                 int i)
+static void check_tolerance(double actual, double expected, double allowed, double *worst,
+                            const char *what, int i)
 {
     if (!(actual >= 0.0) || isinf(actual))
         fail_msg("probe %d: %s is %g", i, what, actual);
@@ -150,8 +150,8 @@ static void hold(double actual, double expected, double allowed, double *worst, 
 }
 
 /* A march may omit an optical depth of 1e-7 per medium, and more only by rounding. */
-static void hold_stretch(const struct answer *answer, const struct ray *ray,
-                         const struct neph_medium *medium, double allowed, int i)
+static void check_stretch(const struct answer *answer, const struct ray *ray,
+                          const struct neph_medium *medium, double allowed, int i)
 {
     const double t0_m = fmin(answer->stretch_t0_m, ray->length_m), t1_m = answer->stretch_t1_m;
     double left_out = neph_medium_optical_depth(medium, ray->origin_m, ray->direction, 0.0,
@@ -177,7 +177,7 @@ static void check_probes(struct neph_vulkan *vulkan, const struct test_scene *te
         probes[i] = draw(test, random, i);
     OWNED(memory) struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
     for (int i = 0; i < PROBES_MAX; i++) {
-        const struct ray ray = ray_of(test, &probes[i]);
+        const struct ray ray = make_reference_ray(test, &probes[i]);
         check(test, &ray, &answers[i], i, worst);
     }
 }
@@ -227,9 +227,9 @@ static void check_gaussian(const struct test_scene *test, const struct ray *ray,
     const double extinction = extinction_at(test, ray);
     /* e^-x: its own rounding, the rounding of x = r^2 / 2, and the derivative r / w of x. */
     const double relative = epsilon * (16.0 + 8.0 * r * r) + place_m / w_m * r;
-    hold(answer->extinction_per_m, extinction,
-         extinction * expm1(relative) + support_cut * medium->extinction_per_m, &worst->extinction,
-         "extinction", i);
+    check_tolerance(answer->extinction_per_m, extinction,
+                    extinction * expm1(relative) + support_cut * medium->extinction_per_m,
+                    &worst->extinction, "extinction", i);
     const double depth = depth_along(test, ray);
     const double nearest_m = fmax(0.0,
                                   fmin(ray->length_m, neph_vec3_dot(to_center_m, ray->direction)));
@@ -242,8 +242,8 @@ static void check_gaussian(const struct test_scene *test, const struct ray *ray,
     const double allowed = depth * epsilon * (24.0 + 8.0 * q) +
                            here_m * (2.0 * peak + depth / w_m * sqrt(2.0 * q)) +
                            8.0 * support_cut * medium->extinction_per_m * w_m;
-    hold(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
-    hold_stretch(answer, ray, medium, allowed + depth * 1e-6, i);
+    check_tolerance(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+    check_stretch(answer, ray, medium, allowed + depth * 1e-6, i);
 }
 
 static void test_gaussian_blobs(void **state)
@@ -304,9 +304,10 @@ static void check_plume(const struct test_scene *test, const struct ray *ray,
     const double slope_per_m = plume_slope_per_m(plume, ray->origin_m, &folds);
     const double extinction = extinction_at(test, ray);
     if (fabs(neph_vec3_dot(from_foot_m, plume->axis)) > place_m) /* above or below */
-        hold(answer->extinction_per_m, extinction,
-             extinction * expm1(epsilon * (16.0 + 16.0 * folds) + place_m * slope_per_m) + cut,
-             &worst->extinction, "extinction", i);
+        check_tolerance(
+            answer->extinction_per_m, extinction,
+            extinction * expm1(epsilon * (16.0 + 16.0 * folds) + place_m * slope_per_m) + cut,
+            &worst->extinction, "extinction", i);
     /* The quadrature, the rounding of the exponent, and positions: times the density at the ends,
      * times the derivative beside the ray where the density is relevant. */
     const double depth = depth_along(test, ray);
@@ -314,8 +315,8 @@ static void check_plume(const struct test_scene *test, const struct ray *ray,
     const double steepest_per_m = 1.0 / plume->scale_height_m + 6.0 / plume->width_m;
     const double allowed = depth * (1e-6 + 64.0 * epsilon + here_m * steepest_per_m) +
                            2.0 * here_m * medium->extinction_per_m + 8.0 * cut * scale_m;
-    hold(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
-    hold_stretch(answer, ray, medium, allowed, i);
+    check_tolerance(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+    check_stretch(answer, ray, medium, allowed, i);
 }
 
 static void test_plumes(void **state)
@@ -370,10 +371,11 @@ static void check_shell(const struct test_scene *test, const struct ray *ray,
     const double extinction = extinction_at(test, ray);
     const double place_m = 2.0 * ray->place_m + 4.0 * epsilon * fabs(height_m);
     if (fabs(height_m) > place_m)
-        hold(answer->extinction_per_m, extinction,
-             extinction * expm1(epsilon * (16.0 + 4.0 * fabs(height_m) / h_m) + place_m / h_m) +
-                 smallest,
-             &worst->extinction, "extinction", i);
+        check_tolerance(
+            answer->extinction_per_m, extinction,
+            extinction * expm1(epsilon * (16.0 + 4.0 * fabs(height_m) / h_m) + place_m / h_m) +
+                smallest,
+            &worst->extinction, "extinction", i);
     const double seen_m = relevant_m(shell, r_m, lowest_m, ray->length_m);
     const double here_m = place_m + 16.0 * epsilon * seen_m;
     assert_true(answer->optical_depth >= 0.0f && isfinite(answer->optical_depth));
@@ -392,8 +394,8 @@ static void check_shell(const struct test_scene *test, const struct ray *ray,
     const double ground = low_m < 0.0 ? medium->extinction_per_m / slant : 0.0;
     const double allowed = depth * (1e-6 + expm1(2.0 * here_m / h_m)) +
                            here_m * (ends + 2.0 * ground) + smallest * seen_m;
-    hold(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
-    hold_stretch(answer, ray, medium, allowed + depth * 1e-6, i);
+    check_tolerance(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+    check_stretch(answer, ray, medium, allowed + depth * 1e-6, i);
 }
 
 static void test_shells(void **state)
@@ -458,9 +460,9 @@ static void check_tent(const struct test_scene *test, const struct ray *ray,
     const double off_m = fabs(neph_vec3_length(neph_vec3_sub(ray->origin_m, tent->center_m)) -
                               tent->radius_m);
     const double place_m = 2.0 * ray->place_m + 8.0 * epsilon * (off_m + tent->altitude_m);
-    hold(answer->extinction_per_m, extinction_at(test, ray),
-         per_m * (place_m / tent->half_width_m + 8.0 * epsilon), &worst->extinction, "extinction",
-         i);
+    check_tolerance(answer->extinction_per_m, extinction_at(test, ray),
+                    per_m * (place_m / tent->half_width_m + 8.0 * epsilon), &worst->extinction,
+                    "extinction", i);
     /* Altitudes along the ray have rounding errors of its length, for every position of the
      * tent. */
     const double inside_m = below_top_m(tent, ray, place_m);
@@ -468,7 +470,7 @@ static void check_tent(const struct test_scene *test, const struct ray *ray,
     const double depth = depth_along(test, ray);
     const double allowed = 2e-6 * depth +
                            per_m * (inside_m * height_m / tent->half_width_m + 4.0 * height_m);
-    hold(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+    check_tolerance(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
 }
 
 static void test_tents(void **state)
@@ -532,7 +534,7 @@ static double edge_effect(const struct neph_medium *medium, const struct ray *ra
            neph_medium_optical_depth(&narrow, ray->origin_m, ray->direction, 0.0, ray->length_m);
 }
 
-static double extent_of(const struct neph_grid *grid, struct neph_vec3 *center_m)
+static double measure_extent(const struct neph_grid *grid, struct neph_vec3 *center_m)
 {
     const struct neph_bounds support = neph_grid_support(grid);
     *center_m = neph_vec3_scale(neph_vec3_add(support.min_m, support.max_m), 0.5);
@@ -544,7 +546,7 @@ static struct probe draw_grid(const struct test_scene *test, uint64_t *random, i
     static const double lengths[] = {1e-4, 0.03, 0.2, 1.0, 3.0, 1e6};
     const struct neph_grid *grid = test->scene.media[0].grid;
     struct neph_vec3 center_m;
-    const double extent_m = extent_of(grid, &center_m);
+    const double extent_m = measure_extent(grid, &center_m);
     struct neph_vec3 origin_m = i % 4 ? point_near(random, center_m, 0.6 * extent_m)
                                       : random_node(random, grid); /* on faces and edges */
     struct neph_vec3 direction = odd_direction(random);
@@ -564,7 +566,7 @@ static void check_grid(const struct test_scene *test, const struct ray *ray,
     const double nodes = grid->size[0] + grid->size[1] + grid->size[2] + 6.0;
     const double peak = medium->extinction_per_m * (double)grid->maximum;
     struct neph_vec3 center_m;
-    const double extent_m = extent_of(grid, &center_m);
+    const double extent_m = measure_extent(grid, &center_m);
     const double corner_m = neph_vec3_length(neph_vec3_sub(center_m, test->key.position_m)) +
                             extent_m;
     /* A position has a few roundings of its size and of the corner's, and one of its node number;
@@ -572,13 +574,13 @@ static void check_grid(const struct test_scene *test, const struct ray *ray,
     const double place_m = ray->place_m + 4.0 * epsilon * corner_m;
     const double slope = peak * (place_m * per_m + 4.0 * epsilon * nodes);
     if (!is_near_face(&medium->bounds, ray->origin_m, place_m)) /* certainly inside or outside */
-        hold(answer->extinction_per_m, extinction_at(test, ray), slope + 8.0 * epsilon * peak,
-             &worst->extinction, "extinction", i);
+        check_tolerance(answer->extinction_per_m, extinction_at(test, ray),
+                        slope + 8.0 * epsilon * peak, &worst->extinction, "extinction", i);
     const double depth = depth_along(test, ray);
     const double allowed = slope * fmin(ray->length_m, extent_m) + 4.0 * place_m * peak +
                            24.0 * epsilon * depth + edge_effect(medium, ray, 2.0 * place_m);
-    hold(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
-    hold_stretch(answer, ray, medium, allowed, i);
+    check_tolerance(answer->optical_depth, depth, allowed, &worst->depth, "optical depth", i);
+    check_stretch(answer, ray, medium, allowed, i);
 }
 
 static void test_grids(void **state)
@@ -628,7 +630,7 @@ static void test_grids_beside_each_other(void **state)
     }
     OWNED(memory) struct answer *answers = ask(*state, &test, probes, 400);
     for (int i = 0; i < 400; i++) {
-        const struct ray ray = ray_of(&test, &probes[i]);
+        const struct ray ray = make_reference_ray(&test, &probes[i]);
         const struct neph_medium *medium = &test.scene.media[i % 4];
         neph_assert_close(answers[i].extinction_per_m,
                           neph_medium_extinction_per_m(medium, ray.origin_m), 0.0, 3e-5);
@@ -660,7 +662,7 @@ static void test_endless_grids(void **state)
     const double peak = 0.1 * (double)medium->grid->maximum;
     int met = 0;
     for (int i = 0; i < 600; i++) {
-        const struct ray ray = ray_of(&test, &probes[i]);
+        const struct ray ray = make_reference_ray(&test, &probes[i]);
         const double place_m = ray.place_m + 4.0 * epsilon * 1e3, /* of periods from the camera */
             slope = peak * place_m * (1.0 / h.x + 1.0 / h.y + 1.0 / h.z);
         const double depth = neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0,
@@ -756,15 +758,15 @@ static void check_horizon(const struct test_scene *test, const struct ray *ray,
     const double rounding = 64.0 * epsilon * 2.0 * params->density *
                             (1.0 + 1.0 / fmax(coverage, epsilon));
     const double scale = medium->extinction_per_m;
-    hold(answer->extinction_per_m, scale * density, scale * (2.0 * change[0] + rounding),
-         &worst->extinction, "extinction", i);
-    hold(answer->without_detail, without_detail, 2.0 * change[1] + rounding, &worst->extinction,
-         "density without detail", i);
-    hold(answer->height, horizon_height(horizon, ray->origin_m),
-         place_m / params->thickness_m + 4.0 * epsilon, &worst->extinction, "height", i);
+    check_tolerance(answer->extinction_per_m, scale * density, scale * (2.0 * change[0] + rounding),
+                    &worst->extinction, "extinction", i);
+    check_tolerance(answer->without_detail, without_detail, 2.0 * change[1] + rounding,
+                    &worst->extinction, "density without detail", i);
+    check_tolerance(answer->height, horizon_height(horizon, ray->origin_m),
+                    place_m / params->thickness_m + 4.0 * epsilon, &worst->extinction, "height", i);
     worst->met += density > 0.0;
     if (i % 20 == 0)
-        hold_stretch(answer, ray, medium, 4.0 * place_m * scale * params->density + 1e-6, i);
+        check_stretch(answer, ray, medium, 4.0 * place_m * scale * params->density + 1e-6, i);
 }
 
 static void test_horizon_clouds(void **state)
@@ -808,7 +810,7 @@ static void test_horizon_clouds(void **state)
 /* --- extreme media -------------------------------------------------------------------------- */
 
 /* Extremes of every parameter: all results are finite. */
-static void test_extreme_media_give_no_nonsense(void **state)
+static void test_extreme_media_are_finite(void **state)
 {
     static const double sizes[] = {1e-9, 1e-3, 1.0, 1e5, 1e12};
     static const double extinctions[] = {1e-40, 1e-12, 1.0, 1e20, 1e30};
@@ -873,7 +875,7 @@ static struct neph_horizon_params extreme_horizon_params(uint64_t *random)
 }
 
 /* All parameters within their ranges, most of them absurd. */
-static void test_extreme_horizon_clouds_give_no_nonsense(void **state)
+static void test_extreme_horizon_is_finite(void **state)
 {
     static const double sizes_m[] = {1e-6, 1.0, 300.0, 1e6};
     static const double extinctions[] = {1e-40, 0.05, 1e30};

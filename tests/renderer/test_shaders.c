@@ -227,7 +227,7 @@ static void set_layer(struct probe *p, struct neph_gpu_fog_layer layer)
     p->a[3] = layer.exponent_max;
 }
 
-static struct neph_fog_layer layer_of(const struct probe *p)
+static struct neph_fog_layer make_layer(const struct probe *p)
 {
     return (struct neph_fog_layer){p->a[0], p->a[1], p->a[2]};
 }
@@ -269,7 +269,7 @@ static void test_fog_optical_depth(void **state)
     int compared = 0;
     for (int i = 0; i < count; i++) {
         const struct probe *p = &probes[i];
-        const struct neph_fog_layer layer = layer_of(p);
+        const struct neph_fog_layer layer = make_layer(p);
         const double expected = neph_fog_layer_optical_depth(&layer, p->b[0], p->b[1], p->b[2]);
         const double depth = answers[i].value[0];
         assert_true(depth >= 0.0 && isfinite(depth));
@@ -309,7 +309,7 @@ static void test_fog_extinction(void **state)
     OWNED(memory) struct answer *answers = ask(*state, probes, count);
     for (int i = 0; i < count; i++) {
         const struct probe *p = &probes[i];
-        const struct neph_fog_layer layer = layer_of(p);
+        const struct neph_fog_layer layer = make_layer(p);
         const double exponent = -layer.falloff_per_m * ((double)p->b[0] - layer.height_m);
         const double expected = layer.extinction_per_m * exp(fmin(exponent, (double)p->a[3]));
         assert_true(answers[i].value[0] >= 0.0f && answers[i].value[0] <= 1.01e20f);
@@ -320,7 +320,7 @@ static void test_fog_extinction(void **state)
 }
 
 /* The ends of a march are approximate; the omitted parts must be as small as documented. */
-static void test_fog_distances_leave_out_what_they_say(void **state)
+static void test_fog_distances_omit_little_depth(void **state)
 {
     struct probe *probes = new_probes();
     uint64_t random = seed;
@@ -334,7 +334,7 @@ static void test_fog_distances_leave_out_what_they_say(void **state)
     OWNED(memory) struct answer *answers = ask(*state, probes, count);
     for (int i = 0; i < count; i++) {
         const struct probe *p = &probes[i];
-        const struct neph_fog_layer layer = layer_of(p);
+        const struct neph_fog_layer layer = make_layer(p);
         const double wanted = p->b[2];
         const double distance_m = answers[i].value[0], thin_end_m = answers[i].value[1];
         assert_true(distance_m >= 0.0 && !isnan(thin_end_m));
@@ -428,7 +428,7 @@ static void place_sphere(struct probe *p)
 {
     const struct neph_solid sphere = {
         .kind = NEPH_SOLID_SPHERE, .center_m = vec3(p->a), .radius_m = (double)p->b[3]};
-    const struct neph_gpu_solid gpu = neph_gpu_solid_from(&sphere, (struct neph_vec3){0, 0, 0});
+    const struct neph_gpu_solid gpu = neph_gpu_solid_pack(&sphere, (struct neph_vec3){0, 0, 0});
     memcpy(p->b, gpu.high_m, sizeof(gpu.high_m));
     p->a[3] = gpu.albedo[3];
 }
@@ -585,8 +585,8 @@ static uint32_t wrong_from(struct neph_vulkan *vulkan, struct probe *probes, uin
     return wrong;
 }
 
-/* neph_halves_ask() reports the driver's behaviour correctly, for every driver. */
-static void test_what_a_drivers_halves_are_worth(void **state)
+/* neph_halves_test() reports the driver's behaviour correctly, for every driver. */
+static void test_driver_halves_are_classified(void **state)
 {
     struct probe *probes = new_probes();
     const int batch = 8192;
@@ -594,7 +594,7 @@ static void test_what_a_drivers_halves_are_worth(void **state)
     struct neph_diag diag = {0};
     for (uint32_t half = 0; half < 1u << 16; half += (uint32_t)batch)
         wrong |= wrong_from(*state, probes, half, batch);
-    neph_assert_ok(neph_halves_ask(*state, &right, &diag), &diag);
+    neph_assert_ok(neph_halves_test(*state, &right, &diag), &diag);
     print_message("halves: read right %d, written right %d\n", (right & NEPH_HALVES_READ) != 0,
                   (right & NEPH_HALVES_WRITTEN) != 0);
     assert_int_equal(right, (NEPH_HALVES_READ | NEPH_HALVES_WRITTEN) & ~wrong);

@@ -72,7 +72,7 @@ static void assert_same_with(struct neph_vulkan *vulkan, const struct neph_scene
     assert_true(test_same_bits(plain, short_cut));
 }
 
-static void test_values_of_what_is_off_do_not_count(void **state)
+static void test_disabled_values_are_ignored(void **state)
 {
     OWNED(media) struct test_scene test;
     test_scene_build(&test, add_two_grids);
@@ -135,7 +135,7 @@ static struct neph_medium *add_slab(struct test_scene *test, double extinction_p
 }
 
 /* With fog only there is nothing to skip or to cache. */
-static void test_fog_alone_keeps_the_bits(void **state)
+static void test_only_fog_keeps_the_bits(void **state)
 {
     struct test_scene test;
     test_scene_init(&test);
@@ -275,7 +275,7 @@ static void test_the_sun_cache_follows_sun_and_cloud(void **state)
 
 /* Refilled over several frames: an existing cache is used at once, and a part is renewed in each
  * frame. */
-static void test_the_sun_cache_is_filled_over_pictures(void **state)
+static void test_sun_cache_refills_over_frames(void **state)
 {
     enum { PICTURES = 4 };
     struct test_scene test;
@@ -311,7 +311,7 @@ static void test_the_sun_cache_is_filled_over_pictures(void **state)
 
 /* The omitted part has a transmittance below the limit, times the largest single scattering and the
  * background. */
-static void test_early_out_loses_what_it_says(void **state)
+static void test_early_out_error_is_below_its_limit(void **state)
 {
     struct test_scene test;
     test_scene_init(&test);
@@ -419,7 +419,7 @@ static void test_steps_in_thin_media_do_not_grow(void **state)
 
 /* --- refusals ------------------------------------------------------------------------------- */
 
-static void test_what_is_of_no_use_is_refused(void **state)
+static void test_useless_options_are_refused(void **state)
 {
     static const struct {
         struct neph_shortcuts shortcuts;

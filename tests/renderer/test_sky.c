@@ -70,7 +70,7 @@ static void test_phase_functions_are_their_series(void **state)
     struct neph_sky_air air;
     char reason[200];
     OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
-    assert_true(neph_sky_air_of(earth, &air, reason, sizeof(reason)));
+    assert_true(neph_sky_read_air(earth, &air, reason, sizeof(reason)));
     for (int n = 0; n < 50; n++) {
         const double a = 0.13 * n, b = 1.0 + 0.29 * n;
         double at_a[NEPH_SKY_MOMENTS_MAX], at_b[NEPH_SKY_MOMENTS_MAX];
@@ -102,7 +102,7 @@ static void test_sun_table(void **state)
     char reason[200];
     struct neph_diag diag = {0};
     OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
-    assert_true(neph_sky_air_of(earth, &air, reason, sizeof(reason)));
+    assert_true(neph_sky_read_air(earth, &air, reason, sizeof(reason)));
     double worst[2] = {0.0, 0.0};
     for (int fine = 0; fine < 2; fine++) {
         struct neph_sky_sun_table table;
@@ -146,7 +146,7 @@ static double off_by(const struct neph_scene *scene, int steps, double *transmit
     for (int i = 0; i < 6 * 7; i++) {
         const struct neph_pixel_ray ray = test_ray(scene, 6, 7, i);
         const struct neph_ray_light exact = neph_transport_ray(scene, ray.origin_m, ray.direction);
-        const struct neph_sky_light seen = neph_sky_see(sky, ray.origin_m, ray.direction);
+        const struct neph_sky_light seen = neph_sky_trace(sky, ray.origin_m, ray.direction);
         const double *through = &exact.transmittance.r, *light = &exact.radiance.r;
         assert_true(isinf(exact.hit_m) == isinf(seen.length_m));
         if (isfinite(exact.hit_m))
@@ -241,8 +241,8 @@ static void check_slab(struct neph_phase phase, int degree, double tolerance)
         const struct neph_vec3 up = {x * cos(azimuth_rad), y, x * sin(azimuth_rad)};
         const struct neph_vec3 down = {up.x, -y, up.z};
         const struct neph_vec3 foot_m = {0, 1e-3, 0}, high_m = {0, 1390.0, 0};
-        const double from_below = neph_sky_see(sky, foot_m, up).radiance[1];
-        const double from_above = neph_sky_see(sky, high_m, down).radiance[1];
+        const double from_below = neph_sky_trace(sky, foot_m, up).radiance[1];
+        const double from_above = neph_sky_trace(sky, high_m, down).radiance[1];
         const double through = neph_slab_transmitted_per_sr(slab, i % 3, azimuth_rad);
         const double back = neph_slab_reflected_per_sr(slab, i % 3, azimuth_rad);
         worst = fmax(worst, fabs(from_below / through - 1.0));
@@ -304,11 +304,11 @@ static void test_sweigarts_rayleigh_sky(void **state)
         OWNED(sky) struct neph_sky *sky = test_sky(&scene, &params);
         for (int i = 0; i < 3; i++) {
             const double y = sweigart_cosines[i], x = sqrt(1.0 - y * y);
-            const double below = neph_sky_see(sky, (struct neph_vec3){0, 1e-3, 0},
-                                              (struct neph_vec3){x, y, 0})
+            const double below = neph_sky_trace(sky, (struct neph_vec3){0, 1e-3, 0},
+                                                (struct neph_vec3){x, y, 0})
                                      .radiance[1];
-            const double above = neph_sky_see(sky, (struct neph_vec3){0, 1390.0, 0},
-                                              (struct neph_vec3){x, -y, 0})
+            const double above = neph_sky_trace(sky, (struct neph_vec3){0, 1390.0, 0},
+                                                (struct neph_vec3){x, -y, 0})
                                      .radiance[1];
             print_message("albedo %.1f, cosine %.3f: %+.2f %% from below, %+.2f %% from above\n",
                           sweigart[n].albedo, y, 1e2 * (below / sweigart[n].below[i] - 1.0),
@@ -334,7 +334,7 @@ static void test_all_orders_of_the_earth(void **state)
     double seen = 0.0, truth = 0.0, noise2 = 0.0;
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
-        const struct neph_sky_light light = neph_sky_see(sky, ray.origin_m, ray.direction);
+        const struct neph_sky_light light = neph_sky_trace(sky, ray.origin_m, ray.direction);
         for (int c = 0; c < 3; c++) {
             seen += light.radiance[c];
             truth += (double)rgb.of[c][i];
@@ -390,7 +390,7 @@ static void test_solids_behind_air(void **state)
                 continue;
             const struct neph_ray_light exact = neph_transport_ray(scene, ray.origin_m,
                                                                    ray.direction);
-            const struct neph_sky_light seen = neph_sky_see(sky, ray.origin_m, ray.direction);
+            const struct neph_sky_light seen = neph_sky_trace(sky, ray.origin_m, ray.direction);
             const double *light = &exact.radiance.r, *through = &exact.transmittance.r;
             double off = 0.0;
             hits++;
@@ -415,7 +415,7 @@ static void test_moments_light_surfaces(void **state)
     struct neph_diag diag = {0};
     char reason[200];
     OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
-    assert_true(neph_sky_air_of(earth, &air, reason, sizeof(reason)));
+    assert_true(neph_sky_read_air(earth, &air, reason, sizeof(reason)));
     struct neph_sky_sun_table sun;
     struct neph_sky_field field;
     struct neph_sky_solve_params params = usual.field;
@@ -457,11 +457,11 @@ static void test_view_table_is_the_walk_in_the_limit(void **state)
         struct neph_diag diag = {0};
         params.view = (struct neph_sky_view_params){true, n ? 47 : 24, n ? 39 : 20};
         OWNED(sky) struct neph_sky *table = test_sky(scene, &params);
-        neph_assert_ok(neph_sky_stand(table, camera.position_m, &diag), &diag);
+        neph_assert_ok(neph_sky_fill_view_table(table, camera.position_m, &diag), &diag);
         for (int i = 0; i < WIDTH * HEIGHT; i++) {
             const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
-            const struct neph_sky_light a = neph_sky_see(walk, ray.origin_m, ray.direction);
-            const struct neph_sky_light b = neph_sky_see(table, ray.origin_m, ray.direction);
+            const struct neph_sky_light a = neph_sky_trace(walk, ray.origin_m, ray.direction);
+            const struct neph_sky_light b = neph_sky_trace(table, ray.origin_m, ray.direction);
             assert_true(a.length_m == b.length_m);
             for (int c = 0; c < 3; c++) {
                 worst[n] = fmax(worst[n], fabs(b.radiance[c] / a.radiance[c] - 1.0));
@@ -490,13 +490,13 @@ static void test_view_table_sees_the_ground_near(void **state)
     params.view = (struct neph_sky_view_params){true, 48, 48};
     OWNED(sky) struct neph_sky *table = test_sky(scene, &params);
     double worst = 0.0;
-    neph_assert_ok(neph_sky_stand(table, camera.position_m, &diag), &diag);
+    neph_assert_ok(neph_sky_fill_view_table(table, camera.position_m, &diag), &diag);
     for (int i = 0; i < 80; i++) {
         const double down = 2.0 / (100.0 * pow(40.0, (i / 2) / 39.0)), side = i % 2 ? -1.0 : 1.0;
         const struct neph_vec3 direction = neph_vec3_normalize(
             (struct neph_vec3){side * sun.x / across, -down, side * sun.z / across});
-        const struct neph_sky_light a = neph_sky_see(walk, camera.position_m, direction);
-        const struct neph_sky_light b = neph_sky_see(table, camera.position_m, direction);
+        const struct neph_sky_light a = neph_sky_trace(walk, camera.position_m, direction);
+        const struct neph_sky_light b = neph_sky_trace(table, camera.position_m, direction);
         for (int c = 0; c < 3; c++) {
             worst = fmax(worst, fabs(b.volume[c] / a.volume[c] - 1.0));
             worst = fmax(worst, fabs(b.radiance[c] / a.radiance[c] - 1.0));
@@ -531,9 +531,9 @@ static void test_splitting_a_medium_changes_nothing(void **state)
     for (int n = 0; n < 40; n++) {
         const struct neph_vec3 eye_m = {0.0, pow(10.0, neph_test_uniform(&seed, 0.0, 5.0)), 0.0};
         const struct neph_vec3 direction = random_direction(&seed);
-        const struct neph_sky_light one = neph_sky_see(skies[0], eye_m, direction);
+        const struct neph_sky_light one = neph_sky_trace(skies[0], eye_m, direction);
         for (int other = 1; other < 3; other++) {
-            const struct neph_sky_light light = neph_sky_see(skies[other], eye_m, direction);
+            const struct neph_sky_light light = neph_sky_trace(skies[other], eye_m, direction);
             for (int c = 0; c < 3; c++) {
                 neph_assert_close(light.radiance[c], one.radiance[c], 1e-6, 0.0);
                 neph_assert_close(light.transmittance[c], one.transmittance[c], 1e-11, 0.0);
@@ -578,22 +578,21 @@ static void test_device_equals_the_cpu_reference(void **state)
         struct neph_diag diag = {0};
         params.field.degree = cases[n].degree;
         params.view = (struct neph_sky_view_params){cases[n].is_table, 12, 10};
-        struct neph_sky_pictures *pictures = NULL;
+        struct neph_sky_frames *pictures = NULL;
         neph_assert_ok(
-            neph_sky_pictures_create(vulkan, scene, &params, WIDTH, HEIGHT, &pictures, &diag),
-            &diag);
-        neph_assert_ok(neph_sky_pictures_frame(pictures, scene, 0.0, &image, &stats, &diag), &diag);
-        neph_sky_pictures_destroy(pictures);
+            neph_sky_frames_create(vulkan, scene, &params, WIDTH, HEIGHT, &pictures, &diag), &diag);
+        neph_assert_ok(neph_sky_frames_render(pictures, scene, 0.0, &image, &stats, &diag), &diag);
+        neph_sky_frames_destroy(pictures);
         const struct test_rgb rgb = test_layer(image, NULL), volume = test_layer(image, "volume"),
                               through = test_layer(image, "transmittance");
         const float *depth = neph_image_channel(image, "Z");
         OWNED(sky) struct neph_sky *sky = test_sky(scene, &params);
         const struct neph_camera camera = neph_scene_camera(scene, 0.0);
         double worst = 0.0;
-        neph_assert_ok(neph_sky_stand(sky, camera.position_m, &diag), &diag);
+        neph_assert_ok(neph_sky_fill_view_table(sky, camera.position_m, &diag), &diag);
         for (int i = 0; i < WIDTH * HEIGHT; i++) {
             const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
-            const struct neph_sky_light light = neph_sky_see(sky, ray.origin_m, ray.direction);
+            const struct neph_sky_light light = neph_sky_trace(sky, ray.origin_m, ray.direction);
             assert_true(isinf(light.length_m) == isinf((double)depth[i]));
             for (int c = 0; c < 3; c++) {
                 const double floor = 1e-7;
@@ -609,23 +608,23 @@ static void test_device_equals_the_cpu_reference(void **state)
     }
 }
 
-static void test_device_says_what_it_cannot(void **state)
+static void test_device_names_missing_features(void **state)
 {
     char reason[200];
     OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
     struct neph_sky_params params = usual;
-    assert_true(neph_sky_device_can(earth, &params, reason, sizeof(reason)));
+    assert_true(neph_sky_device_can_render(earth, &params, reason, sizeof(reason)));
     params.field.closure = true;
-    assert_false(neph_sky_device_can(earth, &params, reason, sizeof(reason)));
+    assert_false(neph_sky_device_can_render(earth, &params, reason, sizeof(reason)));
     assert_non_null(strstr(reason, "closure"));
     params = usual;
     params.steps = 4000;
-    assert_false(neph_sky_device_can(earth, &params, reason, sizeof(reason)));
+    assert_false(neph_sky_device_can_render(earth, &params, reason, sizeof(reason)));
     assert_non_null(strstr(reason, "steps"));
     struct neph_scene more = *earth;
     more.solid_count = 2;
     params = usual;
-    assert_false(neph_sky_device_can(&more, &params, reason, sizeof(reason)));
+    assert_false(neph_sky_device_can_render(&more, &params, reason, sizeof(reason)));
     assert_non_null(strstr(reason, "solids"));
 }
 
@@ -637,13 +636,13 @@ static void refuses(const struct neph_scene *scene, const char *words)
     struct neph_sky *sky = NULL;
     struct neph_diag diag = {0};
     char reason[200] = "";
-    assert_false(neph_sky_air_of(scene, &air, reason, sizeof(reason)));
+    assert_false(neph_sky_read_air(scene, &air, reason, sizeof(reason)));
     assert_non_null(strstr(reason, words));
     assert_int_equal(neph_sky_create(scene, &usual, &sky, &diag), NEPH_ERR_UNSUPPORTED);
     assert_null(sky);
 }
 
-static void test_says_what_it_cannot(void **state)
+static void test_unsupported_scenes_are_named(void **state)
 {
     OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
     struct neph_scene scene = *earth;

@@ -175,7 +175,7 @@ static void specialize(const uint32_t *code, size_t code_bytes, const uint32_t *
                    &diag);
 }
 
-static void test_valid_whatever_the_constants(void **state)
+static void test_valid_for_all_constants(void **state)
 {
     enum { COUNT = 12 };
     const size_t tries = (size_t)neph_test_by_day(1, 3);

@@ -69,7 +69,7 @@ static const struct {
 
 enum { WAYS = sizeof(ways) / sizeof(ways[0]) };
 
-static struct neph_kernel_params params_of(uint32_t way)
+static struct neph_kernel_params make_params(uint32_t way)
 {
     return (struct neph_kernel_params){.name = "probe_loops",
                                        .code = probe_code,
@@ -82,7 +82,7 @@ static struct neph_kernel_params params_of(uint32_t way)
 /* Number of threads with a wrong result. */
 static int run(struct neph_vulkan *vulkan, uint32_t way)
 {
-    const struct neph_kernel_params params = params_of(way);
+    const struct neph_kernel_params params = make_params(way);
     uint32_t asked[ANSWERS];
     int off = 0;
     for (uint32_t i = 0; i < ANSWERS; i++)
@@ -105,7 +105,7 @@ static void test_what_is_kept_is_right(void **state)
 static void test_what_is_lost_is_found(void **state)
 {
     for (uint32_t way = 0; way < WAYS; way++) {
-        const struct neph_kernel_params params = params_of(way);
+        const struct neph_kernel_params params = make_params(way);
         struct neph_spirv_lost lost;
         size_t words = 0;
         OWNED(memory)
@@ -138,7 +138,7 @@ static void test_validation_tells(void **state)
 {
     struct neph_vulkan *vulkan = NULL;
     const struct neph_kernel *kernel = NULL;
-    const struct neph_kernel_params kept = params_of(1), lost = params_of(2);
+    const struct neph_kernel_params kept = make_params(1), lost = make_params(2);
     struct neph_diag diag = {0};
     neph_assert_ok(
         neph_vulkan_create(&(struct neph_vulkan_params){.validation = NEPH_VALIDATION_ON}, &vulkan,

@@ -25,8 +25,8 @@ static struct neph_vec3 cross(struct neph_vec3 a, struct neph_vec3 b)
 }
 
 /* Optical depth of a medium from a point towards the sun, which must not be at the zenith. */
-static double depth_of(const struct neph_medium *medium, struct neph_vec3 from_m,
-                       struct neph_vec3 to_sun, const struct neph_march_params *params)
+static double compute_optical_depth(const struct neph_medium *medium, struct neph_vec3 from_m,
+                                    struct neph_vec3 to_sun, const struct neph_march_params *params)
 {
     const struct neph_bounds box = neph_medium_support(medium);
     const struct neph_shortcuts *rays = &params->shortcuts;
@@ -80,9 +80,9 @@ static double worst_difference(struct neph_vulkan *vulkan, const struct test_sce
         if (isinf(z_m[p]))
             continue;
         const double way_m = (test->solids[0].box.max_m.y - ray.origin_m.y) / ray.direction.y;
-        const double own = depth_of(&test->scene.media[0],
-                                    neph_vec3_along(ray.origin_m, ray.direction, way_m),
-                                    test->scene.sun.direction, params);
+        const double own = compute_optical_depth(
+            &test->scene.media[0], neph_vec3_along(ray.origin_m, ray.direction, way_m),
+            test->scene.sun.direction, params);
         worst = fmax(worst, fabs(shown_depth(frame, test, p) - own));
         *shaded += own > 0.1;
     }

@@ -10,7 +10,7 @@
 
 enum { WIDTH_PX = 32, HEIGHT_PX = 18, PATHS = 16, SEEDS = 4, PICTURES = 24 };
 
-static struct neph_march_params params_of(uint32_t seed)
+static struct neph_march_params make_params(uint32_t seed)
 {
     return (struct neph_march_params){
         .width_px = WIDTH_PX,
@@ -24,7 +24,7 @@ static struct neph_march_params params_of(uint32_t seed)
 }
 
 /* Mean of a channel; asserts that each value is finite and not negative. */
-static double mean_of(const struct neph_image *frame, const char *channel)
+static double mean_of_valid_samples(const struct neph_image *frame, const char *channel)
 {
     const float *values = neph_image_channel(frame, channel);
     const size_t count = neph_image_pixel_count(frame);
@@ -62,9 +62,9 @@ static void test_slabs_are_those_of_adding_and_doubling(void **state)
         const double truth = slab_per_sr(&test, &slabs[s].slab);
         double sum = 0.0, squares = 0.0;
         for (uint32_t seed = 0; seed < SEEDS; seed++) {
-            const struct neph_march_params params = params_of(seed);
+            const struct neph_march_params params = make_params(seed);
             OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
-            const double mean = mean_of(frame, "volume.G") / truth - 1.0;
+            const double mean = mean_of_valid_samples(frame, "volume.G") / truth - 1.0;
             sum += mean;
             squares += mean * mean;
         }
@@ -79,7 +79,7 @@ static void test_slabs_are_those_of_adding_and_doubling(void **state)
 
 /* --- furnaces ------------------------------------------------------------------------------- */
 
-static struct neph_bounds box_of(double side_m)
+static struct neph_bounds make_cube_bounds(double side_m)
 {
     return (struct neph_bounds){{-side_m, 1.6 - side_m, -10.0 - side_m},
                                 {side_m, 1.6 + side_m, -10.0 + side_m}};
@@ -94,13 +94,13 @@ static void add_shell(struct test_scene *test)
 {
     struct neph_medium *shell = test_add(
         test, make_shell(1.0, (struct neph_vec3){0.0, -8.4, -10.0}, 10.0, 0.5));
-    shell->bounds = box_of(3.0);
+    shell->bounds = make_cube_bounds(3.0);
 }
 
 static void add_two(struct test_scene *test)
 {
     add_blob(test);
-    test_add(test, make_homogeneous(0.4, box_of(2.0)));
+    test_add(test, make_homogeneous(0.4, make_cube_bounds(2.0)));
 }
 
 static const struct {
@@ -128,9 +128,9 @@ static void check_furnaces(struct neph_vulkan *vulkan, const struct neph_march_p
         test.scene.background_w_per_m2_sr = make_grey(1.0);
         test.scene.environment_light = true;
         OWNED(image) struct neph_image *frame = test_march(vulkan, &test.scene, params, NULL);
-        const double radiance = mean_of(frame, "G");
+        const double radiance = mean_of_valid_samples(frame, "G");
         print_message("%s: %.5f\n", furnaces[f].name, radiance);
-        assert_true(mean_of(frame, "transmittance.G") < 0.95);
+        assert_true(mean_of_valid_samples(frame, "transmittance.G") < 0.95);
         assert_true(fabs(radiance - 1.0) < 5e-3);
     }
 }
@@ -138,7 +138,7 @@ static void check_furnaces(struct neph_vulkan *vulkan, const struct neph_march_p
 static void test_white_furnaces(void **state)
 {
     enum { BLOB, SHELL, BLOB_AND_FOG };
-    struct neph_march_params params = params_of(7);
+    struct neph_march_params params = make_params(7);
     check_furnaces(*state, &params, BLOB_AND_FOG);
     params.light.rounds = 1;
     params.light.looks_ahead = true;
@@ -164,14 +164,15 @@ static struct neph_gpu_light_texel *trace(struct neph_vulkan *vulkan,
                                           const struct neph_march_params *params,
                                           struct neph_gpu_light_path **paths)
 {
-    static const struct neph_march_moment alone;
+    static const struct neph_march_frame_state alone;
     struct neph_march_scene march = {.gpu = {.frame = NULL}};
     struct neph_diag diag = {0};
     struct neph_sun_fill_cost fill = {.dispatches = 0};
     double gpu_s = 0.0;
     struct neph_march_scene_cost cost = {.fill = &fill, .light_gpu_s = &gpu_s};
     neph_assert_ok(neph_march_scene_create(vulkan, scene, params, &march, &diag), &diag);
-    neph_assert_ok(neph_march_scene_show(scene, params, 0.0, &alone, &march, &cost, &diag), &diag);
+    neph_assert_ok(neph_march_scene_update(scene, params, 0.0, &alone, &march, &cost, &diag),
+                   &diag);
     const struct neph_traced_light *light = &march.traced_light;
     const size_t bytes = TEXELS * sizeof(struct neph_gpu_light_texel);
     assert_int_equal(light->texels[0].size_bytes, bytes);
@@ -187,7 +188,7 @@ static struct neph_gpu_light_texel *trace(struct neph_vulkan *vulkan,
 static void cached(struct neph_vulkan *vulkan, const struct neph_scene *scene, uint32_t seed,
                    bool looks_ahead, struct texel texels[TEXELS])
 {
-    struct neph_march_params params = params_of(seed);
+    struct neph_march_params params = make_params(seed);
     params.light.rounds = 96;
     params.light.looks_ahead = looks_ahead;
     OWNED(memory) struct neph_gpu_light_texel *found = trace(vulkan, scene, &params, NULL);
@@ -220,7 +221,7 @@ static void projected(struct neph_vulkan *vulkan, const struct neph_scene *scene
 }
 
 /* Variance of a texel times its weight, from two runs. */
-static double scatter_of(const struct texel runs[RUNS][TEXELS])
+static double texel_variance(const struct texel runs[RUNS][TEXELS])
 {
     double sum = 0.0;
     for (int t = 0; t < TEXELS; t++) {
@@ -244,7 +245,7 @@ static void check_texels(const struct texel held[RUNS][TEXELS],
                          const struct texel wanted[RUNS][TEXELS])
 {
     double squares = 0.0, sum = 0.0;
-    const double scatter = scatter_of(held), scatter_wanted = scatter_of(wanted);
+    const double scatter = texel_variance(held), scatter_wanted = texel_variance(wanted);
     for (int r = 0; r < RUNS; r++)
         for (int t = 0; t < TEXELS; t++) {
             const double z = (held[r][t].light - wanted[r][t].light) /
@@ -264,7 +265,7 @@ static void check_texels(const struct texel held[RUNS][TEXELS],
 /* In a static scene each texel agrees with the tracer, within the noise of both: two seeds of each
  * give 24 z-scores with a mean square of 1. By chance it exceeds 2.2, or one score 5, once in 10^4
  * times. Counting estimates ahead does not change this. */
-static void test_texels_are_what_the_tracer_finds(void **state)
+static void test_texels_agree_with_the_tracer(void **state)
 {
     struct test_scene test;
     struct texel held[RUNS][TEXELS], ahead[RUNS][TEXELS], wanted[RUNS][TEXELS];
@@ -319,7 +320,7 @@ static double found_in(const struct neph_gpu_light_texel *texel,
 
 /* Paths do not depend on the estimate, so two estimates give the same light up to the rounding of
  * sums of some hundred numbers: 1e-5. */
-static void test_what_is_ahead_is_taken_back(void **state)
+static void test_estimates_ahead_are_subtracted(void **state)
 {
     enum { ESTIMATES = 2 };
     static const int cells[ESTIMATES] = {4, 24};
@@ -329,7 +330,7 @@ static void test_what_is_ahead_is_taken_back(void **state)
     double apart = 0.0;
     dense_blob(&test);
     for (int i = 0; i < ESTIMATES; i++) {
-        struct neph_march_params params = params_of(3);
+        struct neph_march_params params = make_params(3);
         params.light.rounds = 6;
         params.light.looks_ahead = true;
         params.diffusion.cells = cells[i];
@@ -363,7 +364,7 @@ static void test_orders_that_had_no_time(void **state)
     slab_scene(&test, &slab, true, slab_fov_rad);
     const double truth = slab_per_sr(&test, &slab);
     for (int ahead = 0; ahead < 2; ahead++) {
-        struct neph_march_params params = params_of(1);
+        struct neph_march_params params = make_params(1);
         params.width_px = 48;
         params.height_px = 27;
         params.light = (struct neph_light_paths){.texel_px = 1,
@@ -373,7 +374,7 @@ static void test_orders_that_had_no_time(void **state)
                                                  .blur_texels = 1.0,
                                                  .looks_ahead = ahead};
         OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
-        errors[ahead] = mean_of(frame, "volume.G") / truth - 1.0;
+        errors[ahead] = mean_of_valid_samples(frame, "volume.G") / truth - 1.0;
     }
     print_message(
         "a slab of depth 80 from below, first picture: %+.1f %%, looking ahead %+.1f %%\n",
@@ -391,7 +392,7 @@ static void test_paths_that_end_ahead(void **state)
                                           NULL, 24};
     struct test_scene test;
     struct neph_diag diag = {0};
-    struct neph_march_params params = params_of(1);
+    struct neph_march_params params = make_params(1);
     double sum = 0.0, squares = 0.0, spread[2];
     slab_scene(&test, &slab, true, slab_fov_rad);
     const struct neph_vec3 sun = test.scene.sun.direction;
@@ -406,7 +407,7 @@ static void test_paths_that_end_ahead(void **state)
                                                  .ends_ahead = ends};
         OWNED(march) struct neph_march *row = test_march_open(*state, &test.scene, &params);
         for (int i = 0; i < 12; i++) {
-            const struct neph_march_moment moment = {.continues = i > 0};
+            const struct neph_march_frame_state moment = {.continues = i > 0};
             OWNED(image) struct neph_image *frame = NULL;
             test.scene.sun.direction = i > 0 ? sun : (struct neph_vec3){0.995, 0.1, 0.0};
             neph_assert_ok(neph_march_frame(row, &test.scene, 0.0, &moment, &frame, NULL, &diag),
@@ -432,12 +433,12 @@ static void test_paths_that_end_ahead(void **state)
 static void off_slab(struct neph_vulkan *vulkan, const struct test_scene *test, double truth,
                      double similar, double *bias, double *rms)
 {
-    struct neph_march_params params = params_of(4);
+    struct neph_march_params params = make_params(4);
     params.light = (struct neph_light_paths){
         .texel_px = 1, .paths = 3, .rounds = 24, .memory = 1, .similar = similar, .seed = 4};
     OWNED(image) struct neph_image *frame = test_march(vulkan, &test->scene, &params, NULL);
     const float *light = neph_image_channel(frame, "volume.G");
-    const double mean = mean_of(frame, "volume.G");
+    const double mean = mean_of_valid_samples(frame, "volume.G");
     double squares = 0.0;
     for (int p = 0; p < WIDTH_PX * HEIGHT_PX; p++)
         squares += pow((double)light[p] - mean, 2.0);
@@ -510,10 +511,11 @@ static void test_light_follows_a_camera(void **state)
     struct neph_camera_key keys[2];
     moving_scene(&test, keys);
     OWNED(image) struct neph_image *moving = play(*state, &test.scene, 1, PICTURES);
-    struct neph_march_params params = params_of(5);
+    struct neph_march_params params = make_params(5);
     params.frame = PICTURES - 1;
     OWNED(image) struct neph_image *still = test_march(*state, &test.scene, &params, NULL);
-    const double ratio = mean_of(moving, "volume.G") / mean_of(still, "volume.G");
+    const double ratio = mean_of_valid_samples(moving, "volume.G") /
+                         mean_of_valid_samples(still, "volume.G");
     print_message("after %d pictures in motion: %.4f of a picture at rest\n", PICTURES, ratio);
     assert_true(fabs(ratio - 1.0) < 0.05);
 }
@@ -538,7 +540,7 @@ static void test_same_seed_same_bits(void **state)
 
 /* --- refusals ------------------------------------------------------------------------------- */
 
-static void test_what_it_cannot_is_refused(void **state)
+static void test_unsupported_input_is_refused(void **state)
 {
     static const struct neph_light_paths bad[] = {
         {.texel_px = 0, .paths = 1, .rounds = 1, .memory = 1},
@@ -557,12 +559,12 @@ static void test_what_it_cannot_is_refused(void **state)
     char reason[256];
     test_scene_build(&test, add_blob);
     make_sunlit(&test);
-    struct neph_march_params params = params_of(1);
+    struct neph_march_params params = make_params(1);
     for (size_t i = 0; i < COUNT(bad); i++) {
         params.light = bad[i];
         assert_int_equal(neph_march_check(&test.scene, &params, &diag), NEPH_ERR_USAGE);
     }
-    params = params_of(1);
+    params = make_params(1);
     params.diffusion.cells = 3;
     neph_assert_ok(neph_march_check(&test.scene, &params, &diag), &diag);
     params.light.looks_ahead = true;

@@ -17,7 +17,7 @@
 
 static const uint64_t seed = 20240611;
 
-static struct neph_tracer_params params_of(int width_px, int height_px, int samples)
+static struct neph_tracer_params make_params(int width_px, int height_px, int samples)
 {
     return (struct neph_tracer_params){.width_px = width_px,
                                        .height_px = height_px,
@@ -74,7 +74,7 @@ static void test_single_scattering_is_exact_transport(void **state)
     for (size_t s = 0; s < COUNT(single_scenes); s += (size_t)neph_test_by_day(2, 1)) {
         struct test_scene test;
         test_scene_build(&test, single_scenes[s].build);
-        const struct neph_tracer_params params = params_of(
+        const struct neph_tracer_params params = make_params(
             single_scenes[s].width_px, single_scenes[s].height_px, single_scenes[s].samples);
         OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         struct verdict verdict = compare(&test, frame, exact_single, NULL);
@@ -211,7 +211,7 @@ static void test_against_the_light(void **state)
         struct neph_medium *ball = test_add_cloud(&test, NEPH_MEDIUM_GAUSSIAN,
                                                   cases[i].ball_depth / (2.5066282746310002 * 4.0));
         ball->gaussian = (struct neph_gaussian){{0.0, 1.6, -24.0}, 4.0};
-        const struct neph_tracer_params params = params_of(16, 9, 1024);
+        const struct neph_tracer_params params = make_params(16, 9, 1024);
         OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         judge(cases[i].name, compare(&test, frame, exact_single, NULL), 2.0 / 128.0);
     }
@@ -232,7 +232,7 @@ static void test_a_grid_beneath_dark_fog(void **state)
     struct neph_medium *fog = test_add_medium(&test, 16.0 * test.scene.sun.direction.y, 0.0, 0.0);
     fog->albedo = make_grey(0.0);
     fog->bounds = (struct neph_bounds){{-200, 5, -200}, {200, 6, 200}};
-    struct neph_tracer_params params = params_of(16, 9, SAMPLES);
+    struct neph_tracer_params params = make_params(16, 9, SAMPLES);
     params.sun_nodes = 0;
     OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
     struct verdict verdict = compare(&test, frame, exact_single, NULL);
@@ -264,7 +264,7 @@ static void test_a_grid_far_from_the_fog_below(void **state)
     fog->albedo = make_grey(1e-6);
     fog->bounds = (struct neph_bounds){{-1e6, -far_m - 2.0 * thick_m, -1e6},
                                        {1e6, -far_m - thick_m, 1e6}};
-    struct neph_tracer_params params = params_of(16, 9, SAMPLES);
+    struct neph_tracer_params params = make_params(16, 9, SAMPLES);
     params.sun_nodes = 0;
     OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
     judge("grid far from fog", compare(&test, frame, exact_single, NULL),
@@ -308,7 +308,7 @@ static void test_procedural_clouds_against_the_light(void **state)
         thin += neph_medium_optical_depth(&media[m], test.key.position_m, ahead, 0.0, INFINITY);
     media[0].extinction_per_m *= optical_depth / thin;
     media[1].layers[0].extinction_per_m *= optical_depth / thin;
-    const struct neph_tracer_params params = params_of(7, 4, 256);
+    const struct neph_tracer_params params = make_params(7, 4, 256);
     OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
     judge_skewed("Horizon in fog, 16", compare(&test, frame, lit_from_behind, &optical_depth),
                  skewness, params.samples);
@@ -326,7 +326,7 @@ static void test_the_last_bit_decides_little(void **state)
     struct neph_image *frames[2];
     for (int i = 0; i < 2; i++) {
         test.scene.sun.direction = (struct neph_vec3){0.6, 0.8, i == 0 ? 6e-8 : -6e-8};
-        const struct neph_tracer_params params = params_of(48, 27, 16);
+        const struct neph_tracer_params params = make_params(48, 27, 16);
         frames[i] = render(*state, &test, &params, NULL);
     }
     const float *a = neph_image_channel(frames[0], "order1.G");
@@ -371,14 +371,14 @@ static int judge_pair(const char *name, const struct neph_image *a, const struct
 }
 
 /* Media that only attenuate. */
-static void test_without_scattering_the_rest_is_exact(void **state)
+static void test_attenuation_only_is_exact(void **state)
 {
     OWNED(media) struct test_scene test;
     test_scene_build(&test, scene_gaussian);
     test.scene.media[0].extinction_color = (struct neph_rgb){0.3, 1.0, 2.0};
     test_add_box(&test, (struct neph_vec3){-9.0, -1.0, -9.0}, (struct neph_vec3){9.0, 0.5, 9.0});
     test.scene.scattering = NEPH_SCATTERING_NONE;
-    const struct neph_tracer_params params = params_of(32, 18, 8);
+    const struct neph_tracer_params params = make_params(32, 18, 8);
     OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
     const struct verdict v = compare(&test, frame, exact_single, NULL);
     judge("no scattering", v, 0.0);
@@ -399,7 +399,7 @@ static void test_shapes_in_fog_attenuate_exactly(void **state)
             test.scene.media[0].extinction_per_m *= 0.1;
             add_bank(&test, falloffs_per_m[f]);
             test.scene.scattering = NEPH_SCATTERING_NONE;
-            const struct neph_tracer_params params = params_of(32, 18, 8);
+            const struct neph_tracer_params params = make_params(32, 18, 8);
             OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
             snprintf(name, sizeof(name), "shape %zu in fog %zu", s, f);
             judge(name, compare(&test, frame, exact_single, NULL), 0.0);
@@ -410,7 +410,7 @@ static void test_shapes_in_fog_attenuate_exactly(void **state)
 static void judge_by_oracle(struct neph_vulkan *vulkan, const char *name,
                             const struct test_scene *test, int samples)
 {
-    const struct neph_tracer_params params = params_of(16, 9, samples);
+    const struct neph_tracer_params params = make_params(16, 9, samples);
     OWNED(image) struct neph_image *frame = render(vulkan, test, &params, NULL);
     OWNED(image) struct neph_image *truth = test_oracle(&test->scene, 16, 9, 5, samples);
     judge_pair(name, frame, truth, 0.3);
@@ -483,7 +483,7 @@ static void test_no_light_is_no_target_reached(void **state)
     breath->bounds = (struct neph_bounds){{-1.0, 0.6, -4.0}, {1.0, 2.6, -2.0}};
     test.scene.scattering = NEPH_SCATTERING_SINGLE;
     test.scene.sun.irradiance_w_per_m2 = (struct neph_rgb){0.0, 0.0, 0.0};
-    struct neph_tracer_params params = params_of(4, 4, 64);
+    struct neph_tracer_params params = make_params(4, 4, 64);
     params.target_error = 0.1;
     struct neph_tracer_stats stats;
     struct neph_image *frame = NULL;
@@ -506,7 +506,7 @@ static void test_level_rays_stay_in_their_cells(void **state)
         OWNED(media) struct test_scene test;
         build_lit(&test, scene_spikes);
         test.scene.sun.direction = (struct neph_vec3){leanings[i], 1.0, 0.0};
-        const struct neph_tracer_params params = params_of(16, 9, 64);
+        const struct neph_tracer_params params = make_params(16, 9, 64);
         OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         const float *green = neph_image_channel(frame, "G");
         for (size_t p = 0; p < neph_image_pixel_count(frame); p++)
@@ -544,7 +544,7 @@ static void test_clouds_in_the_white_furnace(void **state)
         OWNED(media) struct test_scene test;
         test_scene_build(&test, clouds[s].build);
         heat(&test);
-        const struct neph_tracer_params params = params_of(16, 9, 128);
+        const struct neph_tracer_params params = make_params(16, 9, 128);
         OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         const struct verdict v = compare(&test, frame, one, NULL);
         judge(clouds[s].name, v, 0.3);
@@ -567,7 +567,7 @@ static double half_space(const struct test_scene *test, const struct neph_pixel_
 static void test_the_half_space_is_chandrasekhars(void **state)
 {
     const struct neph_slab_params slab = {40.0, 0.9, {NEPH_PHASE_ISOTROPIC, 0.0}, 0.6, 0, NULL, 0};
-    const struct neph_tracer_params params = params_of(32, 18, 256);
+    const struct neph_tracer_params params = make_params(32, 18, 256);
     struct test_scene test;
     slab_scene(&test, &slab, false, 0.04);
     OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
@@ -591,7 +591,7 @@ static void test_emission_that_is_seen(void **state)
             test.scene.sun.present = false;
             test.scene.scattering = NEPH_SCATTERING_NONE;
         }
-        const struct neph_tracer_params params = params_of(32, 18, 256);
+        const struct neph_tracer_params params = make_params(32, 18, 256);
         OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         const struct verdict v = compare(&test, frame, exact_single, NULL);
         print_message("emission: sum off by %+.1e +- %.1e\n", v.bias, v.bias_error);
@@ -605,8 +605,8 @@ static void test_emission_that_is_seen(void **state)
 
 /* Every pixel within 4.5 standard errors and rounding, and the error below a third of the value:
  * 256 samples, half of them shared out to the media, a few with more weight. */
-static void hold_error(const char *name, const struct neph_image *frame,
-                       const struct test_scene *test)
+static void check_pixel_errors(const char *name, const struct neph_image *frame,
+                               const struct test_scene *test)
 {
     const struct test_rgb radiance = test_layer(frame, NULL),
                           variance = test_layer(frame, "variance");
@@ -641,20 +641,20 @@ static void test_bright_media_in_dark_ones(void **state)
             test.scene.scattering = NEPH_SCATTERING_NONE;
             blob->emission_w_per_m2_sr = (struct neph_rgb){1, 20, 400};
         }
-        const struct neph_tracer_params params = params_of(6, 4, 256);
+        const struct neph_tracer_params params = make_params(6, 4, 256);
         if (kind == 2)
             test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
         OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         test.scene.scattering = kind == 0 ? NEPH_SCATTERING_NONE : NEPH_SCATTERING_SINGLE;
-        hold_error("dark", frame, &test);
+        check_pixel_errors("dark", frame, &test);
     }
 }
 
 /* A frame of 4 x 3 pixels; at least `seen_least` of its 36 values must be above 0. */
-static void hold_to_oracle(struct neph_vulkan *vulkan, const struct test_scene *test,
-                           int seen_least)
+static void compare_with_oracle(struct neph_vulkan *vulkan, const struct test_scene *test,
+                                int seen_least)
 {
-    const struct neph_tracer_params params = params_of(4, 3, 256);
+    const struct neph_tracer_params params = make_params(4, 3, 256);
     OWNED(image) struct neph_image *frame = render(vulkan, test, &params, NULL);
     OWNED(image) struct neph_image *truth = test_oracle(&test->scene, 4, 3, 5, 256);
     const struct test_rgb found_in = test_layer(frame, NULL), truth_in = test_layer(truth, NULL);
@@ -689,7 +689,7 @@ static void test_a_glow_in_dark_clouds(void **state)
         test.scene.media[m].albedo = make_grey(0);
     test.scene.media[test.scene.medium_count - 1].emission_w_per_m2_sr = (struct neph_rgb){1, 20,
                                                                                            400};
-    hold_to_oracle(*state, &test, 18);
+    compare_with_oracle(*state, &test, 18);
 }
 
 /* The sun below a fog without ground: no sunlight arrives, the tables of the guess are dark, and
@@ -703,7 +703,7 @@ static void test_a_guess_without_sunlight(void **state)
     struct neph_medium *fog = test_add_medium(&test, 2e-3, 0.02, 0.0);
     fog->albedo = make_grey(0.5);
     fog->emission_w_per_m2_sr = (struct neph_rgb){4, 2, 1};
-    hold_to_oracle(*state, &test, 36);
+    compare_with_oracle(*state, &test, 36);
 }
 
 /* --- same bits ---------------------------------------------------------------------------- */
@@ -716,7 +716,7 @@ static void dispatches_change_no_bit(void **state, void (*build)(struct test_sce
     } cuts[] = {{1, 0}, {7, 50}, {100, 9}};
     OWNED(media) struct test_scene test;
     build_lit(&test, build);
-    struct neph_tracer_params params = params_of(9, 7, 16);
+    struct neph_tracer_params params = make_params(9, 7, 16);
     struct neph_tracer_stats of_first, stats;
     OWNED(image) struct neph_image *first = render(*state, &test, &params, &of_first);
     for (size_t i = 0; i < COUNT(cuts); i++) {
@@ -742,7 +742,7 @@ static void test_seeds_are_independent(void **state)
 {
     struct test_scene test;
     build_lit(&test, scene_fogs_and_ball);
-    struct neph_tracer_params params = params_of(24, 14, 128);
+    struct neph_tracer_params params = make_params(24, 14, 128);
     OWNED(image) struct neph_image *a = render(*state, &test, &params, NULL);
     params.seed++;
     OWNED(image) struct neph_image *b = render(*state, &test, &params, NULL);
@@ -762,14 +762,14 @@ static void refuses(struct neph_vulkan *vulkan, const struct test_scene *test,
     assert_null(frame);
 }
 
-static void test_a_rest_at_a_checkpoint_changes_no_bit(void **state)
+static void test_a_checkpoint_pause_keeps_the_bits(void **state)
 {
     struct test_scene test;
     build_lit(&test, scene_fogs_and_ball);
     char folder[] = "/tmp/neph-test-XXXXXX";
     assert_non_null(mkdtemp(folder));
     OWNED(memory) char *path = neph_path_join(folder, "sums");
-    struct neph_tracer_params params = params_of(24, 16, 32);
+    struct neph_tracer_params params = make_params(24, 16, 32);
     struct neph_tracer_stats straight_stats, rested_stats;
     OWNED(image) struct neph_image *straight = render(*state, &test, &params, &straight_stats);
     params.checkpoint = path;
@@ -797,7 +797,7 @@ static void test_targets_and_time_limits_stop(void **state)
 {
     struct test_scene test;
     build_lit(&test, scene_fogs_and_ball);
-    struct neph_tracer_params params = params_of(24, 16, 1 << 20);
+    struct neph_tracer_params params = make_params(24, 16, 1 << 20);
     struct neph_tracer_stats stats;
     params.target_error = 0.1;
     neph_image_destroy(render(*state, &test, &params, &stats));
@@ -817,7 +817,7 @@ static void test_all_sizes(void **state)
     struct test_scene test;
     build_lit(&test, scene_fogs_and_ball);
     for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
-        const struct neph_tracer_params params = params_of(sizes[i][0], sizes[i][1], 2);
+        const struct neph_tracer_params params = make_params(sizes[i][0], sizes[i][1], 2);
         struct neph_tracer_stats stats;
         OWNED(image) struct neph_image *frame = render(*state, &test, &params, &stats);
         assert_int_equal(frame->width_px, sizes[i][0]);
@@ -830,7 +830,7 @@ static void test_refusals(void **state)
 {
     OWNED(media) struct test_scene test;
     build_lit(&test, scene_fogs_and_ball);
-    const struct neph_tracer_params good = params_of(4, 4, 8);
+    const struct neph_tracer_params good = make_params(4, 4, 8);
     struct neph_tracer_params bad[] = {good, good, good, good, good};
     bad[0].width_px = 0;
     bad[1].height_px = NEPH_TRACER_SIDE_MAX_PX + 1;
@@ -855,11 +855,11 @@ static void test_refusals(void **state)
 }
 
 /* Must be the last test: the interrupt flag stays set. */
-static void test_interruption_is_heard(void **state)
+static void test_interrupt_stops_the_render(void **state)
 {
     struct test_scene test;
     build_lit(&test, scene_fogs_and_ball);
-    const struct neph_tracer_params params = params_of(8, 8, 1 << 20);
+    const struct neph_tracer_params params = make_params(8, 8, 1 << 20);
     signal(SIGINT, SIG_DFL); /* a background shell ignores it */
     neph_interrupt_install();
     raise(SIGINT);

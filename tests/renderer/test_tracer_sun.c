@@ -46,10 +46,10 @@ static void scene_of_spikes(struct test_scene *test)
     neph_assert_ok(neph_grid_seal(grid, &diag), &diag);
 }
 
-static void build(struct test_scene *test, void (*scene_of)(struct test_scene *))
+static void build(struct test_scene *test, void (*build_scene)(struct test_scene *))
 {
     test_scene_init(test);
-    scene_of(test);
+    build_scene(test);
     test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
 }
 
@@ -120,11 +120,11 @@ static bool has_table(struct neph_vulkan *vulkan, const struct test_scene *test,
            0;
 }
 
-static void judge_tables(struct neph_vulkan *vulkan, void (*scene_of)(struct test_scene *),
+static void judge_tables(struct neph_vulkan *vulkan, void (*build_scene)(struct test_scene *),
                          const int *nodes, size_t count)
 {
     OWNED(media) struct test_scene test;
-    build(&test, scene_of);
+    build(&test, build_scene);
     const int samples = neph_test_by_day(64, 4096);
     OWNED(image) struct neph_image *rays = render(vulkan, &test, 0, 1, samples);
     assert_true(has_table(vulkan, &test, nodes[count - 1]));

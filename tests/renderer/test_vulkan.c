@@ -148,7 +148,7 @@ static void test_device_is_found_by_part_of_its_name(void **state)
     neph_vulkan_destroy(vulkan);
 }
 
-static void test_validation_hears_a_mistake(void **state)
+static void test_validation_reports_a_mistake(void **state)
 {
     struct neph_vulkan *vulkan = test_vulkan_open();
     const VkBufferCreateInfo no_usage = {
@@ -165,7 +165,7 @@ static void test_validation_hears_a_mistake(void **state)
     neph_vulkan_destroy(vulkan);
 }
 
-static void test_validation_hears_a_leak(void **state)
+static void test_validation_reports_a_leak(void **state)
 {
     struct neph_vulkan *vulkan = test_vulkan_open();
     struct neph_buffer leaked = {0};
@@ -183,7 +183,7 @@ static void test_memory_is_counted_as_long_as_it_is_had(void **state)
     struct neph_buffer buffers[2] = {{0}, {0}};
     const uint64_t before = neph_device_memory();
     const size_t sizes_bytes[2] = {3 << 20, 5 << 20};
-    neph_device_memory_watch();
+    neph_device_memory_reset_peak();
     for (int i = 0; i < 2; i++) {
         neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, sizes_bytes[i], "counted",
                                           &buffers[i], &diag),
@@ -193,9 +193,9 @@ static void test_memory_is_counted_as_long_as_it_is_had(void **state)
         neph_buffer_destroy(vulkan, &buffers[i]); /* nothing is freed twice */
     }
     assert_true(neph_device_memory() == before);
-    assert_true(neph_device_memory_most() == before + sizes_bytes[1]);
-    neph_device_memory_watch();
-    assert_true(neph_device_memory_most() == before);
+    assert_true(neph_device_memory_peak() == before + sizes_bytes[1]);
+    neph_device_memory_reset_peak();
+    assert_true(neph_device_memory_peak() == before);
 }
 
 static void test_too_large_a_buffer_is_refused(void **state)
@@ -312,8 +312,8 @@ int main(void)
         cmocka_unit_test(test_no_validation_layer_is_said_with_the_install_line),
         cmocka_unit_test(test_unknown_device_lists_what_there_is),
         cmocka_unit_test(test_device_is_found_by_part_of_its_name),
-        cmocka_unit_test(test_validation_hears_a_mistake),
-        cmocka_unit_test(test_validation_hears_a_leak),
+        cmocka_unit_test(test_validation_reports_a_mistake),
+        cmocka_unit_test(test_validation_reports_a_leak),
         device_test(test_memory_is_counted_as_long_as_it_is_had),
         device_test(test_too_large_a_buffer_is_refused),
         device_test(test_too_many_work_groups_are_refused),

@@ -37,7 +37,7 @@ static enum neph_status load(void *context, struct neph_diag *diag)
 static void assert_scene(const char *name)
 {
     struct loading loading = {.path = neph_format(NEPH_SOURCE_DIR "/scenes/catalog/%s.yaml", name)};
-    assert_every_failure_is_told(name, load, &loading);
+    assert_every_failure_is_reported(name, load, &loading);
     free(loading.path);
 }
 
@@ -55,7 +55,7 @@ static void assert_text(void **state, const char *what, const char *scene)
     neph_assert_ok(
         neph_file_write(scratch_path(state, path, "probe.yaml"), scene, strlen(scene), NULL), NULL);
     struct loading loading = {.path = path};
-    assert_every_failure_is_told(what, load, &loading);
+    assert_every_failure_is_reported(what, load, &loading);
 }
 
 static void test_motion(void **state)
@@ -127,7 +127,7 @@ static void test_voxels(void **state)
     neph_assert_ok(
         neph_file_write(scratch_path(state, path, "probe.yaml"), scene, strlen(scene), NULL), NULL);
     struct loading loading = {.path = path};
-    assert_every_failure_is_told("voxels", load, &loading);
+    assert_every_failure_is_reported("voxels", load, &loading);
 }
 
 static enum neph_status vary(void *context, struct neph_diag *diag)
@@ -150,7 +150,7 @@ static void test_variants(void **state)
     struct neph_scene *scene = NULL;
     neph_assert_ok(
         neph_scene_load(NEPH_SOURCE_DIR "/scenes/catalog/fence_backlit.yaml", &scene, NULL), NULL);
-    assert_every_failure_is_told("a variant", vary, scene);
+    assert_every_failure_is_reported("a variant", vary, scene);
     neph_scene_destroy(scene);
 }
 
@@ -169,7 +169,7 @@ static void test_points(void **state)
     struct neph_scene *scene = NULL;
     neph_assert_ok(neph_scene_load(NEPH_SOURCE_DIR "/scenes/stress/fog_none.yaml", &scene, NULL),
                    NULL);
-    assert_every_failure_is_told("a point", sweep, scene);
+    assert_every_failure_is_reported("a point", sweep, scene);
     neph_scene_destroy(scene);
 }
 
@@ -191,7 +191,7 @@ static void test_volume_files(void **state)
     neph_assert_ok(
         neph_file_write(scratch_path(state, path, "cloud.df3"), volume, sizeof(volume), NULL),
         NULL);
-    assert_every_failure_is_told("a .df3", copy_volume, path);
+    assert_every_failure_is_reported("a .df3", copy_volume, path);
     assert_int_equal(scratch_count(state), 1);
 }
 

@@ -9,7 +9,7 @@
 #include "scenes/media.h"
 
 static const struct neph_bounds unit_box = {{-1, -1, -1}, {1, 1, 1}};
-static struct neph_medium medium_of(enum neph_medium_kind kind, struct neph_bounds bounds)
+static struct neph_medium make_bounded_medium(enum neph_medium_kind kind, struct neph_bounds bounds)
 {
     return (struct neph_medium){.kind = kind,
                                 .bounds = bounds,
@@ -20,7 +20,7 @@ static struct neph_medium medium_of(enum neph_medium_kind kind, struct neph_boun
 
 static struct neph_medium homogeneous(void)
 {
-    struct neph_medium medium = medium_of(NEPH_MEDIUM_HOMOGENEOUS, unit_box);
+    struct neph_medium medium = make_bounded_medium(NEPH_MEDIUM_HOMOGENEOUS, unit_box);
     medium.layer_count = 1;
     medium.layers[0].extinction_per_m = 0.7;
     return medium;
@@ -28,7 +28,7 @@ static struct neph_medium homogeneous(void)
 
 static struct neph_medium blob(void)
 {
-    struct neph_medium medium = medium_of(NEPH_MEDIUM_GAUSSIAN, everywhere);
+    struct neph_medium medium = make_bounded_medium(NEPH_MEDIUM_GAUSSIAN, everywhere);
     medium.extinction_per_m = 2.0;
     medium.gaussian = (struct neph_gaussian){{0.1, -0.2, 0.3}, 0.4};
     return medium;
@@ -120,7 +120,7 @@ static struct neph_vec3 dense_place_in(const struct neph_bounds *box,
 
 /* Other chords of the same kind. 10 %: four standard errors of the rms of this number, from trials
  * with several seeds. */
-static void test_error_is_what_others_find(void **state)
+static void test_error_equals_independent_chords(void **state)
 {
     enum { CHORDS = 20000 };
     const struct neph_bounds box = {{-1.3, -1.2, -1}, {1, 1.1, 1.2}}; /* cuts the blob off */
@@ -153,7 +153,7 @@ static struct neph_medium grid_medium(struct neph_grid **grid)
     for (int n = 0; n < 60; n++)
         (*grid)->values[n] = (float)(n % 7);
     neph_assert_ok(neph_grid_seal(*grid, &diag), &diag);
-    struct neph_medium medium = medium_of(NEPH_MEDIUM_GRID, everywhere);
+    struct neph_medium medium = make_bounded_medium(NEPH_MEDIUM_GRID, everywhere);
     medium.grid = *grid;
     medium.extinction_per_m = 0.5;
     return medium;
@@ -181,7 +181,7 @@ static void test_whole_grids_are_copied(void **state)
     neph_grid_destroy(grid);
 }
 
-static void test_what_cannot_be_baked(void **state)
+static void test_unbakeable_media(void **state)
 {
     const struct neph_medium medium = blob();
     const struct neph_bounds flat = {{0, 0, 0}, {1, 0, 1}};

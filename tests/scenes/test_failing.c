@@ -57,7 +57,7 @@ static void test_a_scene_may_say_nothing(void **state)
     neph_scene_destroy(scene);
 }
 
-static void test_defaults_and_what_is_given(void **state)
+static void test_defaults_and_given_values(void **state)
 {
     struct neph_scene *scene = loaded(state, HEAD BLOCK);
     const struct neph_failing *failing = scene->failing;
@@ -142,7 +142,7 @@ static void test_a_point_out_of_range_is_refused(void **state)
     neph_scene_destroy(scene);
 }
 
-static void test_what_is_wrong_is_named(void **state)
+static void test_errors_are_named(void **state)
 {
     static const struct {
         const char *text;
@@ -195,12 +195,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         scratch_test(test_a_scene_may_say_nothing),
-        scratch_test(test_defaults_and_what_is_given),
+        scratch_test(test_defaults_and_given_values),
         scratch_test(test_the_hash_knows_nothing_of_it),
         scratch_test(test_points_are_the_product_of_the_axes),
         scratch_test(test_steps_and_sizes_can_be_swept),
         scratch_test(test_a_point_out_of_range_is_refused),
-        scratch_test(test_what_is_wrong_is_named),
+        scratch_test(test_errors_are_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -41,7 +41,7 @@ static struct neph_scene *loaded(const char *keys)
     return scene;
 }
 
-static void test_what_is_left_out_is_off(void **state)
+static void test_omitted_controls_are_off(void **state)
 {
     struct neph_scene *scene = loaded("fog_look: {inscattering_w_per_m2_sr: [1, 2, 3]}");
     assert_true(scene->fog_look.present && scene->fog_look.inscattering_w_per_m2_sr.b == 3.0);
@@ -97,22 +97,22 @@ static void test_refusals(void **state)
 
 /* Isotropic scattering is E albedo / (4 pi); a lobe has the mean cosine and the energy of the phase
  * function. */
-static void test_what_physics_has_for_a_look(void **state)
+static void test_physical_values_of_controls(void **state)
 {
     struct neph_scene *scene = loaded("");
     struct neph_medium *medium = &scene->media[0];
-    struct neph_fog_look look = neph_fog_look_of_physics(scene, medium);
+    struct neph_fog_look look = neph_fog_look_from_physics(scene, medium);
     neph_assert_close(look.inscattering_w_per_m2_sr.g, 2.0 / (4.0 * M_PI), 1e-15, 0.0);
     assert_true(look.directional_w_per_m2_sr.g == 0.0);
     medium->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.8};
-    look = neph_fog_look_of_physics(scene, medium);
+    look = neph_fog_look_from_physics(scene, medium);
     const double e = look.directional_exponent;
     neph_assert_close((e + 1.0) / (e + 2.0), 0.8, 1e-14, 0.0);
     neph_assert_close(look.directional_w_per_m2_sr.r * 2.0 * M_PI / (e + 1.0), 3.0, 1e-14, 0.0);
     assert_true(look.inscattering_w_per_m2_sr.r == 0.0);
     medium->albedo = make_grey(0.0);
     medium->emission_w_per_m2_sr = (struct neph_rgb){7, 8, 9};
-    look = neph_fog_look_of_physics(scene, medium);
+    look = neph_fog_look_from_physics(scene, medium);
     assert_true(look.inscattering_w_per_m2_sr.b == 9.0 && look.directional_w_per_m2_sr.b == 0.0);
     neph_scene_destroy(scene);
 }
@@ -120,24 +120,24 @@ static void test_what_physics_has_for_a_look(void **state)
 static void assert_cannot(struct neph_scene *scene, enum neph_fog_model model, const char *words)
 {
     char reason[256] = "";
-    assert_false(neph_fog_look_is_of(scene, model, reason, sizeof(reason)));
+    assert_false(neph_fog_look_can_model(scene, model, reason, sizeof(reason)));
     assert_non_null(strstr(reason, words));
 }
 
-static void test_what_a_look_does_not_know(void **state)
+static void test_unknown_controls(void **state)
 {
     char reason[256];
     struct neph_scene *scene = loaded("fog_look: {inscattering_w_per_m2_sr: [1, 2, 3]}");
     struct neph_medium *medium = &scene->media[0];
-    assert_true(neph_fog_look_is_of(scene, NEPH_FOG_FILAMENT, reason, sizeof(reason)));
+    assert_true(neph_fog_look_can_model(scene, NEPH_FOG_FILAMENT, reason, sizeof(reason)));
     scene->medium_count = 0; /* in a frame that shows the scene without media */
-    assert_true(neph_fog_look_is_of(scene, NEPH_FOG_FILAMENT, reason, sizeof(reason)));
+    assert_true(neph_fog_look_can_model(scene, NEPH_FOG_FILAMENT, reason, sizeof(reason)));
     scene->medium_count = 1;
     scene->light_count = 1;
     assert_cannot(scene, NEPH_FOG_UNREAL, "only the sun");
     scene->light_count = 0;
     medium->layers[medium->layer_count++] = medium->layers[0];
-    assert_true(neph_fog_look_is_of(scene, NEPH_FOG_UNREAL, reason, sizeof(reason)));
+    assert_true(neph_fog_look_can_model(scene, NEPH_FOG_UNREAL, reason, sizeof(reason)));
     assert_cannot(scene, NEPH_FOG_FILAMENT, "second layer");
     medium->extinction_color.g = 0.5;
     assert_cannot(scene, NEPH_FOG_UNREAL, "one opacity");

@@ -104,7 +104,7 @@ static void test_is_never_nonsense(void **state)
                     }
 }
 
-static void test_bound_holds_in_any_box(void **state)
+static void test_bound_is_valid_in_any_box(void **state)
 {
     const uint64_t first_seed = 55;
     double used = 0.0;

@@ -375,7 +375,7 @@ static double largest_corner(const struct neph_grid *grid, const struct neph_bou
     return largest;
 }
 
-static void test_maximum_holds_in_any_box(void **state)
+static void test_maximum_is_valid_in_any_box(void **state)
 {
     const uint64_t first_seed = 31;
     for (uint64_t trial = 0; trial < 500; trial++) {

@@ -721,11 +721,11 @@ static void test_parameters_out_of_range_are_refused(void **state)
     }
 }
 
-static double one_of(uint64_t *random, const double *values, size_t count)
+static double draw_one(uint64_t *random, const double *values, size_t count)
 {
     return values[neph_test_random(random) % count];
 }
-#define ONE_OF(random, values) one_of((random), (values), sizeof(values) / sizeof((values)[0]))
+#define ONE_OF(random, values) draw_one((random), (values), sizeof(values) / sizeof((values)[0]))
 
 /* All allowed parameters give finite values. */
 static void test_extreme_parameters_give_no_nonsense(void **state)

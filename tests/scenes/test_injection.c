@@ -36,7 +36,7 @@ static struct neph_scene *loaded(const char *keys)
     return scene;
 }
 
-static void test_each_is_found_at_its_picture(void **state)
+static void test_each_is_found_at_its_frame(void **state)
 {
     struct neph_scene *scene = loaded(
         "inject:\n"
@@ -74,7 +74,7 @@ static void test_each_is_found_at_its_picture(void **state)
 }
 
 /* Injected values do not change the scene's identity: the truth stays in the store. */
-static void test_the_scene_stays_what_it_is(void **state)
+static void test_the_identity_is_unchanged(void **state)
 {
     static const char *const one_each[] = {
         "history: [{frame: 3, value: nan}]",     "history: [{frame: 3, value: huge}]",
@@ -107,7 +107,7 @@ static void test_the_scene_stays_what_it_is(void **state)
     neph_scene_destroy(plain);
 }
 
-static void test_what_cannot_be_is_refused(void **state)
+static void test_contradictions_are_refused(void **state)
 {
     static const struct {
         const char *keys, *message;

@@ -6,7 +6,7 @@
 
 #include "scenes/scene.h"
 
-static void test_readme_holds_the_keys(void **state)
+static void test_readme_has_the_keys(void **state)
 {
     const struct printed_table table = {NEPH_SOURCE_DIR "/scenes/README.md",
                                         "<!-- written by tests/test_keys --write -->\n",
@@ -37,7 +37,7 @@ static void test_keys_of_media_stand_in_a_kind(void **state)
 int main(int count, char **arguments)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_prestate(test_readme_holds_the_keys, writes_readme(count, arguments)),
+        cmocka_unit_test_prestate(test_readme_has_the_keys, writes_readme(count, arguments)),
         cmocka_unit_test(test_keys_of_media_stand_in_a_kind),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -77,8 +77,8 @@ static void test_shadows_against_brute_force(void **state)
         assert_true(!any || (low_m >= 0.0 && low_m < high_m && high_m <= 9.0));
         for (int p = 0; p < 60; p++) {
             const double t_m = 9.0 * (p + 0.5) / 60;
-            const bool hidden = !neph_scene_sees(&scene, neph_vec3_along(origin_m, direction, t_m),
-                                                 light_m);
+            const bool hidden = !neph_scene_is_visible(
+                &scene, neph_vec3_along(origin_m, direction, t_m), light_m);
             const bool inside = any && t_m > low_m && t_m < high_m;
             const bool at_edge = any && fmin(fabs(t_m - low_m), fabs(t_m - high_m)) < 1e-7;
             hidden_points += hidden;

@@ -133,7 +133,7 @@ static const struct bad {
      "at frame 21"},
 };
 
-static void test_what_is_wrong_is_named(void **state)
+static void test_errors_are_named(void **state)
 {
     for (size_t i = 0; i < sizeof(bad) / sizeof(bad[0]); i++) {
         struct neph_diag diag = {.line = 0};
@@ -267,7 +267,7 @@ static enum neph_status load_volume(const char *file, struct neph_scene **scene,
 }
 
 /* The environment may contain values that must not appear on a screen or in a log. */
-static void test_messages_never_show_what_the_environment_holds(void **state)
+static void test_messages_hide_the_environment(void **state)
 {
     static const char *const files[] = {"$NEPH_TEST_SECRET", "$NEPH_TEST_SECRET/none.df3",
                                         "$NEPH_TEST_SECRET/none.vdb"};
@@ -359,7 +359,7 @@ static void test_defaults_and_units(void **state)
     neph_scene_destroy(scene);
 }
 
-static void hash_of(const char *from, const char *to, char hash[NEPH_HASH_HEX_SIZE])
+static void hash_edited_scene(const char *from, const char *to, char hash[NEPH_HASH_HEX_SIZE])
 {
     struct neph_diag diag = {.line = 0};
     struct neph_scene *scene;
@@ -370,20 +370,20 @@ static void hash_of(const char *from, const char *to, char hash[NEPH_HASH_HEX_SI
     free(text);
 }
 
-static void test_hash_leaves_out_what_renders_nothing(void **state)
+static void test_hash_ignores_unrendered_keys(void **state)
 {
     char base[NEPH_HASH_HEX_SIZE], other[NEPH_HASH_HEX_SIZE];
-    hash_of("name: probe", "name: probe", base);
-    hash_of("title: a probe", "title: another # and a comment", other);
+    hash_edited_scene("name: probe", "name: probe", base);
+    hash_edited_scene("title: a probe", "title: another # and a comment", other);
     assert_string_equal(base, other);
-    hash_of("scattering: single", "scattering: single\ndisplay: {exposure_ev: 3, chain: film.yaml}",
-            other);
+    hash_edited_scene("scattering: single",
+                      "scattering: single\ndisplay: {exposure_ev: 3, chain: film.yaml}", other);
     assert_string_equal(base, other);
 }
 
 /* A single key, and motion without any change, are equal to the static scene: its frames stay
  * valid. */
-static void test_hash_of_what_stands_still(void **state)
+static void test_hash_of_static_scenes(void **state)
 {
     static const char *const same[][2] = {
         {LIGHT, "keys: [{frame: 7, " LIGHT "}]"},
@@ -391,9 +391,9 @@ static void test_hash_of_what_stands_still(void **state)
         {MODE, MODE "frames: {count: 1, rate_hz: 30}\n"},
     };
     char base[NEPH_HASH_HEX_SIZE], other[NEPH_HASH_HEX_SIZE];
-    hash_of("name: probe", "name: probe", base);
+    hash_edited_scene("name: probe", "name: probe", base);
     for (size_t i = 0; i < sizeof(same) / sizeof(same[0]); i++) {
-        hash_of(same[i][0], same[i][1], other);
+        hash_edited_scene(same[i][0], same[i][1], other);
         assert_string_equal(base, other);
     }
 }
@@ -403,7 +403,7 @@ static void test_hash_of_what_stands_still(void **state)
 static void test_hash_of_old_scenes(void **state)
 {
     char base[NEPH_HASH_HEX_SIZE];
-    hash_of("name: probe", "name: probe", base);
+    hash_edited_scene("name: probe", "name: probe", base);
     assert_string_equal(base, "b75e3fb9b2889a6decb8ff4662b5fc1f6a6ae8aa02ab8c1995a8819c13c9aa5a");
 }
 
@@ -584,18 +584,18 @@ static void test_pixels_of_points(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_is_wrong_is_named),
+        cmocka_unit_test(test_errors_are_named),
         cmocka_unit_test(test_media_of_all_kinds),
         cmocka_unit_test(test_a_grid_keeps_to_its_bounds),
         cmocka_unit_test(test_volumes_are_read_and_put_in_place),
         cmocka_unit_test(test_volumes_that_are_not_there),
         cmocka_unit_test(test_defaults_and_units),
-        cmocka_unit_test(test_hash_leaves_out_what_renders_nothing),
-        cmocka_unit_test(test_hash_of_what_stands_still),
+        cmocka_unit_test(test_hash_ignores_unrendered_keys),
+        cmocka_unit_test(test_hash_of_static_scenes),
         cmocka_unit_test(test_hash_of_old_scenes),
         cmocka_unit_test(test_unreal_layers_are_mapped),
         cmocka_unit_test(test_damaged_files_never_crash),
-        cmocka_unit_test(test_messages_never_show_what_the_environment_holds),
+        cmocka_unit_test(test_messages_hide_the_environment),
         scratch_test(test_all_scenes_load),
         cmocka_unit_test(test_camera_rays),
         cmocka_unit_test(test_orthographic_rays),

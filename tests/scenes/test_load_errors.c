@@ -77,7 +77,7 @@ static const struct wrong {
 };
 
 /* The number of lines in `text` that begin with a position in probe.yaml. */
-static int count_of(const char *text)
+static int count_error_lines(const char *text)
 {
     int count = 0;
     for (const char *at = text; (at = strstr(at, "probe.yaml:")); at++)
@@ -116,8 +116,9 @@ static void test_all_errors_are_reported_once(void **state)
             check_error(&wrong[i], wrong[i].errors[count], at);
             at++;
         }
-        if (count_of(all) != count)
-            fail_msg("%s: %d errors, not %d:\n%s", wrong[i].text, count_of(all), count, all);
+        if (count_error_lines(all) != count)
+            fail_msg("%s: %d errors, not %d:\n%s", wrong[i].text, count_error_lines(all), count,
+                     all);
     }
 }
 
@@ -135,7 +136,7 @@ static void test_reading_ends(void **state)
     assert_int_equal(load_as("probe.yaml", text, &scene, &diag), NEPH_ERR_INPUT);
     free(text);
     assert_int_equal(diag.line, 5);
-    assert_true(count_of(diag.more) > 20 && count_of(diag.more) < 32);
+    assert_true(count_error_lines(diag.more) > 20 && count_error_lines(diag.more) < 32);
     assert_non_null(strstr(diag.more, "reading ended after 32 errors, of which "));
     assert_true(strlen(diag.more) < sizeof(diag.more));
 }
@@ -154,7 +155,7 @@ static void test_a_file_of_another_form(void **state)
 }
 
 /* After a single error the list of further errors is empty. */
-static void test_one_error_is_alone(void **state)
+static void test_a_single_error(void **state)
 {
     struct neph_diag diag = {.line = 0};
     struct neph_scene *scene;
@@ -185,7 +186,7 @@ static bool refuse_metrics(const char *metric, char *why, size_t size)
     return strcmp(metric, "known") == 0;
 }
 
-static void test_metrics_of_gates_are_checked_with_the_rest(void **state)
+static void test_metrics_of_gates_are_checked(void **state)
 {
     static const char text[] = START
         "gates:\n"
@@ -199,13 +200,13 @@ static void test_metrics_of_gates_are_checked_with_the_rest(void **state)
     assert_int_equal(neph_scene_load_checked(path, refuse_metrics, &scene, &diag), NEPH_ERR_INPUT);
     assert_string_equal(diag.message, "gates[1].metric: 'other' is no metric");
     assert_int_equal(diag.line, 6);
-    assert_int_equal(count_of(diag.more), 1);
+    assert_int_equal(count_error_lines(diag.more), 1);
     assert_non_null(strstr(diag.more, "probe.yaml:7:20: environment_light"));
 }
 
 /* --- optional keys ---------- */
 
-static void hash_of(const char *name, const char *text, char hash[NEPH_HASH_HEX_SIZE])
+static void hash_scene_text(const char *name, const char *text, char hash[NEPH_HASH_HEX_SIZE])
 {
     struct neph_diag diag = {.line = 0};
     struct neph_scene *scene;
@@ -224,8 +225,8 @@ static void test_a_scene_is_called_like_its_file(void **state)
     assert_string_equal(scene->description, "");
     assert_null(scene->warning);
     neph_scene_destroy(scene);
-    hash_of("my_fog.yaml", START, without);
-    hash_of("my_fog.yaml", "name: my_fog\ndescription: words\n" START, with);
+    hash_scene_text("my_fog.yaml", START, without);
+    hash_scene_text("my_fog.yaml", "name: my_fog\ndescription: words\n" START, with);
     assert_string_equal(with, without);
 }
 
@@ -264,9 +265,9 @@ int main(void)
         cmocka_unit_test(test_all_errors_are_reported_once),
         cmocka_unit_test(test_reading_ends),
         cmocka_unit_test(test_a_file_of_another_form),
-        cmocka_unit_test(test_one_error_is_alone),
+        cmocka_unit_test(test_a_single_error),
         cmocka_unit_test(test_status_of_several),
-        scratch_test(test_metrics_of_gates_are_checked_with_the_rest),
+        scratch_test(test_metrics_of_gates_are_checked),
         cmocka_unit_test(test_a_scene_is_called_like_its_file),
         cmocka_unit_test(test_names_of_files_that_are_none),
         cmocka_unit_test(test_the_older_name_of_description),

@@ -322,7 +322,7 @@ static void assert_refused(const struct neph_bounds *box, int cell_count, const 
     assert_non_null(strstr(diag.message, words));
 }
 
-static void test_what_has_no_majorants(void **state)
+static void test_media_without_majorants(void **state)
 {
     const struct neph_bounds open = {{-1, -INFINITY, -1}, {1, 1, 1}};
     const struct neph_bounds nowhere = {{-1, -1, NAN}, {1, 1, 1}};

@@ -325,7 +325,7 @@ static void check_moments(struct neph_phase phase)
 }
 
 /* Each kind is normalised, has the moments of its row, and -g is the mirror image of g. */
-static void test_phases_are_what_their_rows_say(void **state)
+static void test_phases_match_their_rows(void **state)
 {
     uint64_t seed = 4;
     for (int kind = 0; kind < NEPH_PHASE_KIND_COUNT; kind++) {

@@ -46,7 +46,7 @@ static void test_where_the_sun_is(void **state)
         struct neph_scene *made = relight(scene, &light);
         const struct neph_vec3 sun = made->sun.direction, expected = cases[i].direction;
         assert_true(neph_vec3_length(neph_vec3_sub(sun, expected)) < 1e-12);
-        const struct neph_relight found = neph_relight_of(made);
+        const struct neph_relight found = neph_relight_from_scene(made);
         neph_assert_close(found.sun_elevation_rad, light.sun_elevation_rad, 0.0, 1e-7);
         if (cases[i].elevation_deg < 90)
             neph_assert_close(cos(found.sun_azimuth_rad), cos(light.sun_azimuth_rad), 0.0, 1e-7);
@@ -79,7 +79,7 @@ static void test_a_sun_that_sinks(void **state)
     neph_scene_destroy(scene);
 }
 
-static void test_what_stays_and_what_changes(void **state)
+static void test_changed_and_unchanged_parts(void **state)
 {
     struct neph_scene *scene = load("height_fog_multiple");
     struct neph_scene *same = relight(scene, &as_it_was);

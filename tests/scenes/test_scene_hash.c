@@ -115,14 +115,14 @@ static void walk(struct probe *probe, const yaml_node_t *node, const char *path)
         for (; pair < node->data.mapping.pairs.top; pair++) {
             const char *key = neph_document_text(yaml_document_get_node(yaml, pair->key));
             walk(probe, yaml_document_get_node(yaml, pair->value),
-                 neph_at("%s%s%s", path, *path ? "." : "", key).text);
+                 neph_format_path("%s%s%s", path, *path ? "." : "", key).text);
         }
     } else if (node->type == YAML_SEQUENCE_NODE) {
         const yaml_node_item_t *item = node->data.sequence.items.start;
         for (; item < node->data.sequence.items.top; item++) {
             const yaml_node_t *value = yaml_document_get_node(yaml, *item);
             const bool is_entry = value->type == YAML_MAPPING_NODE;
-            walk(probe, value, neph_at("%s%s", path, is_entry ? "[]" : "").text);
+            walk(probe, value, neph_format_path("%s%s", path, is_entry ? "[]" : "").text);
         }
     } else if (is_hashed(path) && !has_path(probe->seen, path)) {
         if (change(probe, node, path))
@@ -188,7 +188,7 @@ static void check_row(const struct paths *seen, char *row)
             continue;
         const char *last = strrchr(first, '.');
         const int owner = *key == '.' && last ? (int)(last - first) : 0;
-        const struct neph_path path = neph_at("%.*s%s", owner, first, key);
+        const struct neph_path path = neph_format_path("%.*s%s", owner, first, key);
         check_seen(seen, path.text);
         snprintf(first, sizeof(first), "%s", path.text);
     }

@@ -96,12 +96,12 @@ static void test_there_are_no_media_where_they_are_cleared(void **state)
         neph_scene_destroy(still);
     }
     assert_true(neph_scene_moves(scene));
-    assert_false(neph_scene_is_same_moment(scene, 2, 3));
-    assert_true(neph_scene_is_same_moment(scene, 3, 4));
+    assert_false(neph_scene_are_frames_equal(scene, 2, 3));
+    assert_true(neph_scene_are_frames_equal(scene, 3, 4));
     neph_scene_destroy(scene);
 }
 
-static void test_sizes_hold_from_their_picture_on(void **state)
+static void test_sizes_apply_from_their_frame_on(void **state)
 {
     struct neph_scene *scene = load_three(camera, sun,
                                           "frames: {pauses: [{frame: 0, count: 100}],\n"
@@ -129,7 +129,7 @@ static const char cut_camera[] =
     "    - {frame: 8, position_m: [7, 1, 5], look_at_m: [9, 1, 0], cut: true}\n"
     "    - {frame: 12, position_m: [8, 1, 5], look_at_m: [9, 1, 0], cut: false}\n";
 
-static void test_camera_is_held_until_it_cuts(void **state)
+static void test_camera_is_constant_until_it_cuts(void **state)
 {
     struct neph_scene *scene = load_three(cut_camera, sun, "");
     assert_true(neph_scene_camera(scene, -2).position_m.x == 0.1);
@@ -144,7 +144,7 @@ static void test_camera_is_held_until_it_cuts(void **state)
     neph_scene_destroy(scene);
 }
 
-static void test_cuts_lie_behind_the_earlier_picture(void **state)
+static void test_cuts_are_after_the_earlier_frame(void **state)
 {
     struct neph_scene *scene = load_three(cut_camera, sun,
                                           "frames: {pauses: [{frame: 8, count: 10}]}\n");
@@ -383,8 +383,8 @@ static void test_still_solids_are_the_moved_ones(void **state)
     }
     neph_scene_destroy(still);
     assert_vec3(scene->solids[0].center_m, built_m, 0.0, 0.0);
-    assert_false(neph_scene_is_same_moment(scene, 0, 1));
-    assert_true(neph_scene_is_same_moment(scene, 4, 5));
+    assert_false(neph_scene_are_frames_equal(scene, 0, 1));
+    assert_true(neph_scene_are_frames_equal(scene, 4, 5));
     neph_scene_destroy(scene);
 }
 
@@ -396,8 +396,8 @@ static void test_a_point_of_a_solid_is_found_before(void **state)
     const struct neph_placing there = neph_mover_placing(scene, &scene->movers[0], 1);
     const struct neph_vec3 now_m = neph_scene_solid(scene, 0, 3).center_m;
     const struct neph_vec3 then_m = neph_scene_solid(scene, 0, 1).center_m;
-    assert_vec3(neph_placed_before_m(&here, &there, now_m), then_m, 1e-14, 1e-14);
-    assert_vec3(neph_placed_before_m(&there, &here, then_m), now_m, 1e-14, 1e-14);
+    assert_vec3(neph_find_earlier_place_m(&here, &there, now_m), then_m, 1e-14, 1e-14);
+    assert_vec3(neph_find_earlier_place_m(&there, &here, then_m), now_m, 1e-14, 1e-14);
     neph_scene_destroy(scene);
 }
 
@@ -441,7 +441,7 @@ static void test_still_scene_has_no_time_left(void **state)
 }
 
 /* Each kind of key by itself gives another moment, and a pause gives none. */
-static void test_moments_are_told_apart(void **state)
+static void test_different_moments_differ(void **state)
 {
     static const struct {
         const char *camera, *sun, *rest;
@@ -477,7 +477,7 @@ static void test_moments_are_told_apart(void **state)
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct neph_scene *scene = load_three(cases[i].camera, cases[i].sun, cases[i].rest);
-        assert_int_equal(neph_scene_is_same_moment(scene, cases[i].frame_a, cases[i].frame_b),
+        assert_int_equal(neph_scene_are_frames_equal(scene, cases[i].frame_a, cases[i].frame_b),
                          cases[i].same);
         neph_scene_destroy(scene);
     }

@@ -271,7 +271,7 @@ static void test_without_end_everywhere(void **state)
     neph_scene_destroy(scene);
 }
 
-static void test_what_is_refused(void **state)
+static void test_refused_sheets(void **state)
 {
     static const struct {
         const char *media, *words;

@@ -234,7 +234,7 @@ static void test_nothing_below_the_ground(void **state)
 }
 
 /* Boxes around the ground, high up and below, wide and thin. */
-static void test_bound_holds_in_any_box(void **state)
+static void test_bound_is_valid_in_any_box(void **state)
 {
     const uint64_t first_seed = 550;
     double used = 0.0;

@@ -226,11 +226,11 @@ static void test_shadow_interval_against_brute_force(void **state)
             const struct neph_vec3 p = neph_vec3_along(origin, d, t_m);
             const bool expected = hides(&solid, p, sun);
             const bool interval = t_m > low_m && t_m < high_m;
-            if (interval != expected || neph_scene_sees_sun(&scene, p) == expected)
+            if (interval != expected || neph_scene_is_sun_visible(&scene, p) == expected)
                 print_error("seed %llu, t %.17g, shadow [%.17g, %.17g], hidden %d\n",
                             (unsigned long long)(first_seed + trial), t_m, low_m, high_m, expected);
             assert_true(interval == expected);
-            assert_true(neph_scene_sees_sun(&scene, p) == !expected);
+            assert_true(neph_scene_is_sun_visible(&scene, p) == !expected);
             hidden += expected;
             tested++;
         }
@@ -255,8 +255,8 @@ static void test_a_turned_box_is_a_turned_world(void **state)
         const struct neph_vec3 middle_m = neph_vec3_scale(
             neph_vec3_add(box.box.min_m, box.box.max_m), 0.5);
         const struct ray turned = {
-            neph_vec3_add(middle_m, neph_turned(&turn, neph_vec3_sub(view.origin_m, middle_m))),
-            neph_turned(&turn, view.direction)};
+            neph_vec3_add(middle_m, neph_rotate(&turn, neph_vec3_sub(view.origin_m, middle_m))),
+            neph_rotate(&turn, view.direction)};
         struct neph_scene scene = {.solid_count = 1, .solids = &box};
         const struct neph_hit plain = neph_scene_hit(&scene, view.origin_m, view.direction);
         double a0_m, a1_m, b0_m, b1_m;
@@ -264,7 +264,7 @@ static void test_a_turned_box_is_a_turned_world(void **state)
                                               &a0_m, &a1_m);
         box.turn = turn;
         const struct neph_hit hit = neph_scene_hit(&scene, turned.origin_m, turned.direction);
-        const bool shades_too = neph_solid_shadow(&box, neph_turned(&turn, sun), turned.origin_m,
+        const bool shades_too = neph_solid_shadow(&box, neph_rotate(&turn, sun), turned.origin_m,
                                                   turned.direction, 0.0, 20.0, &b0_m, &b1_m);
         if (!plain.solid || !hit.solid || !shades || !shades_too) /* or one that grazes an edge */
             continue;
@@ -272,7 +272,7 @@ static void test_a_turned_box_is_a_turned_world(void **state)
         neph_assert_close(hit.t_m, plain.t_m, 1e-9, 1e-9);
         neph_assert_close(b0_m, a0_m, 1e-6, 1e-6);
         neph_assert_close(b1_m, a1_m, 1e-6, 1e-6);
-        const struct neph_vec3 normal = neph_turned_back(&turn, hit.normal);
+        const struct neph_vec3 normal = neph_rotate_back(&turn, hit.normal);
         neph_assert_close(neph_vec3_dot(normal, plain.normal), 1.0, 1e-12, 0.0);
         const struct neph_vec3 point_m = neph_vec3_along(turned.origin_m, turned.direction,
                                                          hit.t_m);
@@ -338,10 +338,10 @@ static void test_a_lit_face_sees_the_sun(void **state)
     struct neph_solid solid = make_box(-1, -1, -1, 1, 1, 1);
     const struct neph_scene scene = {
         .solid_count = 1, .solids = &solid, .sun = {.present = true, .direction = {0.6, 0.8, 0.0}}};
-    assert_true(neph_scene_sees_sun(&scene, (struct neph_vec3){0.3, 1.0, 0.2}));
-    assert_true(neph_scene_sees_sun(&scene, (struct neph_vec3){1.0, 0.1, 0.2}));
-    assert_false(neph_scene_sees_sun(&scene, (struct neph_vec3){-1.0, 0.1, 0.2}));
-    assert_false(neph_scene_sees_sun(&scene, (struct neph_vec3){0.3, -1.0, 0.2}));
+    assert_true(neph_scene_is_sun_visible(&scene, (struct neph_vec3){0.3, 1.0, 0.2}));
+    assert_true(neph_scene_is_sun_visible(&scene, (struct neph_vec3){1.0, 0.1, 0.2}));
+    assert_false(neph_scene_is_sun_visible(&scene, (struct neph_vec3){-1.0, 0.1, 0.2}));
+    assert_false(neph_scene_is_sun_visible(&scene, (struct neph_vec3){0.3, -1.0, 0.2}));
 }
 
 /* Neither does the sphere of a planet, whose points are rounded to 1e-9 m, under a sun of 0.1
@@ -364,7 +364,7 @@ static void test_a_planet_does_not_shade_its_day(void **state)
         neph_assert_close(hit.t_m, 1.6 / -ray.y, 1e-5, 0.0);
         const struct neph_vec3 point_m = neph_hit_outside_m(&hit,
                                                             neph_vec3_along(eye_m, ray, hit.t_m));
-        assert_true(neph_scene_sees_sun(&scene, point_m));
+        assert_true(neph_scene_is_sun_visible(&scene, point_m));
         const struct neph_vec3 up = {0.3, 0.1, 0.9};
         assert_null(neph_scene_hit(&scene, point_m, neph_vec3_normalize(up)).solid);
     }

@@ -142,7 +142,7 @@ static void test_camera_cuts_once(void **state)
 }
 
 /* The moving scenes of flicker studies move in each of their 256 frames. */
-static void test_what_moves_never_stops(void **state)
+static void test_moving_scenes_never_stop(void **state)
 {
     static const char *const names[] = {"pillars_strafe", "lattice_drift", "veil_tower",
                                         "sun_turns",      "orbit_cloud",   "wires_pan"};
@@ -150,7 +150,7 @@ static void test_what_moves_never_stops(void **state)
         struct neph_scene *scene = load(names[i]);
         assert_int_equal(scene->frame_count, 256);
         for (int frame = 1; frame < scene->frame_count; frame++)
-            assert_false(neph_scene_is_same_moment(scene, frame - 1, frame));
+            assert_false(neph_scene_are_frames_equal(scene, frame - 1, frame));
         neph_scene_destroy(scene);
     }
 }

@@ -89,9 +89,9 @@ static void test_a_pattern_is_painted_on_faces(void **state)
                               0.25 + 0.5 * value, 1e-13, 0.0);
             struct neph_solid turned = box;
             turned.turn = (struct neph_turn){1, cos(turn_rad), sin(turn_rad)};
-            const struct neph_vec3 there_m = neph_turned(&turned.turn, from_m);
+            const struct neph_vec3 there_m = neph_rotate(&turned.turn, from_m);
             neph_assert_close(colour_seen(&turned, neph_vec3_add(middle_m, there_m),
-                                          neph_turned(&turned.turn, d)),
+                                          neph_rotate(&turned.turn, d)),
                               0.25 + 0.5 * value, 1e-13, 0.0);
         }
 }
@@ -169,7 +169,7 @@ static void test_hashes(void **state)
     neph_scene_destroy(plain);
 }
 
-static void test_what_cannot_be_is_refused(void **state)
+static void test_contradictions_are_refused(void **state)
 {
     static const struct {
         const char *scattering, *solid, *keys, *message;

@@ -130,7 +130,7 @@ static void test_optical_depth_adds(void **state)
 }
 
 /* Any box, any point in it; and the bound is as tight as the maximum on a fine grid. */
-static void test_bound_holds_in_any_box(void **state)
+static void test_bound_is_valid_in_any_box(void **state)
 {
     double used = 0.0;
     for (uint64_t n = 0; n < 1000; n++) {
@@ -149,7 +149,7 @@ static void test_bound_holds_in_any_box(void **state)
     assert_true(neph_medium_extinction_bound_per_m(&medium, &room) == 0.0);
 }
 
-static void test_support_holds_all_of_it(void **state)
+static void test_support_contains_the_density(void **state)
 {
     const struct neph_medium medium = make_tent(1.0, ozone);
     double lost;

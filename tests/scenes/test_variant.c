@@ -27,7 +27,7 @@ static struct neph_scene *make(const struct neph_scene *scene, enum neph_variant
 
 static const char wind_cloud[] = NEPH_SOURCE_DIR "/scenes/stress/wind_cloud.yaml";
 
-static double irradiance_of(const struct neph_scene *scene, double frame)
+static double read_sun_irradiance(const struct neph_scene *scene, double frame)
 {
     return neph_scene_sun(scene, frame).irradiance_w_per_m2.g;
 }
@@ -42,9 +42,9 @@ static void test_sun_step(void **state)
     assert_non_null(strstr(made->title, "from frame 40"));
     assert_string_not_equal(made->hash, scene->hash);
     assert_int_equal(made->frame_count, 100);
-    const double before = irradiance_of(scene, 0);
+    const double before = read_sun_irradiance(scene, 0);
     for (int frame = 0; frame < 100; frame++)
-        assert_true(irradiance_of(made, frame) == (frame < 40 ? 1.0 : 4.0) * before);
+        assert_true(read_sun_irradiance(made, frame) == (frame < 40 ? 1.0 : 4.0) * before);
     neph_scene_destroy(made);
     neph_scene_destroy(scene);
 }
@@ -58,8 +58,8 @@ static void test_sun_sine(void **state)
         const double expected = 1.0 + 0.3 * (sin(2.0 * M_PI * frame / 16.0) +
                                              sin(2.0 * M_PI * frame / 32.0) +
                                              sin(2.0 * M_PI * frame / 64.0));
-        neph_assert_close(irradiance_of(made, frame), expected * irradiance_of(scene, 0), 1e-12,
-                          0.0);
+        neph_assert_close(read_sun_irradiance(made, frame),
+                          expected * read_sun_irradiance(scene, 0), 1e-12, 0.0);
         least = fmin(least, expected);
     }
     assert_true(least > 0.1);
@@ -90,7 +90,7 @@ static void test_camera_cut(void **state)
 
 /* Wind and media are the scene's. A static copy borrows from the variant, and the variant from the
  * scene. */
-static void test_the_rest_is_as_it_was(void **state)
+static void test_other_parts_are_unchanged(void **state)
 {
     struct neph_scene *scene = load(wind_cloud), *still = NULL;
     struct neph_scene *made = make(scene, NEPH_VARIANT_SUN_STEP, 20, 64);
@@ -290,7 +290,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sun_step),           cmocka_unit_test(test_sun_sine),
-        cmocka_unit_test(test_camera_cut),         cmocka_unit_test(test_the_rest_is_as_it_was),
+        cmocka_unit_test(test_camera_cut),         cmocka_unit_test(test_other_parts_are_unchanged),
         cmocka_unit_test(test_obstacles),          cmocka_unit_test(test_frames_out_of_range),
         scratch_test(test_time_that_stands_still), scratch_test(test_files_of_the_catalogue),
         scratch_test(test_files_of_all_styles),    scratch_test(test_volumes_are_found),

@@ -353,7 +353,7 @@ static void test_index_boxes(void **state)
     neph_grid_destroy(grid);
 }
 
-static void test_grids_of_one_name_are_told_apart(void **state)
+static void test_grids_with_equal_names(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     struct neph_grid *grid = read_grid(scratch_path(state, path, "two_of_one_name.vdb"),
@@ -677,7 +677,7 @@ int main(void)
         samples_test(test_active_zeros_do_not_count),
         samples_test(test_stray_voxels_have_a_way_out),
         samples_test(test_index_boxes),
-        samples_test(test_grids_of_one_name_are_told_apart),
+        samples_test(test_grids_with_equal_names),
         samples_test(test_damaged_files),
         cmocka_unit_test(test_disney_cloud),
     };

@@ -128,7 +128,7 @@ static void plain_source(double t_m, void *context, double value[3])
     struct neph_rgb sum = {0, 0, 0};
     for (int l = 0; l < scene->light_count; l++) {
         const struct neph_lit lit = neph_light_at(&scene->lights[l], point_m);
-        if (!neph_scene_sees(scene, point_m, scene->lights[l].position_m))
+        if (!neph_scene_is_visible(scene, point_m, scene->lights[l].position_m))
             continue;
         const struct neph_rgb depth = neph_rgb_add(
             neph_scene_optical_depth(scene, plain->origin_m, plain->direction, 0.0, t_m),
@@ -259,8 +259,8 @@ static void test_a_light_on_the_ray_in_the_fog_has_no_value(void **state)
         scene->lights[0].inner_cosine = 0.9;
         scene->lights[0].outer_cosine = 0.8;
         const struct neph_camera camera = neph_scene_camera(scene, 0.0);
-        struct neph_lamp_peak peak;
-        assert_int_equal(neph_find_lamp_peak(scene, &camera, 15, 9, &peak), cases[i].is_infinite);
+        struct neph_light_peak peak;
+        assert_int_equal(neph_find_light_peak(scene, &camera, 15, 9, &peak), cases[i].is_infinite);
         const double found =
             neph_transport_ray(scene, test.key.position_m, (struct neph_vec3){0, 0, -1}).volume.r;
         assert_int_equal(isinf(found), cases[i].is_infinite);
@@ -388,10 +388,10 @@ static struct line random_line(const struct neph_scene *scene, struct neph_vec3 
     const struct neph_vec3 at_m = neph_vec3_scale(out, 2.0), inward = neph_vec3_scale(out, -1.0);
     struct line line = {.direction = neph_cosine_sample(inward, random)};
     if (neph_random_uniform(random) < 0.5)
-        line.direction = neph_lamp_direction_draw(scene, at_m, random);
+        line.direction = neph_light_direction_sample(scene, at_m, random);
     const double wanted = fmax(0.0, neph_vec3_dot(line.direction, inward)) / M_PI;
     line.weight = wanted /
-                  (0.5 * wanted + 0.5 * neph_lamp_direction_per_sr(scene, at_m, line.direction));
+                  (0.5 * wanted + 0.5 * neph_light_direction_per_sr(scene, at_m, line.direction));
     return line;
 }
 

@@ -96,25 +96,25 @@ static void add(struct moments *moments, double x)
     moments->count++;
 }
 
-static double mean_of(const struct moments *m)
+static double moments_mean(const struct moments *m)
 {
     return m->sum / m->count;
 }
 
-static double variance_of(const struct moments *m)
+static double moments_variance(const struct moments *m)
 {
     return (m->squares - m->sum * m->sum / m->count) / (m->count - 1);
 }
 
-static double skewness_of(const struct moments *m)
+static double moments_skewness(const struct moments *m)
 {
-    const double mean = mean_of(m), deviation = sqrt(variance_of(m));
+    const double mean = moments_mean(m), deviation = sqrt(moments_variance(m));
     const double third = m->cubes / m->count - 3.0 * mean * m->squares / m->count +
                          2.0 * mean * mean * mean;
     return third / (deviation * deviation * deviation);
 }
 
-static double channel_of(struct neph_rgb rgb, int channel)
+static double rgb_component(struct neph_rgb rgb, int channel)
 {
     return channel == 0 ? rgb.r : channel == 1 ? rgb.g : rgb.b;
 }
@@ -122,7 +122,7 @@ static double channel_of(struct neph_rgb rgb, int channel)
 static void hold_scores(const char *what, int channel, const struct moments *scores,
                         double skewness)
 {
-    const double mean = mean_of(scores), variance = variance_of(scores);
+    const double mean = moments_mean(scores), variance = moments_variance(scores);
     const double mean_allowed = sigmas / sqrt(scores->count) +
                                 0.5 * fabs(skewness) / sqrt((double)PATHS);
     const double variance_allowed = sigmas * sqrt(2.0 / scores->count) +
@@ -158,10 +158,11 @@ static void test_samples_know_their_error(void **state)
                 const struct neph_rgb light =
                     neph_path_trace(&scene, tracker, &view, &flight, &random, &cost).volume;
                 for (int j = 0; j < 3; j++)
-                    add(&own[j], channel_of(light, j) / channel_of(exact, j));
+                    add(&own[j], rgb_component(light, j) / rgb_component(exact, j));
             }
             for (int j = 0; j < 3; j++) {
-                add(&scores[j], (mean_of(&own[j]) - 1.0) / sqrt(variance_of(&own[j]) / PATHS));
+                add(&scores[j],
+                    (moments_mean(&own[j]) - 1.0) / sqrt(moments_variance(&own[j]) / PATHS));
                 paths[j].sum += own[j].sum;
                 paths[j].squares += own[j].squares;
                 paths[j].cubes += own[j].cubes;
@@ -170,7 +171,7 @@ static void test_samples_know_their_error(void **state)
         }
         neph_tracker_destroy(tracker);
         for (int j = 0; j < 3; j++)
-            hold_scores(cases[i].what, j, &scores[j], skewness_of(&paths[j]));
+            hold_scores(cases[i].what, j, &scores[j], moments_skewness(&paths[j]));
     }
 }
 

@@ -30,7 +30,7 @@ static struct neph_medium plate(double extinction_per_m, double z0_m, double len
     return medium;
 }
 
-static double channel_of(struct neph_rgb rgb, int channel)
+static double rgb_component(struct neph_rgb rgb, int channel)
 {
     return channel == 0 ? rgb.r : channel == 1 ? rgb.g : rgb.b;
 }
@@ -52,14 +52,14 @@ static void hold(const char *what, const struct neph_scene *scene, struct neph_v
         const struct neph_path_light light = neph_path_trace(scene, tracker, &view, &flight,
                                                              &random, &cost);
         for (int j = 0; j < 3; j++) {
-            const double value = channel_of(light.volume, j);
+            const double value = rgb_component(light.volume, j);
             sum[j] += value;
             squares[j] += value * value;
         }
     }
     neph_tracker_destroy(tracker);
     for (int j = 0; j < 3; j++) {
-        const double mean = sum[j] / PATHS, truth = channel_of(expected, j);
+        const double mean = sum[j] / PATHS, truth = rgb_component(expected, j);
         const double error = sqrt(fmax(0.0, squares[j] / PATHS - mean * mean) / (PATHS - 1));
         if (!(fabs(mean - truth) <= sigmas * error + 1e-12 * truth && error <= 0.2 * truth))
             fail_msg("%s, channel %d: %g +- %g, expected %g", what, j, mean, error, truth);

@@ -18,7 +18,7 @@ static const struct neph_vec3 ahead = {0, 0, -1};
 static const struct neph_vec3 eye_m = {0.3, 0.1, 40};
 static const struct neph_vec3 half_m = {1, 1, 1}; /* of a cube */
 
-static double channel_of(struct neph_rgb rgb, int channel)
+static double rgb_component(struct neph_rgb rgb, int channel)
 {
     return channel == 0 ? rgb.r : channel == 1 ? rgb.g : rgb.b;
 }
@@ -75,12 +75,12 @@ static void test_one_plate(void **state)
             const struct neph_ray_light light = neph_transport_ray(&scene, eye_m, ahead);
             for (int j = 0; j < 3; j++) {
                 const double depth = 2.0 * extinction_per_m * (j == 0 ? 0.5 : j);
-                const double expected = (1.0 - channel_of(albedo, j)) * channel_of(emission, j) *
-                                        -expm1(-depth);
+                const double expected = (1.0 - rgb_component(albedo, j)) *
+                                        rgb_component(emission, j) * -expm1(-depth);
                 /* Roundings of the length, 2 m as the difference of 40 and 38, and of the remaining
                  * factors. */
-                neph_assert_close(channel_of(light.radiance, j), expected, 1e-14, 0.0);
-                neph_assert_close(channel_of(light.volume, j), expected, 1e-14, 0.0);
+                neph_assert_close(rgb_component(light.radiance, j), expected, 1e-14, 0.0);
+                neph_assert_close(rgb_component(light.volume, j), expected, 1e-14, 0.0);
             }
         }
 }
@@ -169,11 +169,11 @@ static double brute_force(const struct neph_scene *scene, struct neph_vec3 origi
         double extinction = 0.0, emitted = 0.0;
         for (int m = 0; m < scene->medium_count; m++) {
             const struct neph_medium *medium = &scene->media[m];
-            const double own = step_m * channel_of(medium->extinction_color, channel) *
+            const double own = step_m * rgb_component(medium->extinction_color, channel) *
                                neph_medium_extinction_per_m(medium, p);
             extinction += own;
-            emitted += own * (1.0 - channel_of(medium->albedo, channel)) *
-                       channel_of(medium->emission_w_per_m2_sr, channel);
+            emitted += own * (1.0 - rgb_component(medium->albedo, channel)) *
+                       rgb_component(medium->emission_w_per_m2_sr, channel);
         }
         sum += emitted * exp(-depth - 0.5 * extinction);
         depth += extinction;
@@ -198,9 +198,10 @@ static void test_random_scenes_against_brute_force(void **state)
         const struct neph_ray_light light = neph_transport_ray(&scene, from_m, ahead);
         for (int j = 0; j < 3; j++) {
             const double summed = brute_force(&scene, from_m, ahead, 30.0, j);
-            if (!(fabs(summed - channel_of(light.volume, j)) <= 6.0 * 5.0 * 2.0 * M_E * 30.0 / 2e4))
+            if (!(fabs(summed - rgb_component(light.volume, j)) <=
+                  6.0 * 5.0 * 2.0 * M_E * 30.0 / 2e4))
                 print_error("seed %llu\n", (unsigned long long)start);
-            neph_assert_close(channel_of(light.volume, j), summed, 0.0,
+            neph_assert_close(rgb_component(light.volume, j), summed, 0.0,
                               6.0 * 5.0 * 2.0 * M_E * 30.0 / 2e4);
         }
     }
@@ -251,8 +252,8 @@ static void assert_estimate(const struct estimate *found, struct neph_rgb expect
                             uint64_t seed)
 {
     for (int j = 0; j < 3; j++) {
-        const double mean = channel_of(found->mean, j), error = channel_of(found->error, j);
-        const double truth = channel_of(expected, j);
+        const double mean = rgb_component(found->mean, j), error = rgb_component(found->error, j);
+        const double truth = rgb_component(expected, j);
         if (!(fabs(mean - truth) <= sigmas * error + 1e-12 * truth))
             print_error("seed %llu, channel %d\n", (unsigned long long)seed, j);
         neph_assert_close(mean, truth, 1e-12, sigmas * error);
@@ -357,10 +358,10 @@ static void test_halves_of_the_furnace(void **state)
     const struct estimate emitted = estimate(&dark, from_m, ahead, 40000, true);
     const struct estimate left = estimate(&cold, from_m, ahead, 40000, true);
     for (int j = 0; j < 3; j++) {
-        const double error = hypot(channel_of(emitted.error, j), channel_of(left.error, j));
-        const double sum = channel_of(emitted.mean, j) + channel_of(left.mean, j);
-        assert_true(channel_of(emitted.mean, j) > 0.1);
-        assert_true(channel_of(left.mean, j) > 0.02);
+        const double error = hypot(rgb_component(emitted.error, j), rgb_component(left.error, j));
+        const double sum = rgb_component(emitted.mean, j) + rgb_component(left.mean, j);
+        assert_true(rgb_component(emitted.mean, j) > 0.1);
+        assert_true(rgb_component(left.mean, j) > 0.02);
         assert_true(error < neph_test_noise(0.02)); /* the test can fail */
         neph_assert_close(sum, 1.0 + j, 0.0, sigmas * error);
     }

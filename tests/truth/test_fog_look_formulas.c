@@ -24,7 +24,7 @@ static struct neph_fog_look plain_look(void)
 {
     const struct neph_fog_look all_off = {
         .present = true, .inscattering_w_per_m2_sr = {0.5, 0.6, 0.7}, .directional_exponent = 4.0};
-    return neph_fog_look_only(&all_off, 0);
+    return neph_fog_look_mask_controls(&all_off, 0);
 }
 
 /* With Unreal's values, one layer each. */
@@ -82,7 +82,8 @@ static struct neph_fog_look some_look(uint64_t *seed)
         .directional_exponent = neph_test_uniform(seed, 0, 64),
         .directional_start_m = neph_test_uniform(seed, 0, 100),
     };
-    return neph_fog_look_only(&full, (unsigned)neph_test_random(seed) & NEPH_FOG_CONTROLS_ALL);
+    return neph_fog_look_mask_controls(&full,
+                                       (unsigned)neph_test_random(seed) & NEPH_FOG_CONTROLS_ALL);
 }
 
 /* ---- the engines' formulas, in their own units and order ------------------------------------- */
@@ -207,7 +208,7 @@ static struct neph_scene some_fog(int trial, uint64_t *seed, bool two_layers, st
     return scene;
 }
 
-static void test_unreal_is_what_its_listing_says(void **state)
+static void test_unreal_equals_its_listing(void **state)
 {
     double worst = 0.0;
     for (int trial = 0; trial < neph_test_paths(20000); trial++) {
@@ -219,7 +220,7 @@ static void test_unreal_is_what_its_listing_says(void **state)
     printf("Unreal's listing: off by %.1e at most\n", worst);
 }
 
-static void test_filament_is_what_its_shader_says(void **state)
+static void test_filament_equals_its_shader(void **state)
 {
     double worst = 0.0;
     for (int trial = 0; trial < neph_test_paths(20000); trial++) {
@@ -242,7 +243,7 @@ static void test_density_is_unreals(void **state)
                                            neph_test_uniform(&seed, 0, 2),
                                            neph_test_uniform(&seed, -100, 100)};
         const struct neph_fog_layer layer = neph_fog_layer_from_unreal(&ui);
-        const struct neph_unreal_layer unreal = neph_unreal_layer_of(&layer);
+        const struct neph_unreal_layer unreal = neph_unreal_layer_from_fog(&layer);
         const double y_m = neph_test_uniform(&seed, -500, 500);
         const double exponent = ui.fog_height_falloff / 1000 * 100 * (y_m - ui.fog_height_m);
         const double per_cm = ui.fog_density / 1000 * pow(2.0, -fmax(-127.0, exponent));
@@ -389,7 +390,7 @@ static void assert_finite(const struct neph_fog_look_light *fog)
 }
 
 /* rsqrt(0), with and without an observer elsewhere. */
-static void test_nothing_lies_before_what_is_at_the_camera(void **state)
+static void test_no_fog_at_the_camera(void **state)
 {
     for (int model = 0; model < NEPH_FOG_MODEL_COUNT; model++) {
         struct neph_scene scene = foggy(10.0, 2.0, 1000.0); /* 2^127 d is infinite as a float */
@@ -455,7 +456,7 @@ static void test_controls_are_switched_one_by_one(void **state)
         values[0] = 0.5;
     }
     for (unsigned c = 0; c < NEPH_FOG_CONTROL_COUNT; c++) {
-        const struct neph_fog_look one = neph_fog_look_only(&full, 1u << c);
+        const struct neph_fog_look one = neph_fog_look_mask_controls(&full, 1u << c);
         for (int other = 0; other < NEPH_FOG_CONTROL_COUNT; other++)
             assert_int_equal(neph_fog_control_is_on(&one, (enum neph_fog_control)other),
                              (unsigned)other == c);

@@ -56,7 +56,7 @@ static void make_stage(struct stage *stage, enum neph_scattering scattering)
     stage->scene.media[1].albedo = make_grey(0.9);
 }
 
-static struct neph_oracle_params params_of(int width_px, int height_px, int samples)
+static struct neph_oracle_params make_oracle_params(int width_px, int height_px, int samples)
 {
     return (struct neph_oracle_params){.width_px = width_px,
                                        .height_px = height_px,
@@ -123,7 +123,7 @@ static void test_reported_noise_is_true(void **state)
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_SINGLE);
     stage.scene.media[0].extinction_color = white;
-    const struct neph_oracle_params params = params_of(WIDTH, HEIGHT, SAMPLES);
+    const struct neph_oracle_params params = make_oracle_params(WIDTH, HEIGHT, SAMPLES);
     struct neph_image *frame = render(&stage.scene, &params, NULL);
     double *truth = test_malloc(WIDTH * HEIGHT * sizeof(*truth));
     const struct neph_camera camera = neph_scene_camera(&stage.scene, 0.0);
@@ -150,7 +150,7 @@ static void test_two_seeds_differ_by_their_noise(void **state)
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_MULTIPLE);
     stage.scene.environment_light = true;
-    struct neph_oracle_params params = params_of(WIDTH, HEIGHT, SAMPLES);
+    struct neph_oracle_params params = make_oracle_params(WIDTH, HEIGHT, SAMPLES);
     struct neph_image *a = render(&stage.scene, &params, NULL);
     params.seed = 4;
     struct neph_image *b = render(&stage.scene, &params, NULL);
@@ -182,7 +182,7 @@ static void test_layers(void **state)
     enum { WIDTH = 32, HEIGHT = 18 };
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_SINGLE);
-    const struct neph_oracle_params params = params_of(WIDTH, HEIGHT, 64);
+    const struct neph_oracle_params params = make_oracle_params(WIDTH, HEIGHT, 64);
     struct neph_oracle_stats stats;
     struct neph_image *single = render(&stage.scene, &params, &stats);
     assert_int_equal(stats.samples, 64);
@@ -243,7 +243,7 @@ static void test_white_furnace_frame(void **state)
     stage.scene.media[0].albedo = stage.scene.media[1].albedo = white;
     stage.scene.media[0].extinction_color = white;
     stage.scene.media[0].layers[0].extinction_per_m = 20.0;
-    const struct neph_oracle_params params = params_of(32, 18, 16);
+    const struct neph_oracle_params params = make_oracle_params(32, 18, 16);
     struct neph_image *frame = render(&stage.scene, &params, NULL);
     for (size_t i = 0; i < neph_image_pixel_count(frame); i++)
         /* A roulette that starts below 0.05 may lose or add a path that enters by the surface. */
@@ -258,7 +258,7 @@ static void test_threads_change_no_bit(void **state)
 {
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_MULTIPLE);
-    const struct neph_oracle_params params = params_of(24, 20, 20);
+    const struct neph_oracle_params params = make_oracle_params(24, 20, 20);
     struct neph_image *together = render(&stage.scene, &params, NULL);
     cpu_set_t before, one;
     assert_int_equal(sched_getaffinity(0, sizeof(before), &before), 0);
@@ -281,7 +281,7 @@ static void test_resumed_render_has_the_same_bits(void **state)
     scratch_path(state, path, "sums");
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_MULTIPLE);
-    struct neph_oracle_params params = params_of(20, 11, 50);
+    struct neph_oracle_params params = make_oracle_params(20, 11, 50);
     struct neph_oracle_stats whole_stats, stats;
     struct neph_image *whole = render(&stage.scene, &params, &whole_stats);
     params.checkpoint = path;
@@ -318,7 +318,7 @@ static void test_foreign_and_damaged_checkpoints_are_refused(void **state)
     scratch_path(state, path, "sums");
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_SINGLE);
-    struct neph_oracle_params params = params_of(8, 6, 4);
+    struct neph_oracle_params params = make_oracle_params(8, 6, 4);
     params.checkpoint = path;
     neph_image_destroy(render(&stage.scene, &params, NULL));
     struct neph_oracle_params other = params;
@@ -352,7 +352,7 @@ static void test_target_and_limit(void **state)
 {
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_SINGLE);
-    struct neph_oracle_params params = params_of(16, 9, 4096);
+    struct neph_oracle_params params = make_oracle_params(16, 9, 4096);
     params.target_error = 0.05;
     struct neph_oracle_stats stats;
     neph_image_destroy(render(&stage.scene, &params, &stats));
@@ -361,30 +361,30 @@ static void test_target_and_limit(void **state)
     params.target_error = 0.025; /* four times the samples, within the noise of the estimate */
     neph_image_destroy(render(&stage.scene, &params, &stats));
     assert_true(stats.error <= 0.025 && stats.samples > 2 * samples);
-    params = params_of(64, 36, 1 << 30);
+    params = make_oracle_params(64, 36, 1 << 30);
     params.time_limit_s = 0.2;
     neph_image_destroy(render(&stage.scene, &params, &stats));
     assert_true(stats.samples >= 2 && stats.samples < 1 << 30);
 }
 
-static void test_what_is_refused(void **state)
+static void test_refused_scenes(void **state)
 {
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_MULTIPLE);
-    struct neph_oracle_params params = params_of(8, 8, 1);
+    struct neph_oracle_params params = make_oracle_params(8, 8, 1);
     assert_refused(&stage.scene, &params, NEPH_ERR_USAGE, "samples");
-    params = params_of(0, 8, 2);
+    params = make_oracle_params(0, 8, 2);
     assert_refused(&stage.scene, &params, NEPH_ERR_USAGE, "pixels");
-    params = params_of(8, 8, 2);
+    params = make_oracle_params(8, 8, 2);
     params.target_error = NAN;
     assert_refused(&stage.scene, &params, NEPH_ERR_USAGE, "target");
-    params = params_of(8, 8, 2);
+    params = make_oracle_params(8, 8, 2);
     params.time_limit_s = 0.0;
     assert_refused(&stage.scene, &params, NEPH_ERR_USAGE, "time limit");
 
     /* White fog without a ground. */
     char reason[200] = "";
-    params = params_of(8, 8, 2);
+    params = make_oracle_params(8, 8, 2);
     assert_true(neph_oracle_can_render(&stage.scene, reason, sizeof(reason)));
     stage.scene.media[1].albedo = (struct neph_rgb){0.5, 1, 0.5};
     assert_true(neph_oracle_can_render(&stage.scene, reason, sizeof(reason)));
@@ -410,7 +410,7 @@ static void test_interrupted_render_is_resumed(void **state)
     scratch_path(state, path, "sums");
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_MULTIPLE);
-    struct neph_oracle_params params = params_of(40, 22, 400000);
+    struct neph_oracle_params params = make_oracle_params(40, 22, 400000);
     params.checkpoint = path;
     const pid_t child = fork();
     assert_true(child >= 0);
@@ -457,7 +457,7 @@ static void test_parallel_rays(void **state)
     stage.scene.media[0] = make_homogeneous(0.5, (struct neph_bounds){{-50, 3, -50}, {50, 4, 50}});
     stage.solids[0] = make_sphere(0, 0, 0, 2);
     stage.scene.solid_count = 1;
-    const struct neph_oracle_params params = params_of(WIDTH, HEIGHT, 2);
+    const struct neph_oracle_params params = make_oracle_params(WIDTH, HEIGHT, 2);
     struct neph_image *frame = render(&stage.scene, &params, NULL);
     const float *transmittance = neph_image_channel(frame, "transmittance.G");
     const float *depth_m = neph_image_channel(frame, "Z");
@@ -486,7 +486,7 @@ int main(void)
         scratch_test(test_resumed_render_has_the_same_bits),
         scratch_test(test_foreign_and_damaged_checkpoints_are_refused),
         cmocka_unit_test(test_target_and_limit),
-        cmocka_unit_test(test_what_is_refused),
+        cmocka_unit_test(test_refused_scenes),
         scratch_test(test_interrupted_render_is_resumed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

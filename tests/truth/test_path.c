@@ -167,7 +167,7 @@ static struct neph_scene one_channel(const struct neph_scene *scene, int channel
     return grey;
 }
 
-static double channel_of(struct neph_rgb rgb, int channel)
+static double rgb_component(struct neph_rgb rgb, int channel)
 {
     return channel == 0 ? rgb.r : channel == 1 ? rgb.g : rgb.b;
 }
@@ -200,17 +200,17 @@ static double brute_force(const struct neph_scene *grey, const struct line *line
             const struct neph_medium *medium = &grey->media[m];
             const double own_per_m = neph_medium_extinction_per_m(medium, p);
             extinction_per_m += own_per_m;
-            scattered += own_per_m * channel_of(medium->albedo, channel) *
+            scattered += own_per_m * rgb_component(medium->albedo, channel) *
                          neph_phase_per_sr(&medium->phase, cosine);
         }
         depth += 0.5 * extinction_per_m * step_m;
-        if (scattered > 0.0 && depth < 40.0 && neph_scene_sees_sun(grey, p))
+        if (scattered > 0.0 && depth < 40.0 && neph_scene_is_sun_visible(grey, p))
             sum += scattered * step_m *
                    exp(-depth -
                        neph_scene_optical_depth(grey, p, grey->sun.direction, 0.0, INFINITY).r);
         depth += 0.5 * extinction_per_m * step_m;
     }
-    return sum * channel_of(grey->sun.irradiance_w_per_m2, channel);
+    return sum * rgb_component(grey->sun.irradiance_w_per_m2, channel);
 }
 
 /* `error`: of brute force twice the difference to half as many steps, a bound for a rule of second
@@ -230,12 +230,13 @@ static struct truth single_scattering(const struct neph_scene *scene, const stru
     if (all_fogs) {
         const struct neph_ray_light light = neph_transport_ray(&grey, line->origin_m,
                                                                line->direction);
-        return (struct truth){channel_of(light.radiance, channel), light.quadrature_error};
+        return (struct truth){rgb_component(light.radiance, channel), light.quadrature_error};
     }
     const struct neph_view view = neph_view_create(&grey, line->origin_m, line->direction);
     const double fine = brute_force(&grey, line, channel, BRUTE_STEPS);
     const double coarse = brute_force(&grey, line, channel, BRUTE_STEPS / 2);
-    return (struct truth){channel_of(view.unscattered, channel) + fine, 2.0 * fabs(fine - coarse)};
+    return (struct truth){rgb_component(view.unscattered, channel) + fine,
+                          2.0 * fabs(fine - coarse)};
 }
 
 static void check_line(const char *name, const struct neph_scene *scene, const struct line *line,

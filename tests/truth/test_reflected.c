@@ -30,7 +30,7 @@ static void assert_mean(struct estimate estimate, double expected)
     neph_assert_close(estimate.mean, expected, 1e-12, sigmas * estimate.error);
 }
 
-static struct estimate estimate_of(double sum, double squares, int n)
+static struct estimate make_estimate(double sum, double squares, int n)
 {
     const double mean = sum / n;
     return (struct estimate){mean, sqrt(fmax(0.0, squares / n - mean * mean) / (n - 1))};
@@ -55,7 +55,7 @@ static struct estimate part_seen(const struct neph_scene *scene, struct neph_vec
         sum += value;
         squares += value * value;
     }
-    return estimate_of(sum, squares, samples);
+    return make_estimate(sum, squares, samples);
 }
 
 static struct neph_solid grey_box(double x0, double y0, double z0, double x1, double y1, double z1,
@@ -66,12 +66,12 @@ static struct neph_solid grey_box(double x0, double y0, double z0, double x1, do
     return box;
 }
 
-static struct neph_solid floor_of(double albedo)
+static struct neph_solid make_floor(double albedo)
 {
     return grey_box(-far_m, -1, -far_m, far_m, 0, far_m, albedo);
 }
 
-static struct neph_scene scene_of(struct neph_solid *solids, int count)
+static struct neph_scene make_multiple_scene(struct neph_solid *solids, int count)
 {
     return (struct neph_scene){.scattering = NEPH_SCATTERING_MULTIPLE,
                                .environment_light = true,
@@ -84,7 +84,7 @@ static struct neph_scene scene_of(struct neph_solid *solids, int count)
 static struct estimate ambient(struct neph_solid *solids, int count, double x, double z,
                                double distance_m)
 {
-    const struct neph_scene scene = scene_of(solids, count);
+    const struct neph_scene scene = make_multiple_scene(solids, count);
     return part_seen(&scene, (struct neph_vec3){x, 0.5, z}, (struct neph_vec3){0, -1, 0},
                      (struct neph_reflected_limits){0, distance_m, NULL}, NEPH_AMBIENT, 40000);
 }
@@ -93,7 +93,7 @@ static struct estimate ambient(struct neph_solid *solids, int count, double x, d
 
 static void test_ambient_of_a_plane_is_one(void **state)
 {
-    struct neph_solid plane = floor_of(0.5);
+    struct neph_solid plane = make_floor(0.5);
     const struct estimate open = ambient(&plane, 1, 3, 4, INFINITY);
     assert_true(open.mean == 1.0 && open.error == 0.0);
 }
@@ -101,7 +101,8 @@ static void test_ambient_of_a_plane_is_one(void **state)
 /* Walls to the sky: one leaves half of it, two leave a quarter. */
 static void test_ambient_of_a_corner(void **state)
 {
-    struct neph_solid solids[] = {floor_of(0.5), grey_box(-far_m, 0, -far_m, 0, far_m, far_m, 0.5),
+    struct neph_solid solids[] = {make_floor(0.5),
+                                  grey_box(-far_m, 0, -far_m, 0, far_m, far_m, 0.5),
                                   grey_box(0, 0, -far_m, far_m, far_m, 0, 0.5)};
     assert_mean(ambient(solids, 2, 0.2, 5, INFINITY), 0.5);
     assert_mean(ambient(solids, 3, 0.2, 5, INFINITY), 0.25);
@@ -113,7 +114,7 @@ static void test_ambient_of_a_step(void **state)
 {
     static const double distances_m[] = {0.05, 0.5, 1, 3, 20};
     const double height_m = 1.5;
-    struct neph_solid solids[] = {floor_of(0.5),
+    struct neph_solid solids[] = {make_floor(0.5),
                                   grey_box(-far_m, 0, -far_m, 0, height_m, far_m, 0.5)};
     for (size_t i = 0; i < COUNT(distances_m); i++) {
         const double d = distances_m[i];
@@ -127,7 +128,8 @@ static void test_ambient_within_a_distance(void **state)
 {
     static const double distances_m[] = {0.5, 0.9, 1.1, 2, 10};
     const double d = 1.0;
-    struct neph_solid solids[] = {floor_of(0.5), grey_box(-far_m, 0, -far_m, 0, far_m, far_m, 0.5)};
+    struct neph_solid solids[] = {make_floor(0.5),
+                                  grey_box(-far_m, 0, -far_m, 0, far_m, far_m, 0.5)};
     for (size_t i = 0; i < COUNT(distances_m); i++) {
         const double c = fmin(1.0, d / distances_m[i]);
         assert_mean(ambient(solids, 2, d, 0, distances_m[i]),
@@ -146,7 +148,7 @@ static double rectangle_factor(double b, double h, double d)
 
 static void test_ambient_of_a_board(void **state)
 {
-    struct neph_solid solids[] = {floor_of(0.5), grey_box(-1, 0, -2, 0, 1.2, 3, 0.5)};
+    struct neph_solid solids[] = {make_floor(0.5), grey_box(-1, 0, -2, 0, 1.2, 3, 0.5)};
     assert_mean(ambient(solids, 2, 0.7, 0, INFINITY),
                 1.0 - rectangle_factor(2, 1.2, 0.7) - rectangle_factor(3, 1.2, 0.7));
 }
@@ -157,8 +159,8 @@ static void test_ambient_of_a_board(void **state)
 static void test_one_bounce_off_a_board(void **state)
 {
     const double albedo = 0.6, irradiance = 5.0, d = 0.7;
-    struct neph_solid solids[] = {floor_of(0.5), grey_box(-1, 0, -2, 0, 1.2, 3, albedo)};
-    struct neph_scene scene = scene_of(solids, 2);
+    struct neph_solid solids[] = {make_floor(0.5), grey_box(-1, 0, -2, 0, 1.2, 3, albedo)};
+    struct neph_scene scene = make_multiple_scene(solids, 2);
     scene.environment_light = false;
     scene.sun = (struct neph_sun){true, {0.8, 0.6, 0}, make_grey(irradiance)};
     const struct neph_vec3 eye_m = {d, 0.5, 0}, down = {0, -1, 0};
@@ -176,11 +178,11 @@ static void test_one_bounce_off_a_board(void **state)
 /* A board that is completely visible on the screen, or from half its height on, or not at all: the
  * fraction of its light, and of its occlusion, that the screen provides. The camera looks along x.
  */
-static void test_what_a_screen_knows(void **state)
+static void test_light_from_a_screen(void **state)
 {
     const double d = 0.7, height_m = 1.2;
-    struct neph_solid solids[] = {floor_of(0.5), grey_box(-1, 0, -2, 0, height_m, 2, 0.6)};
-    struct neph_scene scene = scene_of(solids, 2);
+    struct neph_solid solids[] = {make_floor(0.5), grey_box(-1, 0, -2, 0, height_m, 2, 0.6)};
+    struct neph_scene scene = make_multiple_scene(solids, 2);
     scene.environment_light = false;
     scene.sun = (struct neph_sun){true, {0.8, 0.6, 0}, white};
     struct neph_screen screen = {.camera = {.position_m = {10, 0.5 * height_m, 0},
@@ -257,7 +259,7 @@ static void test_energy_in_a_room(void **state)
     const double once = 4 * M_PI * intensity / area;
     struct neph_solid solids[6];
     make_room(solids, albedo);
-    struct neph_scene scene = scene_of(solids, 6);
+    struct neph_scene scene = make_multiple_scene(solids, 6);
     scene.light_count = 1;
     scene.lights[0] = (struct neph_light){.position_m = {0.6, 2.1, 2.9},
                                           .intensity_w_per_sr = make_grey(intensity)};
@@ -280,7 +282,7 @@ static void test_energy_in_a_room(void **state)
             sum += value;
             squares += value * value;
         }
-        const struct estimate all = estimate_of(sum, squares, points);
+        const struct estimate all = make_estimate(sum, squares, points);
         assert_true(all.error < neph_test_noise(0.02 * expected[i]));
         assert_mean(all, expected[i]);
     }
@@ -290,7 +292,7 @@ static void test_energy_in_a_room(void **state)
 
 static int make_textured(struct neph_solid *solids)
 {
-    solids[0] = floor_of(0.6);
+    solids[0] = make_floor(0.6);
     solids[0].surface.texture = (struct neph_paint){
         .cell_m = 0.37, .pattern = NEPH_PATTERN_NOISE, .other = {0.1, 0.4, 0.05}, .seed = 2};
     solids[1] = grey_box(-1, 0, -1, 1, 1.5, 0.5, 0.8);
@@ -304,7 +306,7 @@ static int make_textured(struct neph_solid *solids)
 static void test_textures_in_the_sun(void **state)
 {
     struct neph_solid solids[2];
-    struct neph_scene scene = scene_of(solids, make_textured(solids));
+    struct neph_scene scene = make_multiple_scene(solids, make_textured(solids));
     scene.environment_light = false;
     scene.scattering = NEPH_SCATTERING_NONE;
     scene.sun = (struct neph_sun){true, {0.48, 0.6, 0.64}, {3, 2, 4}};
@@ -333,7 +335,7 @@ static void test_textures_in_the_sun(void **state)
 static void test_textures_in_all_light(void **state)
 {
     struct neph_solid solids[2];
-    struct neph_scene scene = scene_of(solids, make_textured(solids));
+    struct neph_scene scene = make_multiple_scene(solids, make_textured(solids));
     scene.sun = (struct neph_sun){true, {0.48, 0.6, 0.64}, {3, 2, 4}};
     const struct neph_vec3 eye_m = {1.9, 0.5, 0.4}, down = {0, -1, 0};
     const int samples = neph_test_paths(40000);
@@ -354,7 +356,7 @@ static void test_textures_in_all_light(void **state)
         squares += value * value;
     }
     neph_tracker_destroy(tracker);
-    const struct estimate oracle = estimate_of(sum, squares, samples);
+    const struct estimate oracle = make_estimate(sum, squares, samples);
     assert_true(own.mean > 1.02 * view.unscattered.g);
     neph_assert_close(own.mean, oracle.mean, 0.0, sigmas * hypot(own.error, oracle.error));
 }
@@ -364,13 +366,13 @@ static void test_textures_in_all_light(void **state)
 /* Surfaces that scatter all light are as bright as their surroundings, whatever their shape. */
 static void test_white_furnace(void **state)
 {
-    struct neph_solid solids[] = {floor_of(1), make_sphere(0, 1, 0, 1),
+    struct neph_solid solids[] = {make_floor(1), make_sphere(0, 1, 0, 1),
                                   grey_box(1.2, 0, -2, 1.6, 3, 2, 1),
                                   grey_box(-3, 0, -2, -2, 3, 2, 1)};
     solids[1].albedo = white;
     solids[2].surface.metalness = 1.0;
     solids[3].surface.metalness = 0.4;
-    const struct neph_scene scene = scene_of(solids, 4);
+    const struct neph_scene scene = make_multiple_scene(solids, 4);
     const struct neph_vec3 eye_m = {0, 1.5, 6};
     for (double x = -0.5; x <= 0.5; x += 0.05) {
         const struct estimate seen = part_seen(&scene, eye_m, (struct neph_vec3){x, -0.1, -1},
@@ -418,9 +420,9 @@ static void test_rough_metal_under_an_even_sky(void **state)
     for (size_t i = 0; i < COUNT(roughnesses); i++)
         for (size_t k = 0; k < COUNT(cosines); k++) {
             const double alpha = roughnesses[i] * roughnesses[i], c = cosines[k];
-            struct neph_solid metal = floor_of(0.8);
+            struct neph_solid metal = make_floor(0.8);
             metal.surface = (struct neph_surface){.metalness = 1, .roughness = roughnesses[i]};
-            const struct neph_scene scene = scene_of(&metal, 1);
+            const struct neph_scene scene = make_multiple_scene(&metal, 1);
             const struct neph_vec3 down = {sqrt(1 - c * c), -c, 0};
             neph_assert_close(reflected_once(alpha, c, true), 1.0, 0.0, 2e-5);
             const struct estimate drawn = part_seen(&scene, (struct neph_vec3){0, 1, 0}, down,
@@ -444,7 +446,7 @@ static void test_reflectance_of_rough_metal(void **state)
         sum += value;
         squares += value * value;
     }
-    const struct estimate once = estimate_of(sum, squares, samples);
+    const struct estimate once = make_estimate(sum, squares, samples);
     neph_assert_close(once.mean, reflected_once(0.36, 0.6, false), 1e-4, sigmas * once.error);
     /* Reciprocity: f(a, b) = f(b, a). */
     const struct neph_vec3 to = neph_vec3_normalize((struct neph_vec3){-0.1, 0.4, 0.7});
@@ -457,7 +459,7 @@ static void test_reflectance_of_rough_metal(void **state)
 /* A mirror in the plane z = 0, solids in front of it, the sun in its plane. */
 static int make_mirror_stage(struct neph_solid *solids)
 {
-    solids[0] = floor_of(0.5);
+    solids[0] = make_floor(0.5);
     solids[0].surface.texture = (struct neph_paint){/* no pixel crosses a line of it */
                                                     .cell_m = 0.2917,
                                                     .pattern = NEPH_PATTERN_CHECKER,
@@ -474,7 +476,7 @@ static int make_mirror_stage(struct neph_solid *solids)
 static void test_a_mirror_is_a_mirrored_camera(void **state)
 {
     struct neph_solid solids[4];
-    struct neph_scene scene = scene_of(solids, make_mirror_stage(solids));
+    struct neph_scene scene = make_multiple_scene(solids, make_mirror_stage(solids));
     scene.sun = (struct neph_sun){true, {0.6, 0.8, 0}, white};
     scene.background_w_per_m2_sr = make_grey(0);
     struct neph_scene before = scene;
@@ -504,9 +506,9 @@ static void test_a_mirror_is_a_mirrored_camera(void **state)
  * beyond its outline. */
 static void test_light_that_a_mirror_throws(void **state)
 {
-    struct neph_solid solids[] = {floor_of(0.5), grey_box(-9, 0, -1, 9, 3, 0, 0.9)};
+    struct neph_solid solids[] = {make_floor(0.5), grey_box(-9, 0, -1, 9, 3, 0, 0.9)};
     solids[1].surface.metalness = 0.5;
-    struct neph_scene scene = scene_of(solids, 2);
+    struct neph_scene scene = make_multiple_scene(solids, 2);
     scene.environment_light = false;
     const struct neph_vec3 down = {0, -1, 0}, near_m = {1, 0.5, 1}, beyond_m = {1, 0.5, 3};
 
@@ -539,15 +541,15 @@ static void test_light_that_a_mirror_throws(void **state)
 /* Rotating the world rotates the mirror with it. */
 static void test_a_turned_mirror(void **state)
 {
-    struct neph_solid solids[] = {floor_of(0.5), grey_box(-9, 0, -1, 9, 3, 1, 0.9)};
+    struct neph_solid solids[] = {make_floor(0.5), grey_box(-9, 0, -1, 9, 3, 1, 0.9)};
     solids[1].surface.metalness = 1.0;
     const double turn_rad = 0.4;
     solids[1].turn = (struct neph_turn){1, cos(turn_rad), sin(turn_rad)};
-    struct neph_scene scene = scene_of(solids, 2);
+    struct neph_scene scene = make_multiple_scene(solids, 2);
     scene.environment_light = false;
-    const struct neph_vec3 sun = neph_turned(&solids[1].turn, (struct neph_vec3){0, 0.8, 0.6});
+    const struct neph_vec3 sun = neph_rotate(&solids[1].turn, (struct neph_vec3){0, 0.8, 0.6});
     scene.sun = (struct neph_sun){true, sun, white};
-    const struct neph_vec3 at_m = neph_turned(&solids[1].turn, (struct neph_vec3){1, 0.5, 2});
+    const struct neph_vec3 at_m = neph_rotate(&solids[1].turn, (struct neph_vec3){1, 0.5, 2});
     const struct neph_reflected_view view = neph_reflected_view(&scene, at_m,
                                                                 (struct neph_vec3){0, -1, 0});
     neph_assert_close(view.direct[0].g, 0.8 / M_PI * 1.9, 1e-11, 0.0);
@@ -555,26 +557,27 @@ static void test_a_turned_mirror(void **state)
 
 /* ---- refusals -------------------------------------------------------------------------------- */
 
-static void test_what_no_path_finds_is_refused(void **state)
+static void test_unreachable_light_is_refused(void **state)
 {
     char reason[256] = "";
-    struct neph_solid solids[] = {floor_of(0.5), make_sphere(0, 1, 0, 1), make_sphere(3, 1, 0, 1)};
-    struct neph_scene scene = scene_of(solids, 3);
+    struct neph_solid solids[] = {make_floor(0.5), make_sphere(0, 1, 0, 1),
+                                  make_sphere(3, 1, 0, 1)};
+    struct neph_scene scene = make_multiple_scene(solids, 3);
     scene.sun = (struct neph_sun){true, {0, 1, 0}, white};
-    assert_true(neph_reflected_can(&scene, reason, sizeof(reason)));
+    assert_true(neph_reflected_is_supported(&scene, reason, sizeof(reason)));
     solids[0].surface.metalness = 1.0;
-    assert_true(neph_reflected_can(&scene, reason, sizeof(reason)));
+    assert_true(neph_reflected_is_supported(&scene, reason, sizeof(reason)));
     solids[0].surface.metalness = 0.0;
     solids[1].surface.metalness = 1.0;
-    assert_false(neph_reflected_can(&scene, reason, sizeof(reason)));
+    assert_false(neph_reflected_is_supported(&scene, reason, sizeof(reason)));
     assert_non_null(strstr(reason, "give them a roughness"));
     solids[1].surface.roughness = 0.1;
-    assert_true(neph_reflected_can(&scene, reason, sizeof(reason)));
+    assert_true(neph_reflected_is_supported(&scene, reason, sizeof(reason)));
     solids[1].surface.roughness = 0.0;
     scene.sun.present = false;
-    assert_true(neph_reflected_can(&scene, reason, sizeof(reason)));
+    assert_true(neph_reflected_is_supported(&scene, reason, sizeof(reason)));
     scene.medium_count = 1;
-    assert_false(neph_reflected_can(&scene, reason, sizeof(reason)));
+    assert_false(neph_reflected_is_supported(&scene, reason, sizeof(reason)));
     assert_non_null(strstr(reason, "media"));
 }
 

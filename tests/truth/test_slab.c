@@ -24,7 +24,7 @@ static struct neph_slab *make(struct neph_slab_params params)
     return slab;
 }
 
-static struct neph_slab_fluxes fluxes_of(struct neph_slab_params params)
+static struct neph_slab_fluxes compute_fluxes(struct neph_slab_params params)
 {
     struct neph_slab *slab = make(params);
     const struct neph_slab_fluxes fluxes = neph_slab_fluxes(slab);
@@ -129,7 +129,7 @@ static void test_cloud_fluxes(void **state)
                                      {16.0, 0.6397, 0.3603},
                                      {64.0, 0.8749, 0.1251}};
     for (size_t i = 0; i < COUNT(rows); i++) {
-        const struct neph_slab_fluxes f = fluxes_of(
+        const struct neph_slab_fluxes f = compute_fluxes(
             (struct neph_slab_params){rows[i][0], 1.0, hg(0.85), 0.7, 0, NULL, 0});
         neph_assert_close(f.reflected, rows[i][1], 0.0, 0.5e-4);
         neph_assert_close(f.transmitted + f.direct, rows[i][2], 0.0, 0.5e-4);
@@ -286,7 +286,7 @@ static void test_energy_is_conserved(void **state)
         const struct neph_phase phase = all_phases[n % COUNT(all_phases)];
         const double depth = depths[n / COUNT(all_phases) % COUNT(depths)];
         const double sun = suns[n / (COUNT(all_phases) * COUNT(depths))];
-        const struct neph_slab_fluxes f = fluxes_of(
+        const struct neph_slab_fluxes f = compute_fluxes(
             (struct neph_slab_params){depth, 1.0, phase, sun, 0, NULL, 32});
         worst = fmax(worst, fabs(f.reflected + f.transmitted + f.direct - 1.0));
         assert_true(f.reflected > 0.0 && f.transmitted > 0.0);
@@ -375,7 +375,8 @@ static void test_number_of_nodes(void **state)
     const struct neph_slab_params sharp = {10.0, 1.0, hg(0.999), 0.3, 0, NULL, 0};
     struct neph_slab_params sharp_other = sharp;
     sharp_other.node_count = 160;
-    neph_assert_close(fluxes_of(sharp).reflected, fluxes_of(sharp_other).reflected, 0.0, 1e-6);
+    neph_assert_close(compute_fluxes(sharp).reflected, compute_fluxes(sharp_other).reflected, 0.0,
+                      1e-6);
 }
 
 /* ---- extremes --- */
@@ -399,7 +400,7 @@ static void test_nothing_there(void **state)
     neph_slab_destroy(NULL);
 }
 
-static void test_what_is_refused(void **state)
+static void test_refused_parameters(void **state)
 {
     static const double sideways[] = {0.5, 0.0};
     const struct {

@@ -43,7 +43,7 @@ static float *const *layer(const struct neph_image *image, const char *name, flo
     return samples;
 }
 
-static void test_parts_make_the_picture(void **state)
+static void test_parts_add_up_to_the_frame(void **state)
 {
     struct test_scene stage;
     make_stage(&stage);
@@ -81,7 +81,7 @@ static void test_parts_make_the_picture(void **state)
 }
 
 /* The reported noise of a frame is the scatter between frames of different seeds. */
-static void test_noise_is_told(void **state)
+static void test_noise_is_reported(void **state)
 {
     static const char *const names[] = {"diffuse_indirect", "glossy_direct", "ao", NULL};
     struct test_scene stage;
@@ -130,7 +130,7 @@ static void test_orders_of_scattering(void **state)
     neph_image_destroy(image);
 }
 
-static void test_what_is_out_of_range_is_refused(void **state)
+static void test_parameters_out_of_range(void **state)
 {
     struct test_scene stage;
     struct neph_image *image = NULL;

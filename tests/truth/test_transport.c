@@ -207,7 +207,7 @@ static double brute_force(const struct neph_scene *scene, struct neph_vec3 origi
         const double t_m = (i + 0.5) * step_m;
         const struct neph_vec3 p = neph_vec3_along(origin, direction, t_m);
         double scattered = 0.0;
-        if (neph_scene_sees_sun(scene, p)) {
+        if (neph_scene_is_sun_visible(scene, p)) {
             for (int m = 0; m < scene->medium_count; m++)
                 scattered += scene->media[m].albedo.r *
                              neph_phase_per_sr(&scene->media[m].phase, cosine) *
@@ -489,7 +489,7 @@ static void assert_refused(const struct neph_scene *scene, const char *because)
     assert_non_null(strstr(reason, because));
 }
 
-static void test_what_is_refused(void **state)
+static void test_refused_scenes(void **state)
 {
     char reason[100];
     struct neph_solid wall = make_box(0, 0, 0, 1, 1, 1);

@@ -31,7 +31,7 @@ static double moving_weight(double speed_px)
 /* --- the blend and the format --------------------------------------------------------------- */
 
 /* The weight of a frame against a history, from the output. */
-static double weight_of(double out, double frame, double history)
+static double find_weight(double out, double frame, double history)
 {
     return (out - history) / (frame - history);
 }
@@ -60,7 +60,7 @@ static void test_the_contrast_law_takes_small_differences_whole(void **state)
         for (int y = 0; y < 2; y++) {
             const double frame = pixel_value(&test, RT_COLOR, x, y, 0);
             const double r = fabs(frame / luma - 1.0);
-            const double alpha = weight_of(pixel_value(&test, RT_TAA_OUT, x, y, 0), frame, luma);
+            const double alpha = find_weight(pixel_value(&test, RT_TAA_OUT, x, y, 0), frame, luma);
             neph_assert_close(alpha, fmax(0.04, fmin(1.0, 0.01 / r)), 0.0,
                               8.0 * float_ulp * (1.0 + r) / r);
         }
@@ -258,7 +258,7 @@ static void test_the_history_goes_with_the_medium(void **state)
 }
 
 /* With alpha = 1, for any history; and values are limited to 65504, with or without the guard. */
-static void test_a_frame_of_full_weight_comes_out_as_it_is(void **state)
+static void test_frame_of_full_weight_is_unchanged(void **state)
 {
     static const char *const guards[] = {"taa_guard=off", "taa_guard=on"};
     static const float frames[] = {0.001f, 0.7f, 65504.0f, 1e5f};
@@ -279,7 +279,7 @@ static void test_a_frame_of_full_weight_comes_out_as_it_is(void **state)
 
 /* Weights 1 / (Y + 4), Y four times the luma: in a blend of alpha 0.5 the darker colour
  * dominates. */
-static void test_hdr_weights_hold_bright_samples_back(void **state)
+static void test_hdr_weights_reduce_bright_samples(void **state)
 {
     OWNED(passes) struct test_passes test;
     test_open(*state, 1, 1, 0, &test,

@@ -46,7 +46,7 @@ static void film_step(struct test_passes *film)
     film_upload(film, RT_COLOR);
     const struct neph_rt_pass *pass = &neph_rt_taa;
     neph_assert_ok(neph_rt_device_run(&film->device, pass, &diag), &diag);
-    neph_rt_device_hand_on(&film->device, pass);
+    neph_rt_device_swap_histories(&film->device, pass);
     neph_assert_ok(neph_rt_device_download(&film->device, RT_TAA_BEFORE,
                                            film->cpu.targets[RT_TAA_BEFORE], &diag),
                    &diag);

@@ -81,7 +81,7 @@ static void open_flat(struct neph_vulkan *vulkan, const char *words, float value
 
 /* The Lanczos kernel is 1 at its texel and 0 at all others: at 100 % and without jitter the output
  * is the frame. */
-static void test_a_first_frame_comes_out_as_it_is(void **state)
+static void test_first_frame_is_unchanged(void **state)
 {
     OWNED(passes) struct test_passes test;
     uint64_t seed = 3;
@@ -96,7 +96,7 @@ static void test_a_first_frame_comes_out_as_it_is(void **state)
 }
 
 /* Frames are averaged until the history has the weight of eight, then each has a weight of 1/9. */
-static void test_a_history_counts_by_what_is_in_it(void **state)
+static void test_history_weight_follows_its_colours(void **state)
 {
     static const float frames[] = {3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8};
     OWNED(passes) struct test_passes test;
@@ -163,7 +163,7 @@ static void test_a_lock_keeps_the_history(void **state)
 
 /* A surface that was nearer by more than 2 % leaves no valid history, except within two pixels of a
  * surface that is still as near. */
-static void test_what_is_uncovered_has_no_history(void **state)
+static void test_disoccluded_pixels_have_no_history(void **state)
 {
     OWNED(passes) struct test_passes test;
     open_flat(*state, "", 1.0f, &test);
@@ -172,8 +172,8 @@ static void test_what_is_uncovered_has_no_history(void **state)
         for (int x = 0; x < 32; x++) {
             const float before_m = x < 16 ? 120.0f : 126.0f; /* of 128: 6 % and 1.6 % nearer */
             cpu_put_full(&test.cpu, RT_DEPTH, x, y, (float[4]){x == 0 ? 120.0f : 128.0f});
-            cpu_put_picture(&test.cpu, RT_TAA_STATE_BEFORE, x, y, (float[4]){0.0f, 0.0f, before_m});
-            cpu_put_picture(&test.cpu, RT_TAA_BEFORE, x, y, (float[4]){3.0f, 3.0f, 3.0f, 3.0f});
+            cpu_put_output(&test.cpu, RT_TAA_STATE_BEFORE, x, y, (float[4]){0.0f, 0.0f, before_m});
+            cpu_put_output(&test.cpu, RT_TAA_BEFORE, x, y, (float[4]){3.0f, 3.0f, 3.0f, 3.0f});
         }
     run(&test);
     for (int x = 0; x < 32; x++) /* pixel 15 has a neighbour at 126 m */

@@ -76,9 +76,9 @@ struct place taa_find_source(const struct reference *cpu, int x, int y)
     const struct neph_gpu_view *view = cpu->view;
     if (!upsamples(cpu))
         return (struct place){x, y, x, y};
-    const float way_x = ((float)x + 0.5f) * view->rendered_per_px[0] - view->jitter_px[0];
-    const float way_y = ((float)y + 0.5f) * view->rendered_per_px[1] - view->jitter_px[1];
-    return (struct place){x, y, (int)floorf(way_x), (int)floorf(way_y)};
+    const float rendered_x = ((float)x + 0.5f) * view->rendered_per_px[0] - view->jitter_px[0];
+    const float rendered_y = ((float)y + 0.5f) * view->rendered_per_px[1] - view->jitter_px[1];
+    return (struct place){x, y, (int)floorf(rendered_x), (int)floorf(rendered_y)};
 }
 
 /* From a pixel's centre to its source's ray, along one axis. */
@@ -419,7 +419,7 @@ static double tap_weight(const struct reference *cpu, double distance)
 static struct colour fetch_before(const struct reference *cpu, int x, int y)
 {
     float value[4];
-    cpu_fetch_picture(cpu, RT_TAA_BEFORE, x, y, value);
+    cpu_fetch_output(cpu, RT_TAA_BEFORE, x, y, value);
     return (struct colour){{value[0], value[1], value[2]}};
 }
 
@@ -450,8 +450,7 @@ static double fetch_age(const struct reference *cpu, const float place_px[2])
     float value[4];
     if (most == 0.0 || !place_px)
         return fmin(most, 1.0);
-    cpu_fetch_picture(cpu, RT_TAA_BEFORE, (int)floorf(place_px[0]), (int)floorf(place_px[1]),
-                      value);
+    cpu_fetch_output(cpu, RT_TAA_BEFORE, (int)floorf(place_px[0]), (int)floorf(place_px[1]), value);
     return value[3] >= 1.0f ? fmin(value[3], most) : 1.0;
 }
 
@@ -528,9 +527,9 @@ static bool is_responsive(const struct reference *cpu, int x, int y)
 struct colour taa_blend(const struct reference *cpu, struct colour frame, struct colour history,
                         double alpha)
 {
-    const double of_frame = alpha * hdr_weight(cpu, frame);
-    const double of_history = (1.0 - alpha) * hdr_weight(cpu, history);
-    const double weight = of_frame / (of_frame + of_history);
+    const double frame_part = alpha * hdr_weight(cpu, frame);
+    const double history_part = (1.0 - alpha) * hdr_weight(cpu, history);
+    const double weight = frame_part / (frame_part + history_part);
     for (int c = 0; c < 3 && weight != 1.0; c++)
         frame.c[c] = (1.0 - weight) * history.c[c] + weight * frame.c[c];
     return frame;
@@ -604,7 +603,7 @@ void taa_put_pixel(const struct reference *cpu, int x, int y, struct colour colo
         if (by_chance)
             value[c] = round_by_chance(value[c], ((float)(bits[c + 1] >> 9) + 0.5f) * 0x1p-23f);
     }
-    cpu_put_picture(cpu, RT_TAA_OUT, x, y, value);
+    cpu_put_output(cpu, RT_TAA_OUT, x, y, value);
 }
 
 void cpu_taa(const struct reference *cpu)

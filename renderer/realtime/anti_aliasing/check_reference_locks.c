@@ -75,17 +75,17 @@ static bool is_disoccluded(const struct reference *cpu, struct place at, const f
 {
     const struct neph_gpu_view *view = cpu->view;
     const int corner[2] = {(int)floorf(before_px[0] - 0.5f), (int)floorf(before_px[1] - 0.5f)};
-    float then_m = -NEPH_GPU_FAR_M, ray[3];
+    float farthest_before_m = -NEPH_GPU_FAR_M, ray[3];
     for (int i = 0; i < 4; i++) {
         float state[4];
-        cpu_fetch_picture(cpu, RT_TAA_STATE_BEFORE, corner[0] + i % 2, corner[1] + i / 2, state);
-        then_m = state[2] > then_m ? state[2] : then_m;
+        cpu_fetch_output(cpu, RT_TAA_STATE_BEFORE, corner[0] + i % 2, corner[1] + i / 2, state);
+        farthest_before_m = state[2] > farthest_before_m ? state[2] : farthest_before_m;
     }
     taa_ray_through(view, at.x, at.y, ray);
     const float slant = view->now.is_parallel ? 1.0f : taa_dot(ray, view->before.forward);
     const float here_m = nearest_depth_m(cpu, at, 2) * slant -
                          taa_dot(view->before.position_m, view->before.forward);
-    return then_m < (1.0f - 0.02f) * here_m;
+    return farthest_before_m < (1.0f - 0.02f) * here_m;
 }
 
 /* --- locks: float32 ------------------------------------------------------------------------- */
@@ -94,7 +94,7 @@ struct lock {
     float left, luma;
 };
 
-static float luma_of(const struct neighbourhood *around, int i)
+static float compute_luma(const struct neighbourhood *around, int i)
 {
     const double *c = around->colours[i].c;
     return (float)c[0] + 2.0f * (float)c[1] + (float)c[2];
@@ -103,17 +103,17 @@ static float luma_of(const struct neighbourhood *around, int i)
 static bool is_thin(const struct neighbourhood *around)
 {
     static const int corners[4][3] = {{0, 1, 3}, {1, 2, 5}, {3, 6, 7}, {5, 7, 8}};
-    const float own = luma_of(around, 4), ratio = 1.05f;
-    bool alike[9], brighter = true, darker = true, is_valid = true;
+    const float own = compute_luma(around, 4), ratio = 1.05f;
+    bool is_similar[9], brighter = true, darker = true, is_valid = true;
     for (int i = 0; i < 9; i++) {
-        const float other = luma_of(around, i);
-        alike[i] = fmaxf(own, other) <= ratio * fminf(own, other);
-        brighter &= alike[i] || own > other;
-        darker &= alike[i] || own < other;
+        const float other = compute_luma(around, i);
+        is_similar[i] = fmaxf(own, other) <= ratio * fminf(own, other);
+        brighter &= is_similar[i] || own > other;
+        darker &= is_similar[i] || own < other;
         is_valid &= around->is_valid[i];
     }
     for (int k = 0; k < 4; k++)
-        if (alike[corners[k][0]] && alike[corners[k][1]] && alike[corners[k][2]])
+        if (is_similar[corners[k][0]] && is_similar[corners[k][1]] && is_similar[corners[k][2]])
             return false;
     return is_valid && (brighter || darker);
 }
@@ -122,8 +122,8 @@ static bool is_trusted(const struct neighbourhood *around, float luma)
 {
     float low = 3e38f, high = -3e38f;
     for (int i = 0; i < 9; i++) {
-        low = around->is_valid[i] ? fminf(low, luma_of(around, i)) : low;
-        high = around->is_valid[i] ? fmaxf(high, luma_of(around, i)) : high;
+        low = around->is_valid[i] ? fminf(low, compute_luma(around, i)) : low;
+        high = around->is_valid[i] ? fmaxf(high, compute_luma(around, i)) : high;
     }
     return luma >= 0.95f * low && luma <= 1.05f * high;
 }
@@ -133,8 +133,8 @@ static struct lock update_lock(const struct reference *cpu, struct place at, con
 {
     float before[4] = {0.0f}, squared = 0.0f;
     if (before_px)
-        cpu_fetch_picture(cpu, RT_TAA_STATE_BEFORE, (int)floorf(before_px[0]),
-                          (int)floorf(before_px[1]), before);
+        cpu_fetch_output(cpu, RT_TAA_STATE_BEFORE, (int)floorf(before_px[0]),
+                         (int)floorf(before_px[1]), before);
     const float left = before[0] - 1.0f / setting(cpu, RT_TAA_JITTER_LENGTH);
     struct lock lock = {left, before[1]};
     if (!(left > 0.0f && left <= 1.0f && is_trusted(around, lock.luma)))
@@ -145,7 +145,7 @@ static struct lock update_lock(const struct reference *cpu, struct place at, con
     const float y = shift_px[1] / cpu->view->rendered_per_px[1];
     squared = x * x + y * y;
     if (squared <= 0.5f && is_thin(around))
-        lock = (struct lock){1.0f, luma_of(around, 4)};
+        lock = (struct lock){1.0f, compute_luma(around, 4)};
     return lock;
 }
 
@@ -155,8 +155,8 @@ static double history_weight(const struct reference *cpu, struct place at, const
                              double quickness)
 {
     float value[4], volume[4];
-    cpu_fetch_picture(cpu, RT_TAA_BEFORE, (int)floorf(before_px[0]), (int)floorf(before_px[1]),
-                      value);
+    cpu_fetch_output(cpu, RT_TAA_BEFORE, (int)floorf(before_px[0]), (int)floorf(before_px[1]),
+                     value);
     cpu_fetch_full(cpu, RT_VOLUME, at.source_x, at.source_y, volume);
     double most = setting(cpu, RT_TAA_AGE_MAX) * (1.0 - 0.75 * quickness);
     if (setting(cpu, RT_TAA_RESPONSIVE) != 0.0f)
@@ -183,14 +183,15 @@ static void pixel(const struct reference *cpu, struct place at)
     } else if (has_history) {
         const double quickness = fmin(speed_px / 20.0, 1.0);
         weight = history_weight(cpu, at, before_px, quickness);
-        struct colour held = taa_clamp_history(cpu, history, around, colour, 3.0 - 2.0 * quickness);
+        struct colour limited = taa_clamp_history(cpu, history, around, colour,
+                                                  3.0 - 2.0 * quickness);
         for (int c = 0; c < 3; c++)
-            held.c[c] += (double)lock.left * (history.c[c] - held.c[c]);
-        colour = taa_blend(cpu, colour, held, seen / (weight + seen));
+            limited.c[c] += (double)lock.left * (history.c[c] - limited.c[c]);
+        colour = taa_blend(cpu, colour, limited, seen / (weight + seen));
     }
     taa_put_pixel(cpu, at.x, at.y, colour, fmin(weight + seen, setting(cpu, RT_TAA_AGE_MAX)));
-    cpu_put_picture(cpu, RT_TAA_STATE, at.x, at.y,
-                    (float[4]){lock.left, lock.luma, nearest_depth_m(cpu, at, 1)});
+    cpu_put_output(cpu, RT_TAA_STATE, at.x, at.y,
+                   (float[4]){lock.left, lock.luma, nearest_depth_m(cpu, at, 1)});
 }
 
 void cpu_locks(const struct reference *cpu)

@@ -84,7 +84,7 @@ static void test_the_pass_equals_the_cpu_reference(void **state)
         test_passes_run(&test, "anti-aliasing");
         cpu_taa(&test.cpu);
         compare(&test, most, start, text);
-        resting += neph_rt_view_rests(&test.view) && test.device.kind == NEPH_RT_GPU;
+        resting += neph_rt_is_view_static(&test.view) && test.device.kind == NEPH_RT_GPU;
     }
     assert_true(resting >= 8);
 }
@@ -368,7 +368,7 @@ static void test_the_space_of_the_box_matters(void **state)
 }
 
 /* A history between the extremes of its surroundings is returned bit by bit. */
-static void test_a_history_in_the_box_is_left_alone(void **state)
+static void test_history_in_the_box_is_unchanged(void **state)
 {
     static const char *const spaces[] = {"linear", "reinhard", "ycocg"};
     for (int s = 0; s < 3; s++) {

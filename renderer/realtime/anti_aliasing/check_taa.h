@@ -13,8 +13,8 @@ static const double float_ulp = 0x1p-24, half_ulp = 0x1p-11; /* relative, rounde
 /* float32 has the cameras' axes to 6e-8 and places in 127 pixels to 8e-6 px: a multiple of that. */
 static const double motion_error_px = 1e-4;
 
-/* Rotated by up to `turn_rad` about all axes and moved by up to `way_m` since the frame before. */
-static inline void move_camera(struct neph_gpu_view *view, double turn_rad, double way_m,
+/* Rotated by up to `turn_rad` about all axes and moved by up to `displacement_m` since the frame before. */
+static inline void move_camera(struct neph_gpu_view *view, double turn_rad, double displacement_m,
                                uint64_t *seed)
 {
     const double yaw = neph_test_uniform(seed, -turn_rad, turn_rad),
@@ -27,7 +27,8 @@ static inline void move_camera(struct neph_gpu_view *view, double turn_rad, doub
         view->before.forward[c] = (float)forward[c];
         view->before.right[c] = (float)(cos(roll) * level[c] + sin(roll) * above[c]);
         view->before.up[c] = (float)(cos(roll) * above[c] - sin(roll) * level[c]);
-        view->before.position_m[c] = (float)neph_test_uniform(seed, -way_m, way_m);
+        view->before.position_m[c] = (float)neph_test_uniform(seed, -displacement_m,
+                                                              displacement_m);
     }
 }
 
@@ -95,11 +96,11 @@ static inline void fill_medium(struct test_passes *test, uint64_t *seed)
 static inline void fill_moves(struct test_passes *test, uint64_t seed)
 {
     for (size_t i = 0; i < test_elements(test, RT_MOVED); i++) {
-        float way_m[4] = {0.0f};
+        float displacement_m[4] = {0.0f};
         for (int c = 0; c < 3 && neph_test_random(&seed) % 2; c++)
-            way_m[c] = (float)neph_test_uniform(&seed, -1.0, 1.0);
-        way_m[3] = neph_test_random(&seed) % 4 == 0;
-        test_set(test, RT_MOVED, i, way_m);
+            displacement_m[c] = (float)neph_test_uniform(&seed, -1.0, 1.0);
+        displacement_m[3] = neph_test_random(&seed) % 4 == 0;
+        test_set(test, RT_MOVED, i, displacement_m);
     }
 }
 
@@ -133,8 +134,8 @@ static inline double pixel_value(const struct test_passes *test, int target, int
                                  int channel)
 {
     float value[4];
-    (neph_rt_is_of_picture(target) ? cpu_fetch_picture : cpu_fetch_full)(&test->cpu, target, x, y,
-                                                                         value);
+    (neph_rt_has_output_size(target) ? cpu_fetch_output : cpu_fetch_full)(&test->cpu, target, x, y,
+                                                                          value);
     return value[channel];
 }
 

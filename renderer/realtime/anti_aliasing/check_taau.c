@@ -112,11 +112,11 @@ static double wave(double place_px, double period_px)
 }
 
 /* The wave in a row of the history: its amplitude, and its shift [output px]. */
-struct kept {
+struct measured_wave {
     double amplitude, shift_px;
 };
 
-static struct kept find_wave(const struct test_passes *film, int y, double period_px)
+static struct measured_wave find_wave(const struct test_passes *film, int y, double period_px)
 {
     const int first = 24, count = 72; /* away from the sides; whole periods of 6 and 4 */
     double sine = 0.0, cosine = 0.0;
@@ -126,11 +126,12 @@ static struct kept find_wave(const struct test_passes *film, int y, double perio
         sine += value * sin(angle) / (0.25 * count);
         cosine += value * cos(angle) / (0.25 * count);
     }
-    return (struct kept){hypot(sine, cosine), -atan2(cosine, sine) / (2.0 * M_PI) * period_px};
+    return (struct measured_wave){hypot(sine, cosine),
+                                  -atan2(cosine, sine) / (2.0 * M_PI) * period_px};
 }
 
 /* A static camera in front of waves, for 1.5 periods of the jitter. */
-static struct kept film_waves(struct neph_vulkan *vulkan, int percent, double period_px)
+static struct measured_wave film_waves(struct neph_vulkan *vulkan, int percent, double period_px)
 {
     OWNED(passes) struct test_passes film;
     test_open(vulkan, 120, 8, 0, &film,
@@ -154,8 +155,8 @@ static struct kept film_waves(struct neph_vulkan *vulkan, int percent, double pe
         cpu_taa(&film.cpu);
         test_swap(&film, RT_TAA_OUT, RT_TAA_BEFORE);
     }
-    const struct kept kept = find_wave(&film, 4, period_px);
-    return kept;
+    const struct measured_wave measured_wave = find_wave(&film, 4, period_px);
+    return measured_wave;
 }
 
 /* At half the size waves of 6 output pixels have 3 rendered pixels, waves of 4 have 2, which no
@@ -164,18 +165,20 @@ static struct kept film_waves(struct neph_vulkan *vulkan, int percent, double pe
  * more; and the mean of few frames differs from the mean of all places: 0.03 is allowed. The image
  * does not move, to 0.03 px: a jitter with the wrong sign would blur the waves away or move them by
  * tenths of a pixel. */
-static void test_waves_come_back_that_no_frame_has(void **state)
+static void test_waves_above_frame_resolution_appear(void **state)
 {
     static const int percents[] = {50, 67, 77, 99};
     static const double periods_px[] = {6.0, 4.0};
     for (int p = 0; p < neph_test_by_day(2, 4); p++)
         for (int k = 0; k < 2; k++) {
-            const struct kept kept = film_waves(*state, percents[p], periods_px[k]);
+            const struct measured_wave measured_wave = film_waves(*state, percents[p],
+                                                                  periods_px[k]);
             const double expected = exp(-2.0 * pow(M_PI * 0.47 / periods_px[k], 2.0));
             print_message("%d %%, waves of %g px: %.3f of them (Gaussian %.3f), %+.3f px off\n",
-                          percents[p], periods_px[k], kept.amplitude, expected, kept.shift_px);
-            neph_assert_close(kept.amplitude, expected, 0.0, 0.03);
-            neph_assert_close(kept.shift_px, 0.0, 0.0, 0.03);
+                          percents[p], periods_px[k], measured_wave.amplitude, expected,
+                          measured_wave.shift_px);
+            neph_assert_close(measured_wave.amplitude, expected, 0.0, 0.03);
+            neph_assert_close(measured_wave.shift_px, 0.0, 0.0, 0.03);
         }
 }
 
@@ -192,8 +195,9 @@ static void scene_posts(struct test_scene *test)
                      (struct neph_vec3){-5.4 + 1.5 * i, 4.0, -11.8});
 }
 
-static struct neph_image *last_of(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                  const char *text, int frame_count)
+static struct neph_image *render_last_frame(struct neph_vulkan *vulkan,
+                                            const struct neph_scene *scene, const char *text,
+                                            int frame_count)
 {
     const struct neph_settings settings = test_settings(text);
     OWNED(realtime)
@@ -208,7 +212,7 @@ static struct neph_image *last_of(struct neph_vulkan *vulkan, const struct neph_
 
 /* At half the size, marched whole or split: the output has its own size and aspect, all channels,
  * and at most half of the squared error of its rendered pixels when these are enlarged. */
-static void test_a_smaller_frame_makes_the_whole_picture(void **state)
+static void test_smaller_frame_fills_the_output(void **state)
 {
     static const char *const images[] = {"split=none screen_percent=50",
                                          "split=four ray_dither=none screen_percent=50"};
@@ -217,10 +221,13 @@ static void test_a_smaller_frame_makes_the_whole_picture(void **state)
         "split=four ray_dither=none screen_percent=50 taa_jitter=none taa_filter=off"};
     struct test_scene test;
     scene_posts(&test);
-    OWNED(image) struct neph_image *truth = last_of(*state, &test.scene, "split=none taa=on", 40);
+    OWNED(image)
+    struct neph_image *truth = render_last_frame(*state, &test.scene, "split=none taa=on", 40);
     for (int s = 0; s < 2; s++) {
-        OWNED(image) struct neph_image *image = last_of(*state, &test.scene, images[s], 64);
-        OWNED(image) struct neph_image *blocks = last_of(*state, &test.scene, larger[s], 8);
+        OWNED(image)
+        struct neph_image *image = render_last_frame(*state, &test.scene, images[s], 64);
+        OWNED(image)
+        struct neph_image *blocks = render_last_frame(*state, &test.scene, larger[s], 8);
         assert_int_equal(image->width_px, WIDTH_PX);
         assert_int_equal(image->height_px, HEIGHT_PX);
         assert_int_equal(image->channel_count, truth->channel_count);
@@ -236,7 +243,7 @@ static void test_a_smaller_frame_makes_the_whole_picture(void **state)
     }
 }
 
-static void test_what_cannot_be_upsampled_says_so(void **state)
+static void test_unsupported_upsampling_is_an_error(void **state)
 {
     struct test_scene test;
     scene_posts(&test);

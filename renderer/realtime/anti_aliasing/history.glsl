@@ -23,17 +23,17 @@ vec4 filter_history(vec2 place_px)
     precise vec2 corner = floor(place_px - 0.5);
     precise vec2 way = place_px - 0.5 - corner;
     if (is_static)
-        return fetch_picture(RT_TAA_BEFORE, ivec2(corner));
+        return fetch_output(RT_TAA_BEFORE, ivec2(corner));
     vec4 columns = tap_weights(choice(RT_TAA_HISTORY), way.x);
     vec4 rows = tap_weights(choice(RT_TAA_HISTORY), way.y);
     vec3 sum = vec3(0.0);
     for (int y = first_tap(rows); y <= last_tap(rows); y++)
         [[unroll]] for (int x = 0; x < 4; x++) {
             float weight = columns[x] * rows[y];
-            vec3 texel = fetch_picture(RT_TAA_BEFORE, ivec2(corner) + ivec2(x, y) - 1).rgb;
+            vec3 texel = fetch_output(RT_TAA_BEFORE, ivec2(corner) + ivec2(x, y) - 1).rgb;
             sum = weight != 0.0 ? sum + weight * texel : sum;
         }
-    float age = keeps_age() ? fetch_picture(RT_TAA_BEFORE, ivec2(floor(place_px))).a : 0.0;
+    float age = keeps_age() ? fetch_output(RT_TAA_BEFORE, ivec2(floor(place_px))).a : 0.0;
     return vec4(sum, age);
 }
 

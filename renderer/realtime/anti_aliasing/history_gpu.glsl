@@ -14,7 +14,7 @@ vec4 static_history, next_static_history;
 void fetch_static_history(ivec2 pixel)
 {
     if (is_static)
-        next_static_history = fetch_picture(RT_TAA_BEFORE, pixel);
+        next_static_history = fetch_output(RT_TAA_BEFORE, pixel);
 }
 
 void take_static_history(ivec2 next_pixel)
@@ -31,14 +31,14 @@ vec4 filter_history(vec2 place_px)
     if (is_static)
         return static_history;
     if (way == vec2(0.0))
-        return fetch_picture(RT_TAA_BEFORE, ivec2(corner));
+        return fetch_output(RT_TAA_BEFORE, ivec2(corner));
     vec4 columns = tap_weights(choice(RT_TAA_HISTORY), way.x);
     vec4 rows = tap_weights(choice(RT_TAA_HISTORY), way.y);
     int first = choice(RT_TAA_HISTORY) == RT_FILTER_CATMULL_ROM ? 0 : 1;
     vec4 texels[16];
     [[unroll]] for (int y = first; y <= 3 - first; y++)
         [[unroll]] for (int x = first; x <= 3 - first; x++)
-            texels[4 * y + x] = fetch_picture(RT_TAA_BEFORE, ivec2(corner) + ivec2(x, y) - 1);
+            texels[4 * y + x] = fetch_output(RT_TAA_BEFORE, ivec2(corner) + ivec2(x, y) - 1);
     vec3 sum = vec3(0.0);
     [[unroll]] for (int y = first; y <= 3 - first; y++)
         [[unroll]] for (int x = first; x <= 3 - first; x++) {

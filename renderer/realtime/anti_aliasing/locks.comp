@@ -106,12 +106,12 @@ float depth_before_m(ivec2 pixel, float depth_m)
 bool is_disoccluded(ivec2 pixel, ivec2 source, vec2 before_px)
 {
     ivec2 corner = ivec2(floor(before_px - 0.5));
-    float seen_m = -FAR_M;
+    float farthest_before_m = -FAR_M;
     for (int i = 0; i < 4; i++)
-        seen_m = max(seen_m, fetch_picture(RT_TAA_STATE_BEFORE, corner + ivec2(i & 1, i >> 1)).b);
+        farthest_before_m = max(farthest_before_m, fetch_output(RT_TAA_STATE_BEFORE, corner + ivec2(i & 1, i >> 1)).b);
     float here_m = depth_before_m(pixel, nearest_depth_m(source, 2));
     precise float limit_m = (1.0 - SEPARATION) * here_m;
-    return seen_m < limit_m;
+    return farthest_before_m < limit_m;
 }
 
 // --- locks ---------------------------------------------------------------------------------------
@@ -120,7 +120,7 @@ const float ALIKE_RATIO = 1.05;  // largest ratio of two lumas that count as ali
 const float LUMA_SLACK = 0.05;   // tolerance of a lock's luma around the range of the frame
 const float NEAR_SQUARED = 0.5;  // largest squared distance of a sample that makes a lock [px^2]
 
-float luma_of(Neighbourhood around, int i)
+float compute_luma(Neighbourhood around, int i)
 {
     vec3 colour = around.colours[i];
     precise float sum = colour.r + 2.0 * colour.g + colour.b;
@@ -133,10 +133,10 @@ bool is_thin(Neighbourhood around)
 {
     // Samples 0, 1, 3; 1, 2, 5; 3, 6, 7; 5, 7, 8: the neighbours at each corner.
     const uint corners[4] = {0x00bu, 0x026u, 0x0c8u, 0x1a0u};
-    float centre = luma_of(around, CENTRE), low = 3e38, high = -3e38;
+    float centre = compute_luma(around, CENTRE), low = 3e38, high = -3e38;
     uint alike = 0u;
     for (int i = 0; i < 9; i++) {
-        float other = luma_of(around, i);
+        float other = compute_luma(around, i);
         precise float most = ALIKE_RATIO * min(centre, other);
         if (max(centre, other) <= most) {
             alike |= 1u << i;
@@ -157,8 +157,8 @@ bool is_trusted(Neighbourhood around, float luma)
     float low = 3e38, high = -3e38;
     for (int i = 0; i < 9; i++)
         if (has_bit(around.valid, i)) {
-            low = min(low, luma_of(around, i));
-            high = max(high, luma_of(around, i));
+            low = min(low, compute_luma(around, i));
+            high = max(high, compute_luma(around, i));
         }
     precise float least = (1.0 - LUMA_SLACK) * low, most = (1.0 + LUMA_SLACK) * high;
     return luma >= least && luma <= most;
@@ -169,13 +169,13 @@ vec2 update_lock(bool has_history, vec2 before_px, Neighbourhood around)
 {
     vec2 lock = vec2(0.0);
     if (has_history)
-        lock = fetch_picture(RT_TAA_STATE_BEFORE, ivec2(floor(before_px))).rg;
+        lock = fetch_output(RT_TAA_STATE_BEFORE, ivec2(floor(before_px))).rg;
     precise float left = lock.x - 1.0 / setting(RT_TAA_JITTER_LENGTH);
     lock.x = left > 0.0 && left <= 1.0 && is_trusted(around, lock.y) ? left : 0.0;
     precise vec2 way = shift_px / rendered_per_px;
     precise float squared = way.x * way.x + way.y * way.y;
     bool is_new = squared <= NEAR_SQUARED && is_thin(around);
-    return is_new ? vec2(1.0, luma_of(around, CENTRE)) : lock;
+    return is_new ? vec2(1.0, compute_luma(around, CENTRE)) : lock;
 }
 
 // --- the pixel -----------------------------------------------------------------------------------
@@ -183,7 +183,7 @@ vec2 update_lock(bool has_history, vec2 before_px, Neighbourhood around)
 // The accumulated weight of the history, limited by the pixel's speed and the reactive mask.
 float history_weight(vec2 before_px, ivec2 source, float quickness)
 {
-    float weight = fetch_picture(RT_TAA_BEFORE, ivec2(floor(before_px))).a;
+    float weight = fetch_output(RT_TAA_BEFORE, ivec2(floor(before_px))).a;
     float most = setting(RT_TAA_AGE_MAX) * (1.0 - 0.75 * quickness);
     if (choice(RT_TAA_RESPONSIVE) == RT_RESPONSIVE_MEDIUM)
         most *= 1.0 - clamp(1.0 - fetch_full(RT_VOLUME, source).a, 0.0, 0.9);
@@ -193,7 +193,7 @@ float history_weight(vec2 before_px, ivec2 source, float quickness)
 void main()
 {
     ivec2 pixel;
-    if (!own_element(picture_size(), pixel))
+    if (!find_element(get_output_size(), pixel))
         return;
     ivec2 source = find_source(pixel);
     find_change(source_tile(source));
@@ -221,5 +221,5 @@ void main()
     }
     float sum = min(weight + frame_weight, setting(RT_TAA_AGE_MAX));
     put_pixel(pixel, vec4(limit_colour(colour), sum));
-    put_picture(RT_TAA_STATE, pixel, vec4(lock, nearest_depth_m(source, 1), 0.0));
+    put_output(RT_TAA_STATE, pixel, vec4(lock, nearest_depth_m(source, 1), 0.0));
 }

@@ -24,8 +24,8 @@ void find_change(ivec2 tile)
 {
     if (!uses_gradient())
         return;
-    medium_change = change_of(RT_CHANGE, tile);
-    behind_change = change_of(RT_CHANGE_BEHIND, tile);
+    medium_change = load_change(RT_CHANGE, tile);
+    behind_change = load_change(RT_CHANGE_BEHIND, tile);
 }
 
 // 0: same light as in the frame before, 1: different light.
@@ -42,14 +42,14 @@ bool follows_solids() { return choice(RT_SOLID_MOTION) != 0; }
 // the scene behind it keeps its history.
 bool follows_medium()
 {
-    return choice(RT_TAA_MEDIUM) != 0 && !air_rests() &&
+    return choice(RT_TAA_MEDIUM) != 0 && !is_medium_static() &&
            (!uses_gradient() || light_change() > 0.0);
 }
 
 // Whether the history of each pixel is the pixel of the same place: camera, media and solids are
-// where they were in the frame before. It is a specialization constant (ALL_REST), so that the
+// where they were in the frame before. It is a specialization constant (IS_VIEW_STATIC), so that the
 // kernel of a static frame has no code of find_before() but for its first lines.
-bool is_static = ALL_REST && !follows_solids();
+bool is_static = IS_VIEW_STATIC && !follows_solids();
 
 // --- places --------------------------------------------------------------------------------------
 

@@ -76,7 +76,7 @@ struct Neighbourhood {
     uint valid; // bit i: sample i
 };
 
-ivec2 offset_of(int i) { return ivec2(i % 3, i / 3) - 1; }
+ivec2 get_neighbour_offset(int i) { return ivec2(i % 3, i / 3) - 1; }
 
 bool has_bit(uint bits, int i) { return (bits >> i & 1u) != 0u; }
 
@@ -93,7 +93,7 @@ Neighbourhood fetch_neighbourhood(ivec2 pixel)
     Neighbourhood around;
     around.valid = 0u;
     for (int i = 0; i < 9; i++)
-        set_sample(around, i, sample_from(fetch_colour(pixel + offset_of(i))));
+        set_sample(around, i, sample_from(fetch_colour(pixel + get_neighbour_offset(i))));
     return around;
 }
 
@@ -112,8 +112,8 @@ float coverage = 1.0; // of the pixel by samples: sum of the weights, with upsam
 // From the pixel's centre to a sample, squared, in rendered pixels.
 float distance_squared(int i)
 {
-    precise float x = float(offset_of(i).x) + shift_px.x;
-    precise float y = float(offset_of(i).y) + shift_px.y;
+    precise float x = float(get_neighbour_offset(i).x) + shift_px.x;
+    precise float y = float(get_neighbour_offset(i).y) + shift_px.y;
     precise float sum = x * x + y * y;
     return sum;
 }

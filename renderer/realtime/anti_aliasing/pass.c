@@ -7,7 +7,7 @@
         NEPH_RT_BIT(RT_VOLUME) | NEPH_RT_BIT(RT_BEHIND) | NEPH_RT_BIT(RT_VOLUME_DISTANCE) |        \
         NEPH_RT_BIT(RT_CHANGE) | NEPH_RT_BIT(RT_CHANGE_BEHIND) | NEPH_RT_BIT(RT_MOVED)
 /* Targets that are not read unless one of these choices is set (passes.h). */
-#define TAA_SPARED                                                                                 \
+#define TAA_UNUSED                                                                                 \
     {                                                                                              \
         {{{RT_COMPOSITION, RT_COMPOSITION_PASS}, {RT_COMPOSITION, RT_COMPOSITION_UPSCALE}},        \
          NEPH_RT_BIT(RT_COLOR)},                                                                   \
@@ -41,9 +41,9 @@ const struct neph_rt_pass neph_rt_taa = {
                  [NEPH_RT_GPU] = {"taa_gpu", taa_gpu_code, sizeof(taa_gpu_code),
                                   .block = {RT_TAA_BLOCK_WIDTH, RT_TAA_BLOCK_HEIGHT}}},
     .condition = {RT_TAA, RT_TAA_ON},
-    .resolution = RT_PICTURE,
+    .resolution = RT_OUTPUT,
     .reads = TAA_READS,
-    .spared = TAA_SPARED,
+    .spared = TAA_UNUSED,
     .writes = NEPH_RT_BIT(RT_TAA_OUT),
     .histories = {{RT_TAA_OUT, RT_TAA_BEFORE}},
     .picture = RT_TAA_OUT,
@@ -58,9 +58,9 @@ const struct neph_rt_pass neph_rt_taau = {
     .note = "anti-aliasing with more output pixels than rendered pixels",
     .shader = {"taau", taau_code, sizeof(taau_code)},
     .condition = {RT_TAA, RT_TAA_UPSAMPLING},
-    .resolution = RT_PICTURE,
+    .resolution = RT_OUTPUT,
     .reads = TAA_READS,
-    .spared = TAA_SPARED,
+    .spared = TAA_UNUSED,
     .writes = NEPH_RT_BIT(RT_TAA_OUT),
     .histories = {{RT_TAA_OUT, RT_TAA_BEFORE}},
     .picture = RT_TAA_OUT,
@@ -75,9 +75,9 @@ const struct neph_rt_pass neph_rt_locks = {
     .note = "upsampling with locks on thin features, after FSR 2",
     .shader = {"locks", locks_code, sizeof(locks_code)},
     .condition = {RT_TAA, RT_TAA_LOCKS},
-    .resolution = RT_PICTURE,
+    .resolution = RT_OUTPUT,
     .reads = TAA_READS | NEPH_RT_BIT(RT_TAA_STATE_BEFORE),
-    .spared = TAA_SPARED,
+    .spared = TAA_UNUSED,
     .writes = NEPH_RT_BIT(RT_TAA_OUT) | NEPH_RT_BIT(RT_TAA_STATE),
     .histories = {{RT_TAA_OUT, RT_TAA_BEFORE}, {RT_TAA_STATE, RT_TAA_STATE_BEFORE}},
     .picture = RT_TAA_OUT,

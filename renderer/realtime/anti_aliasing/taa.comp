@@ -21,14 +21,14 @@
 // makes the same decision.
 //
 // Functions from other files:
-// - shared/view.glsl: fetch_full() and view_size() are in rendered pixels, fetch_picture() in
+// - shared/view.glsl: fetch_full() and view_size() are in rendered pixels, fetch_output() in
 //   output pixels, of which there are more with upsampling (taau.comp, locks.comp). Outside the
 //   frame both repeat its border pixels. choice(), setting() and is_set() are the user's settings
 //   RT_* (docs/settings.md). view_now and view_before are the cameras, relative to this frame's
 //   camera.
 // - shared/clamp.glsl: Box and its functions, clamp_between().
 // - shared/color_space.glsl: to_space(), from_space() and luma_4(), four times the luma Y.
-// - gradient/change.glsl: beyond() is 0 up to a limit and 1 from twice the limit on; lasting() is
+// - gradient/change.glsl: beyond() is 0 up to a limit and 1 from twice the limit on; compute_change_time() is
 //   the limit divided by a change.
 // - shared/device.glsl: code that is fast on one kind of device, such as first_tap() and
 //   last_tap(), the ends of a loop over four taps.
@@ -55,7 +55,7 @@
 void main()
 {
     ivec2 pixel;
-    if (!own_element(view_size(), pixel))
+    if (!find_element(view_size(), pixel))
         return;
     find_change(pixel / 4);
     find_filter_weights();

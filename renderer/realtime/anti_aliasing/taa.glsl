@@ -97,8 +97,8 @@ float frame_weight(float luma, float history_luma, float speed_px)
 float frames_alike()
 {
     float limit = setting(RT_TAA_CHANGE);
-    return min(4.0 * lasting(medium_change.residue, limit),
-               setting(RT_TAA_JITTER_LENGTH) * lasting(behind_change.residue, limit));
+    return min(4.0 * compute_change_time(medium_change.residue, limit),
+               setting(RT_TAA_JITTER_LENGTH) * compute_change_time(behind_change.residue, limit));
 }
 
 // A static pixel is the mean of its frames since its last change: one more frame weighs
@@ -125,9 +125,9 @@ bool is_responsive(ivec2 source)
 
 vec3 blend(vec3 frame, vec3 history, float alpha)
 {
-    float of_frame = alpha * hdr_weight(frame);
-    float of_history = (1.0 - alpha) * hdr_weight(history);
-    float weight = of_frame / (of_frame + of_history);
+    float frame_part = alpha * hdr_weight(frame);
+    float history_part = (1.0 - alpha) * hdr_weight(history);
+    float weight = frame_part / (frame_part + history_part);
     return weight == 1.0 ? frame : history + weight * (frame - history);
 }
 
@@ -178,7 +178,7 @@ vec3 round_to_format(vec3 colour, ivec2 pixel)
 
 void put_pixel(ivec2 pixel, vec4 resolved)
 {
-    put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(resolved.rgb, pixel), resolved.a));
+    put_output(RT_TAA_OUT, pixel, vec4(round_to_format(resolved.rgb, pixel), resolved.a));
 }
 
 #endif

@@ -23,7 +23,7 @@ void fetch_next_row(ivec2 pixel, inout Neighbourhood around)
         around.hdr_weights[i] = around.hdr_weights[i + 3];
     }
     for (int i = 6; i < 9; i++)
-        set_sample(around, i, sample_from(fetch_colour(pixel + offset_of(i))));
+        set_sample(around, i, sample_from(fetch_colour(pixel + get_neighbour_offset(i))));
 }
 
 void resolve_pixel(ivec2 pixel, bool is_inside, inout Neighbourhood around)
@@ -41,7 +41,7 @@ bool unrolls() { return is_static && is_unchanged(); }
 void main()
 {
     ivec2 pixel, size = view_size();
-    if (!own_element(ivec2(size.x, (size.y - 1) / COLUMN_PX + 1), pixel))
+    if (!find_element(ivec2(size.x, (size.y - 1) / COLUMN_PX + 1), pixel))
         return;
     pixel.y *= COLUMN_PX;
     int end = min(pixel.y + COLUMN_PX, size.y);

@@ -84,11 +84,11 @@ vec3 weights_along(float jitter)
     return exp(-SHARPNESS * way * way);
 }
 
-float part_of_one(float count) { return count > 0.0 ? 1.0 / count : 0.0; }
+float invert_count(float count) { return count > 0.0 ? 1.0 / count : 0.0; }
 
 bool needs_box; // of this thread's column
 // Few static pixels have a box: its data in the rows would take registers from all threads.
-const bool ROWS_HAVE_BOXES = !ALL_REST;
+const bool ROWS_HAVE_BOXES = !IS_VIEW_STATIC;
 
 Row row_at(ivec2 pixel)
 {
@@ -107,60 +107,60 @@ Row row_at(ivec2 pixel)
     }
     row.mean = row.scatter = vec3(0.0);
     if (needs_box && ROWS_HAVE_BOXES) {
-        row.mean = part_of_one(row.count) * sum;
+        row.mean = invert_count(row.count) * sum;
         [[unroll]] for (int i = 0; i < 3; i++)
             row.scatter += counts[i] * (colours[i] - row.mean) * (colours[i] - row.mean);
     }
     return row;
 }
 
-Box box_of_row(Row row, vec3 filtered)
+Box find_row_box(Row row, vec3 filtered)
 {
-    vec3 variance = part_of_one(row.count) * row.scatter;
+    vec3 variance = invert_count(row.count) * row.scatter;
     Box box = variance_box(vec4(row.mean, 0.0), vec4(variance, 0.0), setting(RT_TAA_SIGMA));
     extend(box, vec4(to_space(clamp_space(), filtered), 0.0));
     return box;
 }
 
-Box box_of_rows(Row rows[3], vec3 filtered)
+Box merge_row_boxes(Row rows[3], vec3 filtered)
 {
     Row all = Row(vec4(0.0), vec3(0.0), vec3(0.0), 0.0);
     [[unroll]] for (int i = 0; i < 3; i++) {
         all.mean += rows[i].count * rows[i].mean;
         all.count += rows[i].count;
     }
-    all.mean *= part_of_one(all.count);
+    all.mean *= invert_count(all.count);
     [[unroll]] for (int i = 0; i < 3; i++) {
         vec3 difference = rows[i].mean - all.mean;
         all.scatter += rows[i].scatter + rows[i].count * difference * difference;
     }
-    return box_of_row(all, filtered);
+    return find_row_box(all, filtered);
 }
 
 // As loops over all nine samples, which need fewer registers than rows.
-Box box_of_samples(ivec2 pixel, vec3 filtered)
+Box find_sample_box(ivec2 pixel, vec3 filtered)
 {
     Row all = Row(vec4(0.0), vec3(0.0), vec3(0.0), 0.0);
     [[dont_unroll]] for (int i = 0; i < 9; i++) {
-        Sample from = sample_at(pixel + offset_of(i));
+        Sample from = sample_at(pixel + get_neighbour_offset(i));
         all.mean += to_space(clamp_space(), from.colour);
         all.count += from.is_valid ? 1.0 : 0.0;
     }
-    all.mean *= part_of_one(all.count);
+    all.mean *= invert_count(all.count);
     [[dont_unroll]] for (int i = 0; i < 9; i++) {
-        Sample from = sample_at(pixel + offset_of(i));
+        Sample from = sample_at(pixel + get_neighbour_offset(i));
         vec3 difference = to_space(clamp_space(), from.colour) - all.mean;
         all.scatter += from.is_valid ? difference * difference : vec3(0.0);
     }
-    return box_of_row(all, filtered);
+    return find_row_box(all, filtered);
 }
 
-Neighbourhood neighbourhood_at(ivec2 pixel)
+Neighbourhood load_neighbourhood(ivec2 pixel)
 {
     Neighbourhood around;
     around.valid = 0u;
     [[unroll]] for (int i = 0; i < 9; i++)
-        set_sample(around, i, sample_at(pixel + offset_of(i)));
+        set_sample(around, i, sample_at(pixel + get_neighbour_offset(i)));
     return around;
 }
 
@@ -177,9 +177,9 @@ Frame frame_from_rows(ivec2 pixel, Row rows[3])
     frame.is_valid = is_filtered ? rows[0].count + rows[1].count + rows[2].count > 0.0
                                  : frame.is_centre_valid;
     if (needs_box && ROWS_HAVE_BOXES)
-        frame.box = box_of_rows(rows, frame.colour);
+        frame.box = merge_row_boxes(rows, frame.colour);
     else if (needs_box)
-        frame.box = box_of_samples(pixel, frame.colour);
+        frame.box = find_sample_box(pixel, frame.colour);
     return frame;
 }
 
@@ -197,7 +197,7 @@ bool has_box()
 
 void main()
 {
-    ivec2 size = view_size(), block = own_block(size, BLOCK);
+    ivec2 size = view_size(), block = find_block(size, BLOCK);
     int thread = int(gl_LocalInvocationID.x);
     ivec2 pixel = block + ivec2(thread % BLOCK.x, thread / BLOCK.x * COLUMN_PX);
     fetch_static_history(pixel);
@@ -223,7 +223,7 @@ void main()
             rows[2] = row_at(pixel + ivec2(0, 1));
             frame = frame_from_rows(pixel, rows);
         } else {
-            frame = frame_from(neighbourhood_at(pixel), needs_box);
+            frame = frame_from(load_neighbourhood(pixel), needs_box);
         }
         put_pixel(pixel, resolve(pixel, pixel, frame));
     }

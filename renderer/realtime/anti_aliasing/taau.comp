@@ -24,7 +24,7 @@ float near_px_squared()
 void main()
 {
     ivec2 pixel;
-    if (!own_element(picture_size(), pixel))
+    if (!find_element(get_output_size(), pixel))
         return;
     ivec2 source = find_source(pixel);
     find_change(source_tile(source));

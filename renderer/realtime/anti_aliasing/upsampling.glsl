@@ -30,7 +30,7 @@ void find_filter_weights_and_coverage()
 {
     coverage = 0.0;
     for (int i = 0; i < 9; i++) {
-        vec2 way = (vec2(offset_of(i)) + shift_px) / rendered_per_px;
+        vec2 way = (vec2(get_neighbour_offset(i)) + shift_px) / rendered_per_px;
         filter_weights[i] = exp(-SHARPNESS * dot(way, way));
         coverage += filter_weights[i];
     }

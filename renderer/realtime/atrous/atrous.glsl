@@ -22,7 +22,7 @@ const float SPLINE[3] = {0.375, 0.25, 0.0625};
 // relative to the depth.
 const float LUMA_SIGMAS = 4.0, DEPTH_PART = 0.1;
 
-float luma_of(vec4 volume) { return volume.r + 2.0 * volume.g + volume.b; }
+float compute_luma(vec4 volume) { return volume.r + 2.0 * volume.g + volume.b; }
 
 bool is_there(vec4 volume, ivec2 half_pixel)
 {
@@ -40,7 +40,7 @@ float deviation_at(ivec2 half_pixel)
         ivec2 way = ivec2(i % 3, i / 3) - 1;
         vec4 volume = fetch_half(INPUT, half_pixel + way);
         bool counts = is_there(volume, half_pixel + way);
-        lumas[i] = counts ? luma_of(volume) : -1.0;
+        lumas[i] = counts ? compute_luma(volume) : -1.0;
         sum += counts ? lumas[i] : 0.0;
         slope += lumas[i] * vec2(way) / 6.0;
         count += counts ? 1.0 : 0.0;
@@ -63,14 +63,14 @@ float falling(float difference, float unit)
 void main()
 {
     ivec2 half_pixel;
-    if (!own_element(half_size(), half_pixel))
+    if (!find_element(half_size(), half_pixel))
         return;
-    vec4 own = fetch_half(INPUT, half_pixel);
-    if (!is_there(own, half_pixel)) {
-        put_half(OUTPUT, half_pixel, own);
+    vec4 center = fetch_half(INPUT, half_pixel);
+    if (!is_there(center, half_pixel)) {
+        put_half(OUTPUT, half_pixel, center);
         return;
     }
-    float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x, luma = luma_of(own);
+    float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x, luma = compute_luma(center);
     float luma_unit = LUMA_SIGMAS * deviation_at(half_pixel);
     float depth_unit = DEPTH_PART * depth_m;
     vec4 sum = vec4(0.0);
@@ -81,7 +81,7 @@ void main()
         if (!is_there(volume, other))
             continue;
         float weight = SPLINE[abs(way.x)] * SPLINE[abs(way.y)] *
-                       falling(abs(luma_of(volume) - luma), luma_unit) *
+                       falling(abs(compute_luma(volume) - luma), luma_unit) *
                        falling(abs(fetch_half(RT_HALF_DEPTH, other).x - depth_m), depth_unit);
         sum += weight * volume;
         weights += weight;

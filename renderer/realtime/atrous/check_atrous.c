@@ -120,7 +120,7 @@ static void test_edges_stay(void **state)
     }
 }
 
-static void test_the_upscale_reads_what_is_filtered(void **state)
+static void test_upscale_reads_filtered_volume(void **state)
 {
     OWNED(passes) struct test_passes test;
     open_volume(*state, "upscale=bilinear upscale_dither=none", (int[2]){32, 16}, 0, &test);

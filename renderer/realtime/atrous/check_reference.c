@@ -16,7 +16,7 @@ static bool fetch(const struct step *step, int x, int y, float volume[4])
     float state[4];
     cpu_fetch_half(step->cpu, RT_HISTORY_STATE, x, y, state);
     cpu_fetch_half(step->cpu, step->input, x, y, volume);
-    return state[0] > 0.0f && cpu_is_sound(volume);
+    return state[0] > 0.0f && cpu_is_valid(volume);
 }
 
 static double luma(const float volume[4])

@@ -86,7 +86,7 @@ static void test_identities(void **state)
 }
 
 /* Texels outside the view are not written. */
-static void test_the_rest_of_the_buffer_is_left_alone(void **state)
+static void test_texels_outside_view_are_unchanged(void **state)
 {
     OWNED(passes) struct test_passes test;
     open_view(state, "", sizes_px[2], 1, &test);

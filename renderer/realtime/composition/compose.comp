@@ -11,7 +11,7 @@
 void main()
 {
     ivec2 pixel;
-    if (!own_element(view_size(), pixel))
+    if (!find_element(view_size(), pixel))
         return;
     vec3 radiance = over(fetch_full(RT_VOLUME, pixel), fetch_full(RT_BEHIND, pixel).xyz);
     put_full(RT_COLOR, pixel, vec4(radiance, 1.0));

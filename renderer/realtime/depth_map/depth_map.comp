@@ -11,7 +11,7 @@
 void main()
 {
     ivec2 element;
-    if (!own_element(half_size(), element))
+    if (!find_element(half_size(), element))
         return;
     put_half(RT_HALF_DEPTH, element, vec4(mapped_depth_m(element)));
 }

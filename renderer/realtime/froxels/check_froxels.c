@@ -80,9 +80,10 @@ static void test_passes_equal_their_cpu_references(void **state)
     "froxels=on froxel_px=1 froxel_jitter=off froxel_history=0 taa=off "                           \
     "target_format=float ray_dither_amount=0 upscale_amount_px=0 steps=64 "
 
-static struct neph_image *picture_of(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                     const char *assignments, int frames,
-                                     neph_realtime_observer *observer, void *context)
+static struct neph_image *render_last_frame(struct neph_vulkan *vulkan,
+                                            const struct neph_scene *scene, const char *assignments,
+                                            int frames, neph_realtime_observer *observer,
+                                            void *context)
 {
     const struct neph_settings settings = test_settings(assignments);
     OWNED(realtime)
@@ -115,7 +116,7 @@ static void scene_fence(struct test_scene *test)
                      (struct neph_vec3){-3.6 + i, 3.0, -8.7});
 }
 
-static void scene_lamps(struct test_scene *test)
+static void scene_point_lights(struct test_scene *test)
 {
     scene_fog(test);
     test->scene.sun.present = false;
@@ -136,7 +137,7 @@ struct error {
 };
 
 /* Errors of the last frame, with its camera. */
-static struct error error_of(const struct test_scene *test, const struct neph_image *image)
+static struct error measure_error(const struct test_scene *test, const struct neph_image *image)
 {
     const struct neph_camera camera = neph_scene_camera(&test->scene, 1e6);
     float *volume[3];
@@ -168,8 +169,8 @@ static void converges(struct neph_vulkan *vulkan, const char *name,
         snprintf(settings, sizeof(settings),
                  PLAIN "froxel_end_m=24 lamp_peaks=off froxel_slices=%d", slices);
         OWNED(image)
-        struct neph_image *image = picture_of(vulkan, &test.scene, settings, 1, NULL, NULL);
-        const struct error error = error_of(&test, image);
+        struct neph_image *image = render_last_frame(vulkan, &test.scene, settings, 1, NULL, NULL);
+        const struct error error = measure_error(&test, image);
         print_message("%s, %3d slices: bias %+.1e, rms %.1e\n", name, slices, error.bias,
                       error.rms);
         assert_true(error.rms < 0.8 * last.rms);
@@ -184,25 +185,25 @@ static void test_shafts_of_a_fence(void **state)
     converges(*state, "fence", scene_fence, 0.03);
 }
 
-static void test_lamps(void **state)
+static void test_point_lights(void **state)
 {
-    converges(*state, "lamps", scene_lamps, 0.03);
+    converges(*state, "lamps", scene_point_lights, 0.03);
 }
 
 /* Columns as wide as four pixels; the peaks of lights are computed per pixel, or are lost. */
-static void test_peaks_of_lamps_are_of_pixels(void **state)
+static void test_light_peaks_have_pixel_resolution(void **state)
 {
     struct test_scene test;
     struct error errors[2];
-    scene_lamps(&test);
+    scene_point_lights(&test);
     for (int peaks = 0; peaks < 2; peaks++) {
         char settings[400];
         snprintf(settings, sizeof(settings),
                  PLAIN "froxel_px=4 froxel_end_m=24 froxel_slices=64 lamp_peaks=%s",
                  peaks ? "on" : "off");
         OWNED(image)
-        struct neph_image *image = picture_of(*state, &test.scene, settings, 1, NULL, NULL);
-        errors[peaks] = error_of(&test, image);
+        struct neph_image *image = render_last_frame(*state, &test.scene, settings, 1, NULL, NULL);
+        errors[peaks] = measure_error(&test, image);
         print_message("lamps, columns of 4 pixels, peaks %s: bias %+.1e, rms %.1e\n",
                       peaks ? "on" : "off", errors[peaks].bias, errors[peaks].rms);
     }
@@ -219,7 +220,7 @@ static void light_at(const struct neph_scene *scene, struct neph_vec3 point_m,
     const double per_m = neph_medium_extinction_per_m(fog, point_m);
     light[0] = 0.0;
     light[1] = per_m;
-    if (!neph_scene_sees_sun(scene, point_m))
+    if (!neph_scene_is_sun_visible(scene, point_m))
         return;
     const double depth =
         neph_scene_optical_depth(scene, point_m, scene->sun.direction, 0.0, INFINITY).g;
@@ -288,9 +289,9 @@ static void test_each_froxel_has_its_light(void **state)
     struct test_scene test;
     scene_fence(&test);
     struct lit_check check = {.scene = &test.scene};
-    struct neph_image *image = picture_of(*state, &test.scene,
-                                          PLAIN "froxel_hold=off froxel_end_m=24 froxel_slices=16",
-                                          1, check_light, &check);
+    struct neph_image *image = render_last_frame(
+        *state, &test.scene, PLAIN "froxel_hold=off froxel_end_m=24 froxel_slices=16", 1,
+        check_light, &check);
     neph_image_destroy(image);
     assert_true(check.lit > 1000 && check.dark > 500);
     assert_int_equal(check.wrong, 0);
@@ -318,9 +319,9 @@ static double leak(struct neph_vulkan *vulkan, const char *assignments)
     scene_room(&room, true);
     scene_room(&open, false);
     OWNED(image)
-    struct neph_image *dark = picture_of(vulkan, &room.scene, assignments, 8, NULL, NULL);
+    struct neph_image *dark = render_last_frame(vulkan, &room.scene, assignments, 8, NULL, NULL);
     OWNED(image)
-    struct neph_image *lit = picture_of(vulkan, &open.scene, assignments, 8, NULL, NULL);
+    struct neph_image *lit = render_last_frame(vulkan, &open.scene, assignments, 8, NULL, NULL);
     float *a[3], *b[3];
     assert_true(neph_image_rgb(dark, "volume", a) && neph_image_rgb(lit, "volume", b));
     double most = 0.0;
@@ -331,9 +332,10 @@ static double leak(struct neph_vulkan *vulkan, const char *assignments)
 
 static void test_no_light_leaks_through_a_wall(void **state)
 {
-#define ROOM "froxels=on froxel_px=2 froxel_end_m=24 taa=off froxel_slices=32 target_format=float "
-    const double held = leak(*state, ROOM), alone = leak(*state, ROOM "lamp_peaks=off"),
-                 let = leak(*state, ROOM "lamp_peaks=off froxel_hold=off");
+#define ROOM_SCENE                                                                                 \
+    "froxels=on froxel_px=2 froxel_end_m=24 taa=off froxel_slices=32 target_format=float "
+    const double held = leak(*state, ROOM_SCENE), alone = leak(*state, ROOM_SCENE "lamp_peaks=off"),
+                 let = leak(*state, ROOM_SCENE "lamp_peaks=off froxel_hold=off");
     print_message("through a wall: %.1e of the light, all in froxels %.1e, and %.1e with "
                   "froxel_hold=off\n",
                   held, alone, let);
@@ -343,7 +345,7 @@ static void test_no_light_leaks_through_a_wall(void **state)
 
 /* For any place of the seam to the march the frame is as good as without froxels. After sixteen
  * frames every texel has been marched. */
-static void test_the_seam_is_not_seen(void **state)
+static void test_seam_is_invisible(void **state)
 {
     neph_test_waits_for_the_night();
     struct test_scene test;
@@ -357,8 +359,8 @@ static void test_the_seam_is_not_seen(void **state)
         char settings[400];
         snprintf(settings, sizeof(settings), PLAIN "froxel_slices=64 %s", ends[i]);
         OWNED(image)
-        struct neph_image *image = picture_of(*state, &test.scene, settings, 16, NULL, NULL);
-        errors[i] = error_of(&test, image);
+        struct neph_image *image = render_last_frame(*state, &test.scene, settings, 16, NULL, NULL);
+        errors[i] = measure_error(&test, image);
         print_message("%s: bias %+.1e, rms %.1e\n", ends[i], errors[i].bias, errors[i].rms);
     }
     for (size_t i = 0; i + 1 < COUNT(ends); i++)
@@ -372,11 +374,11 @@ static void test_jitter_and_history(void **state)
     struct test_scene test;
     scene_fence(&test);
     OWNED(image)
-    struct neph_image *image = picture_of(
+    struct neph_image *image = render_last_frame(
         *state, &test.scene,
         PLAIN "froxel_slices=32 froxel_end_m=24 froxel_jitter=on froxel_history=0.95", 64, NULL,
         NULL);
-    const struct error error = error_of(&test, image);
+    const struct error error = measure_error(&test, image);
     print_message("64 pictures with jitter and history: bias %+.1e, rms %.1e\n", error.bias,
                   error.rms);
     assert_true(fabs(error.bias) < 0.01 && error.rms < 0.04);
@@ -402,8 +404,8 @@ static void history_follows(struct neph_vulkan *vulkan, const char *name,
         snprintf(settings, sizeof(settings),
                  PLAIN "froxel_slices=64 froxel_end_m=24 froxel_history=%g", i ? 0.8 : 0.0);
         OWNED(image)
-        struct neph_image *image = picture_of(vulkan, &test.scene, settings, 9, NULL, NULL);
-        errors[i] = error_of(&test, image);
+        struct neph_image *image = render_last_frame(vulkan, &test.scene, settings, 9, NULL, NULL);
+        errors[i] = measure_error(&test, image);
         print_message("%s, moving, history %g: bias %+.1e, rms %.1e\n", name, i ? 0.8 : 0.0,
                       errors[i].bias, errors[i].rms);
     }
@@ -421,7 +423,7 @@ static void test_history_follows_the_world(void **state)
     const struct neph_phase forward = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.4};
     history_follows(*state, "fence, isotropic", scene_fence, even, 0.05);
     history_follows(*state, "fence, g 0.4", scene_fence, forward, 0.15);
-    history_follows(*state, "lamps, isotropic", scene_lamps, even, 0.6);
+    history_follows(*state, "lamps, isotropic", scene_point_lights, even, 0.6);
 }
 
 /* Scenes that froxels do not support are refused. */

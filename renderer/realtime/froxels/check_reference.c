@@ -12,7 +12,7 @@ struct volume {
     double near_m, end_m;
 };
 
-static struct volume volume_of(const struct reference *cpu)
+static struct volume make_volume(const struct reference *cpu)
 {
     const float *settings = cpu->view->settings;
     const int px = (int)settings[RT_FROXEL_PX];
@@ -28,14 +28,14 @@ static struct volume volume_of(const struct reference *cpu)
 
 double cpu_froxel_edge_m(const struct reference *cpu, int edge)
 {
-    const struct volume v = volume_of(cpu);
+    const struct volume v = make_volume(cpu);
     return v.near_m * (pow(1.0 + v.end_m / v.near_m, (double)edge / v.slices) - 1.0);
 }
 
 /* The slice of a depth; at an edge either slice is correct. */
-static int slice_of(const struct reference *cpu, double depth_m)
+static int find_slice(const struct reference *cpu, double depth_m)
 {
-    const int slices = volume_of(cpu).slices;
+    const int slices = make_volume(cpu).slices;
     int slice = 0;
     while (slice + 1 < slices && cpu_froxel_edge_m(cpu, slice + 1) <= depth_m)
         slice++;
@@ -46,7 +46,7 @@ static int slice_of(const struct reference *cpu, double depth_m)
 static void fetch(const struct reference *cpu, int section, int column, int row, int slice,
                   double value[4])
 {
-    const struct volume v = volume_of(cpu);
+    const struct volume v = make_volume(cpu);
     float word[4];
     column = column < 0 ? 0 : column >= v.columns ? v.columns - 1 : column;
     row = row < 0 ? 0 : row >= v.rows ? v.rows - 1 : row;
@@ -76,7 +76,7 @@ static double slope_at(const struct reference *cpu, double x_px, double y_px)
 
 void cpu_froxel_sum(const struct reference *cpu)
 {
-    const struct volume v = volume_of(cpu);
+    const struct volume v = make_volume(cpu);
     const struct neph_gpu_target *shape = &cpu->view->targets[RT_FROXELS];
     for (int row = 0; row < v.rows; row++)
         for (int column = 0; column < v.columns; column++) {
@@ -110,16 +110,16 @@ static void column_before(const struct reference *cpu, int column, int row, int 
 
 static void apply_to(const struct reference *cpu, int x, int y)
 {
-    const struct volume v = volume_of(cpu);
+    const struct volume v = make_volume(cpu);
     const struct neph_gpu_view *view = cpu->view;
     const double x_px = x + 0.5 + (double)view->jitter_px[0];
     const double y_px = y + 0.5 + (double)view->jitter_px[1];
     float depth[4], volume[4];
     cpu_fetch_full(cpu, RT_DEPTH, x, y, depth);
     cpu_fetch_full(cpu, RT_VOLUME, x, y, volume);
-    const double seen_m = fmin((double)depth[0], v.end_m);
-    const int slice = slice_of(cpu, seen_m);
-    const double length_m = fmax(seen_m - cpu_froxel_edge_m(cpu, slice), 0.0) *
+    const double clipped_depth_m = fmin((double)depth[0], v.end_m);
+    const int slice = find_slice(cpu, clipped_depth_m);
+    const double length_m = fmax(clipped_depth_m - cpu_froxel_edge_m(cpu, slice), 0.0) *
                             slope_at(cpu, x_px, y_px);
     const double u = x_px / v.px - 0.5;
     const double w = y_px / v.px - 0.5;

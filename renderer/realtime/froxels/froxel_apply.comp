@@ -13,12 +13,12 @@
 void main()
 {
     ivec2 pixel;
-    if (!own_element(view_size(), pixel))
+    if (!find_element(view_size(), pixel))
         return;
     vec2 place_px = vec2(pixel) + 0.5 + jitter_px;
     float depth_m = fetch_full(RT_DEPTH, pixel).x;
-    float seen_m = depth_m < froxel_end_m() ? depth_m : froxel_end_m();
+    float clipped_depth_m = depth_m < froxel_end_m() ? depth_m : froxel_end_m();
     float slope = 1.0 / dot(view_line_at(view_now, place_px).direction, view_now.forward);
-    vec4 before = froxels_before(place_px, seen_m, slope);
+    vec4 before = froxels_before(place_px, clipped_depth_m, slope);
     put_full(RT_VOLUME, pixel, froxel_over(before, fetch_full(RT_VOLUME, pixel)));
 }

@@ -30,7 +30,7 @@ vec3 froxel_jitter()
     return choice(RT_FROXEL_JITTER) != 0 ? vec3(bits >> 8) * exp2(-24.0) : vec3(0.5);
 }
 
-ivec3 own_froxel(uint index)
+ivec3 find_froxel(uint index)
 {
     ivec2 place = element_at(int(index), froxel_count.x);
     int slice = place.y / froxel_count.y;
@@ -60,11 +60,11 @@ vec3 scattered_per_m(Mixture mixture, ViewRay ray, vec3 point_m, Reach reach,
                      float extinction_per_m)
 {
     vec3 light = vec3(0.0);
-    if (own(frame.scatters) != 0)
+    if (make_nonuniform(frame.scatters) != 0)
         light = source_function(mixture, point_m) * extinction_per_m;
-    if (own(frame.emits) != 0)
+    if (make_nonuniform(frame.emits) != 0)
         light += mixture.glow * extinction_per_m;
-    if (LAMPS && own(frame.scatters_lamps) != 0) {
+    if (LAMPS && make_nonuniform(frame.scatters_lamps) != 0) {
         vec3 depth = vec3(extinction_per_m * reach.length_m);
         light += lamps_light(mixture, ray, reach.inside.t0_m,
                              reach.inside.t1_m - reach.inside.t0_m, depth) /
@@ -73,7 +73,7 @@ vec3 scattered_per_m(Mixture mixture, ViewRay ray, vec3 point_m, Reach reach,
     return light;
 }
 
-Reach reach_of(int slice, ViewRay ray, vec2 place_px)
+Reach find_reach(int slice, ViewRay ray, vec2 place_px)
 {
     float slope = 1.0 / dot(ray.direction, frame.camera_forward);
     float low_m = froxel_edge_m(slice), high_m = froxel_edge_m(slice + 1);
@@ -85,15 +85,15 @@ Reach reach_of(int slice, ViewRay ray, vec2 place_px)
                  Stretch(max(low_m * slope, hull.t0_m), min(high_m * slope, hull.t1_m)));
 }
 
-vec4 light_of(ivec3 froxel)
+vec4 compute_froxel_light(ivec3 froxel)
 {
     vec3 place = vec3(froxel) + froxel_jitter();
     vec2 place_px = place.xy * float(froxel_px);
     ViewRay ray = camera_ray_at(frame_camera(), place_px);
-    Reach reach = reach_of(froxel.z, ray, place_px);
+    Reach reach = find_reach(froxel.z, ray, place_px);
     if (reach.inside.t1_m <= reach.inside.t0_m)
         return vec4(0.0);
-    look_along(ray);
+    set_view_ray(ray);
     float distance_m = mix(reach.inside.t0_m, reach.inside.t1_m, place.z - float(froxel.z));
     vec3 point_m = view_point_m(ray, distance_m);
     Mixture mixture = mixture_at(point_m);
@@ -123,18 +123,18 @@ bool light_before(ivec3 froxel, out vec4 light)
     ViewRay ray = camera_ray_at(frame_camera(), middle.xy * float(froxel_px));
     float depth_m = 0.5 * (froxel_edge_m(froxel.z) + froxel_edge_m(froxel.z + 1));
     vec3 point_m = view_point_m(ray, depth_m / dot(ray.direction, frame.camera_forward));
-    vec3 seen = project(view_before, point_m - wind_m());
+    vec3 earlier = project(view_before, point_m - wind_m());
     light = vec4(0.0);
-    vec3 place = vec3(seen.xy / float(froxel_px), 0.0);
-    if (!(seen.z > 0.0) || seen.z > froxel_end_m() || any(lessThan(place.xy, vec2(0.0))) ||
+    vec3 place = vec3(earlier.xy / float(froxel_px), 0.0);
+    if (!(earlier.z > 0.0) || earlier.z > froxel_end_m() || any(lessThan(place.xy, vec2(0.0))) ||
         any(greaterThan(place.xy, vec2(froxel_count.xy))))
         return false;
     // Between the centres of slices interpolation is in depth, not in slice numbers.
-    int slice = clamp(int(froxel_place(seen.z)), 0, froxel_count.z - 1);
+    int slice = clamp(int(froxel_place(earlier.z)), 0, froxel_count.z - 1);
     float middle_m = 0.5 * (froxel_edge_m(slice) + froxel_edge_m(slice + 1));
-    int other = clamp(seen.z < middle_m ? slice - 1 : slice + 1, 0, froxel_count.z - 1);
+    int other = clamp(earlier.z < middle_m ? slice - 1 : slice + 1, 0, froxel_count.z - 1);
     float other_m = 0.5 * (froxel_edge_m(other) + froxel_edge_m(other + 1));
-    float part = other == slice ? 0.0 : (seen.z - middle_m) / (other_m - middle_m);
+    float part = other == slice ? 0.0 : (earlier.z - middle_m) / (other_m - middle_m);
     place.z = float(slice) + part * float(other - slice);
     place.xy -= 0.5;
     light = mix_at(froxel_section_before(), place);
@@ -146,8 +146,8 @@ void main()
     uint thread = gl_GlobalInvocationID.x;
     if (thread >= run.ray_count)
         return;
-    ivec3 froxel = own_froxel(run.first_ray + thread);
-    vec4 light = light_of(froxel), before;
+    ivec3 froxel = find_froxel(run.first_ray + thread);
+    vec4 light = compute_froxel_light(froxel), before;
     if (is_set(RT_FROXEL_HISTORY) && has_past && light_before(froxel, before) && is_sound(before))
         light = mix(light, before, setting(RT_FROXEL_HISTORY));
     put(RT_FROXELS, froxel_texel(froxel_section_now(), froxel), light);

@@ -13,7 +13,7 @@
 void main()
 {
     ivec2 column;
-    if (!own_element(froxel_count.xy, column))
+    if (!find_element(froxel_count.xy, column))
         return;
     vec2 place_px = (vec2(column) + 0.5) * float(froxel_px);
     float slope = 1.0 / dot(view_line_at(view_now, place_px).direction, view_now.forward);

@@ -18,7 +18,7 @@ Stretch stretch_in_ball(LampPass pass, float end_m)
 }
 
 // The light of a short part with the media of its centre; like one step of a march.
-vec3 part_of_peak(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, float s1_m)
+vec3 integrate_peak_part(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, float s1_m)
 {
     float length_m = s1_m - s0_m;
     Mixture mixture = mixture_at(view_point_m(ray, pass.foot_m + 0.5 * (s0_m + s1_m)));
@@ -30,7 +30,7 @@ vec3 part_of_peak(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, float s1_m)
 
 // The visible light of one lamp's peak in front of `end_m`: the optical depth up to the ball comes
 // from the froxels, within the ball from the media at the lamp.
-vec3 peak_of(Lamp lamp, ViewRay ray, vec2 place_px, float slope, float end_m)
+vec3 integrate_peak(Lamp lamp, ViewRay ray, vec2 place_px, float slope, float end_m)
 {
     LampPass pass = lamp_pass(lamp.position_m, ray, froxel_ball_m(lamp.position_m));
     Stretch inside = stretch_in_ball(pass, end_m);
@@ -48,7 +48,7 @@ vec3 peak_of(Lamp lamp, ViewRay ray, vec2 place_px, float slope, float end_m)
         if (s1_m <= s0_m)
             continue;
         float middle_m = pass.foot_m + 0.5 * (s0_m + s1_m);
-        sum += part_of_peak(lamp, pass, ray, s0_m, s1_m) *
+        sum += integrate_peak_part(lamp, pass, ray, s0_m, s1_m) *
                froxels_before(place_px, middle_m / slope, slope).a;
         s0_m = s1_m;
     }
@@ -66,10 +66,10 @@ void main()
     float slope = 1.0 / dot(ray.direction, frame.camera_forward);
     float end_m = min(fetch_full(RT_DEPTH, pixel).x, froxel_end_m()) * slope;
     vec3 sum = vec3(0.0);
-    look_along(ray);
-    if (own(frame.scatters_lamps) != 0)
-        for (uint i = 0; i < own(frame.lamp_count); i++)
-            sum += peak_of(frame.lamps[i], ray, place_px, slope, end_m);
+    set_view_ray(ray);
+    if (make_nonuniform(frame.scatters_lamps) != 0)
+        for (uint i = 0; i < make_nonuniform(frame.lamp_count); i++)
+            sum += integrate_peak(frame.lamps[i], ray, place_px, slope, end_m);
     vec4 volume = fetch_full(RT_VOLUME, pixel);
     put_full(RT_VOLUME, pixel, vec4(volume.rgb + sum, volume.a));
     count_cost();

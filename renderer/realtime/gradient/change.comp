@@ -14,8 +14,8 @@ vec4 load_sample(int target, ivec2 tile) { return fetch_tile(target, tile); }
 void main()
 {
     ivec2 tile;
-    if (!own_element(tile_count(), tile))
+    if (!find_element(tile_count(), tile))
         return;
-    put_tile(RT_CHANGE, tile, change_of_medium(tile));
+    put_tile(RT_CHANGE, tile, compute_medium_change(tile));
     put_tile(RT_CHANGE_BEHIND, tile, change_behind(tile));
 }

@@ -15,9 +15,9 @@ struct Change {
 bool is_unchanged() { return choice(RT_STEADY) >= RT_STEADY_KNOWN; }
 
 // Only the next frame reads this one (renderer/realtime/unread.h).
-bool is_unread() { return choice(RT_STEADY) == RT_STEADY_UNREAD; }
+bool is_output_elided() { return choice(RT_STEADY) == RT_STEADY_UNREAD; }
 
-Change change_of(int target, ivec2 tile)
+Change load_change(int target, ivec2 tile)
 {
     if (is_unchanged())
         return Change(vec3(1.0), 0.0);
@@ -33,7 +33,7 @@ float beyond(float value, float least)
 
 // The time in which light changes by `most`, in units of the time between two samples: a longer
 // mean would lag behind slow light.
-float lasting(float change, float most)
+float compute_change_time(float change, float most)
 {
     return change > 0.0 ? most / change : FAR_M;
 }

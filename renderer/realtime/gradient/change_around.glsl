@@ -20,8 +20,8 @@ vec4 change_around(ivec2 tile, int target_now, int target_then, float frames, fl
     float most = cannot_tell ? 1.0 : around.is_known ? 0.0 : unknown;
     vec3 gain = gain_between(around.now, around.then);
     for (int i = 0; i < 9; i++)
-        most = most_unlike(now[i], then[i], gain, most);
-    return of_frame(gain, frames, most);
+        most = find_larger_residue(now[i], then[i], gain, most);
+    return scale_to_frame(gain, frames, most);
 }
 
 #endif

@@ -27,24 +27,24 @@ vec4 change_around(ivec2 tile, int target_now, int target_then, float frames, fl
                    bool cannot_tell)
 {
     Around around = Around(vec3(0.0), vec3(0.0), false, true);
-    float unlike = 0.0;
+    float residue = 0.0;
     [[dont_unroll]] for (int y = -1; y <= 1; y++) {
         SampleRow row = load_row(tile + ivec2(0, y), target_now, target_then);
         [[unroll]] for (int i = 0; i < 3; i++) {
             add(row.now[i], row.then[i], around);
-            unlike = row.now[i].a > unlike ? row.now[i].a : unlike;
+            residue = row.now[i].a > residue ? row.now[i].a : residue;
         }
     }
     float most = cannot_tell ? 1.0 : around.is_known ? 0.0 : unknown;
     if (around.is_same)
-        return vec4(vec3(1.0), unlike > most ? unlike : most);
+        return vec4(vec3(1.0), residue > most ? residue : most);
     vec3 gain = gain_between(around.now, around.then);
     [[dont_unroll]] for (int y = -1; y <= 1; y++) {
         SampleRow row = load_row(tile + ivec2(0, y), target_now, target_then);
         [[unroll]] for (int i = 0; i < 3; i++)
-            most = most_unlike(row.now[i], row.then[i], gain, most);
+            most = find_larger_residue(row.now[i], row.then[i], gain, most);
     }
-    return of_frame(gain, frames, most);
+    return scale_to_frame(gain, frames, most);
 }
 
 #endif

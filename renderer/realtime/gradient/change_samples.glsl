@@ -16,7 +16,7 @@
 const float CHANGE_LEAST = 6.103515625e-5;
 
 // The larger of this frame's change and the decayed change of the frame before.
-vec4 remembered(float before, vec4 change)
+vec4 hold_change(float before, vec4 change)
 {
     precise float held = setting(RT_CHANGE_HOLD) * before;
     bool is_known = has_past && !is_cut && held >= CHANGE_LEAST && held < 1.0;
@@ -42,7 +42,7 @@ void add(vec4 now, vec4 then, inout Around around)
 }
 
 // The larger of `most` and the residue of one tile.
-float most_unlike(vec4 now, vec4 then, vec3 gain, float most)
+float find_larger_residue(vec4 now, vec4 then, vec3 gain, float most)
 {
     float residue = then.a > 0.0 ? residue_between(now.rgb, then.rgb, gain) : 0.0;
     residue = now.a > residue ? now.a : residue;
@@ -50,7 +50,7 @@ float most_unlike(vec4 now, vec4 then, vec3 gain, float most)
 }
 
 // The change per frame.
-vec4 of_frame(vec3 gain, float frames, float most)
+vec4 scale_to_frame(vec3 gain, float frames, float most)
 {
     precise vec3 gain_of_frame = 1.0 + (gain - 1.0) / frames;
     return vec4(gain_of_frame, most);
@@ -62,17 +62,17 @@ vec4 of_frame(vec3 gain, float frames, float most)
 vec4 change_around(ivec2 tile, int target_now, int target_then, float frames, float unknown,
                    bool cannot_tell);
 
-vec4 change_of_medium(ivec2 tile)
+vec4 compute_medium_change(ivec2 tile)
 {
     float before = fetch_tile(RT_CHANGE, tile).a; // fetched as early as possible
-    return remembered(before, change_around(tile, RT_LOOK_NOW, RT_LOOK_THEN, 4.0, 1.0,
+    return hold_change(before, change_around(tile, RT_SAMPLE_NOW, RT_SAMPLE_THEN, 4.0, 1.0,
                                             force_nonuniform(view.strobes_medium) != 0u));
 }
 
 vec4 change_behind(ivec2 tile)
 {
     float before = fetch_tile(RT_CHANGE_BEHIND, tile).a;
-    return remembered(before, change_around(tile, RT_LOOK_BEHIND_NOW, RT_LOOK_BEHIND_THEN,
+    return hold_change(before, change_around(tile, RT_SAMPLE_BEHIND_NOW, RT_SAMPLE_BEHIND_THEN,
                                             setting(RT_TAA_JITTER_LENGTH), 0.0,
                                             force_nonuniform(view.strobes_behind) != 0u));
 }

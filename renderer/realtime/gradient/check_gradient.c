@@ -47,7 +47,7 @@ static void fill_depths(struct test_passes *test, int target, uint64_t *seed)
 }
 
 /* Gradient samples, some without an earlier sample. */
-static void fill_looks(struct test_passes *test, int now, int then, uint64_t *seed)
+static void fill_samples(struct test_passes *test, int now, int then, uint64_t *seed)
 {
     fill_kept(test, now, seed);
     fill_kept(test, then, seed);
@@ -83,8 +83,8 @@ static void test_the_passes_equal_their_cpu_reference(void **state)
         fill_kept(&test, RT_KEPT_BEHIND, &seed);
         fill_depths(&test, RT_HALF_DEPTH, &seed);
         fill_depths(&test, RT_HALF_DEPTH_BEFORE, &seed);
-        fill_looks(&test, RT_LOOK_NOW, RT_LOOK_THEN, &seed);
-        fill_looks(&test, RT_LOOK_BEHIND_NOW, RT_LOOK_BEHIND_THEN, &seed);
+        fill_samples(&test, RT_SAMPLE_NOW, RT_SAMPLE_THEN, &seed);
+        fill_samples(&test, RT_SAMPLE_BEHIND_NOW, RT_SAMPLE_BEHIND_THEN, &seed);
         fill(&test, RT_CHANGE, &seed);
         fill_kept(&test, RT_CHANGE_BEHIND, &seed);
         test.view.has_history = round % 7 != 0;
@@ -136,7 +136,7 @@ static void test_it_needs_the_split(void **state)
 
 /* --- suns that flash ------------------------------------------------------------------------- */
 
-static struct neph_sun sun_of(double irradiance, double angle_rad)
+static struct neph_sun make_sun(double irradiance, double angle_rad)
 {
     return (struct neph_sun){
         .present = irradiance > 0.0,
@@ -146,7 +146,7 @@ static struct neph_sun sun_of(double irradiance, double angle_rad)
 }
 
 /* Irradiances of consecutive frames, ended by -1; whether they flash with a period of four. */
-static void test_what_flashes_with_a_period(void **state)
+static void test_periodic_flashes(void **state)
 {
     static const struct {
         double irradiance[17];
@@ -165,13 +165,13 @@ static void test_what_flashes_with_a_period(void **state)
         {{4, 3.2, 2.4, 1.6, 0.8, 1.6, 2.4, 3.2, 4, 3.2, 2.4, -1}, false},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct neph_rt_suns suns = {.count = 0};
+        struct neph_rt_sun_history suns = {.count = 0};
         for (uint32_t n = 0; cases[i].irradiance[n] >= 0.0; n++) {
-            const struct neph_sun sun = sun_of(cases[i].irradiance[n], 1.0);
-            neph_rt_suns_keep(&suns, 60 + n, &sun); /* past the end of the ring */
-            neph_rt_suns_keep(&suns, 60 + n, &sun); /* again, as for a mirrored view */
+            const struct neph_sun sun = make_sun(cases[i].irradiance[n], 1.0);
+            neph_rt_sun_history_add(&suns, 60 + n, &sun); /* past the end of the ring */
+            neph_rt_sun_history_add(&suns, 60 + n, &sun); /* again, as for a mirrored view */
         }
-        assert_int_equal(neph_rt_suns_flash(&suns, 4), cases[i].flashes);
+        assert_int_equal(neph_rt_sun_history_is_periodic(&suns, 4), cases[i].flashes);
     }
 }
 
@@ -179,29 +179,30 @@ static void test_what_flashes_with_a_period(void **state)
  * restarts the history. */
 static void test_flashes_of_other_periods(void **state)
 {
-    struct neph_rt_suns suns = {.count = 0};
+    struct neph_rt_sun_history suns = {.count = 0};
     for (uint32_t n = 0; n < 80; n++) {
-        const struct neph_sun sun = sun_of(4.0, n % 7 < 3 ? 1.0 : 1.2);
-        neph_rt_suns_keep(&suns, n, &sun);
+        const struct neph_sun sun = make_sun(4.0, n % 7 < 3 ? 1.0 : 1.2);
+        neph_rt_sun_history_add(&suns, n, &sun);
     }
     for (uint32_t period = 1; period < 40; period++)
-        assert_int_equal(neph_rt_suns_flash(&suns, period),
+        assert_int_equal(neph_rt_sun_history_is_periodic(&suns, period),
                          period % 7 == 0 && period <= NEPH_RT_SUNS_MAX / 2);
-    const struct neph_sun sun = sun_of(4.0, 1.0);
-    neph_rt_suns_keep(&suns, 100, &sun);
-    assert_false(neph_rt_suns_flash(&suns, 7));
+    const struct neph_sun sun = make_sun(4.0, 1.0);
+    neph_rt_sun_history_add(&suns, 100, &sun);
+    assert_false(neph_rt_sun_history_is_periodic(&suns, 7));
 }
 
 /* Jumps within the given number of frames, limited by the length of the history. */
 static void test_a_sun_that_jumps(void **state)
 {
-    struct neph_rt_suns suns = {.count = 0};
-    assert_false(neph_rt_suns_jumped(&suns, 8));
+    struct neph_rt_sun_history suns = {.count = 0};
+    assert_false(neph_rt_sun_history_has_jump(&suns, 8));
     for (uint32_t n = 0; n < 100; n++) {
-        const struct neph_sun sun = sun_of(n < 20 ? 4.0 : 5.0, 0.09 * n);
-        neph_rt_suns_keep(&suns, n, &sun);
+        const struct neph_sun sun = make_sun(n < 20 ? 4.0 : 5.0, 0.09 * n);
+        neph_rt_sun_history_add(&suns, n, &sun);
         for (uint32_t pictures = 0; pictures < 40; pictures += 8)
-            assert_int_equal(neph_rt_suns_jumped(&suns, pictures), n >= 20 && n - 20 < pictures);
+            assert_int_equal(neph_rt_sun_history_has_jump(&suns, pictures),
+                             n >= 20 && n - 20 < pictures);
     }
 }
 
@@ -218,7 +219,7 @@ struct changes {
     bool resting;       /* without override */
 };
 
-static void take_changes(struct neph_rt_device *device, const struct neph_rt_pass *pass,
+static void copy_changes(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                          void *context)
 {
     struct changes *changes = context;
@@ -256,7 +257,7 @@ static struct neph_realtime *open_watched(struct neph_vulkan *vulkan, const stru
     struct neph_realtime *realtime = test_sequence(vulkan, &test->scene, &settings, WIDTH_PX,
                                                    HEIGHT_PX);
     *changes = (struct changes){0};
-    neph_realtime_observe(realtime, take_changes, changes);
+    neph_realtime_observe(realtime, copy_changes, changes);
     return realtime;
 }
 
@@ -269,7 +270,7 @@ static void dim_the_sun(struct test_scene *test, double part)
 /* Noise on the rays, jitter, and a slot that is overridden give no change. From the frame on in
  * which the sun is half as bright, all tiles find exactly that change for four frames; behind the
  * media it is found for as many frames as the jitter has places. */
-static void test_light_is_told_from_noise(void **state)
+static void test_light_change_differs_from_noise(void **state)
 {
     enum { BEFORE = 24, AFTER = 12 };
     struct test_scene test;
@@ -323,7 +324,7 @@ static void test_slow_light_is_a_gain(void **state)
 
 /* Half of the light in every other frame: both samples of a ray are equal. With change_strobe all
  * tiles have a change from the eighth frame on; before that and without it none has. */
-static void test_light_that_flashes_unseen_is_a_change(void **state)
+static void test_unsampled_flash_is_a_change(void **state)
 {
     static const char *const strobes[] = {"change_strobe=off", "change_strobe=on"};
     for (int on = 0; on < 2; on++) {
@@ -345,7 +346,7 @@ static void test_light_that_flashes_unseen_is_a_change(void **state)
 
 /* For 16 frames after a jump of the sun every second cycle of four frames has no override; a sun
  * that sinks by a hundredth does not jump. */
-static void test_the_override_rests_after_a_jump(void **state)
+static void test_override_pauses_after_a_jump(void **state)
 {
     struct test_scene test;
     test_scene_fence(&test);
@@ -361,7 +362,7 @@ static void test_the_override_rests_after_a_jump(void **state)
 
 /* Where a solid uncovers or hides the background all tiles there find it in the same frame, and no
  * others do. */
-static void test_what_a_solid_uncovers_has_changed(void **state)
+static void test_disoccluded_pixels_have_changed(void **state)
 {
     struct test_scene test;
     test_scene_fence(&test);
@@ -429,7 +430,7 @@ static void watch(struct neph_vulkan *vulkan, const char *preset, double *unrest
 }
 
 /* Less flicker and less lag at once, which no single weight of the anti-aliasing achieves. */
-static void test_the_second_generation_rests_and_follows(void **state)
+static void test_second_generation_follows_changes(void **state)
 {
     double unrest[2], left[2];
     watch(*state, "ours1", &unrest[0], &left[0]);

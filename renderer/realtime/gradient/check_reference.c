@@ -100,8 +100,8 @@ static void sample_medium(const struct reference *cpu, int x, int y)
     is_known = is_known && cpu_repeats_ray(view, x, y);
     now[3] = is_other_scene(cpu, x, y) ? 1.0f : is_known ? fabsf(now[3] - then[3]) : 0.0f;
     then[3] = is_known;
-    cpu_put_tile(cpu, RT_LOOK_NOW, x, y, now);
-    cpu_put_tile(cpu, RT_LOOK_THEN, x, y, then);
+    cpu_put_tile(cpu, RT_SAMPLE_NOW, x, y, now);
+    cpu_put_tile(cpu, RT_SAMPLE_THEN, x, y, then);
 }
 
 static void sample_behind(const struct reference *cpu, int x, int y)
@@ -128,8 +128,8 @@ static void sample_behind(const struct reference *cpu, int x, int y)
     for (int i = 0; i < count; i++)
         sum_now[3] = fmaxf(sum_now[3], residue_between(now[i], then[i], gain));
     sum_then[3] = (float)count;
-    cpu_put_tile(cpu, RT_LOOK_BEHIND_NOW, x, y, sum_now);
-    cpu_put_tile(cpu, RT_LOOK_BEHIND_THEN, x, y, sum_then);
+    cpu_put_tile(cpu, RT_SAMPLE_BEHIND_NOW, x, y, sum_now);
+    cpu_put_tile(cpu, RT_SAMPLE_BEHIND_THEN, x, y, sum_then);
 }
 
 void cpu_gradient(const struct reference *cpu)
@@ -182,8 +182,8 @@ static void put_change(const struct reference *cpu, int target, int x, int y, fl
 
 void cpu_change(const struct reference *cpu)
 {
-    static const int medium[] = {RT_LOOK_NOW, RT_LOOK_THEN};
-    static const int behind[] = {RT_LOOK_BEHIND_NOW, RT_LOOK_BEHIND_THEN};
+    static const int medium[] = {RT_SAMPLE_NOW, RT_SAMPLE_THEN};
+    static const int behind[] = {RT_SAMPLE_BEHIND_NOW, RT_SAMPLE_BEHIND_THEN};
     const float length = cpu->view->settings[RT_TAA_JITTER_LENGTH];
     for (int y = 0; y < (int)cpu->view->tile_count[1]; y++)
         for (int x = 0; x < (int)cpu->view->tile_count[0]; x++) {

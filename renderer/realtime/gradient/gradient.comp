@@ -91,9 +91,9 @@ void sample_medium(ivec2 tile)
     }
     is_known = is_known && repeats_ray(tile);
     precise float of_transmittance = abs(now.a - then.a);
-    float unlike = is_other_scene(tile) ? 1.0 : is_known ? of_transmittance : 0.0;
-    put_tile(RT_LOOK_NOW, tile, vec4(now.rgb, unlike));
-    put_tile(RT_LOOK_THEN, tile, vec4(then.rgb, is_known ? 1.0 : 0.0));
+    float largest_residue = is_other_scene(tile) ? 1.0 : is_known ? of_transmittance : 0.0;
+    put_tile(RT_SAMPLE_NOW, tile, vec4(now.rgb, largest_residue));
+    put_tile(RT_SAMPLE_THEN, tile, vec4(then.rgb, is_known ? 1.0 : 0.0));
 }
 
 // Number of pixels per step, every Nth of a tile: one step is enough for a jitter of 6 places or
@@ -101,7 +101,7 @@ void sample_medium(ivec2 tile)
 const int AT_ONCE = 3;
 
 // Decided when the shader is compiled: lavapipe executes a loop once even where no thread needs it.
-bool may_be_more()
+bool can_residue_grow()
 {
     return !SPECIALISED || AT_ONCE * known_choice(RT_TAA_JITTER_LENGTH) < TILE_PX;
 }
@@ -142,13 +142,13 @@ void add(Samples samples, inout Sums sums)
 
 // Stores samples for the next comparison. `unlike` becomes the maximum of itself and the residue of
 // each sample after their common gain.
-void keep_samples(Samples samples, vec3 gain, inout float unlike)
+void keep_samples(Samples samples, vec3 gain, inout float largest_residue)
 {
     [[unroll]] for (int k = 0; k < AT_ONCE; k++) {
         if (!samples.are_there[k])
             continue;
         float residue = residue_between(samples.now[k], samples.then[k], gain);
-        unlike = residue > unlike ? residue : unlike;
+        largest_residue = residue > largest_residue ? residue : largest_residue;
         put_full(RT_KEPT_BEHIND, kept_texel(samples.pixels[k]), vec4(samples.now[k], 0.0));
     }
 }
@@ -160,21 +160,21 @@ void sample_behind(ivec2 tile)
     Samples samples = load_samples(tile, first, step);
     Sums sums = Sums(vec3(0.0), vec3(0.0), 0);
     add(samples, sums);
-    for (int i = first + AT_ONCE * step; may_be_more() && i < TILE_PX; i += AT_ONCE * step)
+    for (int i = first + AT_ONCE * step; can_residue_grow() && i < TILE_PX; i += AT_ONCE * step)
         add(load_samples(tile, i, step), sums);
     vec3 gain = gain_between(sums.now, sums.then);
-    float unlike = 0.0;
-    keep_samples(samples, gain, unlike);
-    for (int i = first + AT_ONCE * step; may_be_more() && i < TILE_PX; i += AT_ONCE * step)
-        keep_samples(load_samples(tile, i, step), gain, unlike);
-    put_tile(RT_LOOK_BEHIND_NOW, tile, vec4(sums.now, unlike));
-    put_tile(RT_LOOK_BEHIND_THEN, tile, vec4(sums.then, float(sums.count)));
+    float largest_residue = 0.0;
+    keep_samples(samples, gain, largest_residue);
+    for (int i = first + AT_ONCE * step; can_residue_grow() && i < TILE_PX; i += AT_ONCE * step)
+        keep_samples(load_samples(tile, i, step), gain, largest_residue);
+    put_tile(RT_SAMPLE_BEHIND_NOW, tile, vec4(sums.now, largest_residue));
+    put_tile(RT_SAMPLE_BEHIND_THEN, tile, vec4(sums.then, float(sums.count)));
 }
 
 void main()
 {
     ivec2 tile;
-    if (!own_element(tile_count(), tile))
+    if (!find_element(tile_count(), tile))
         return;
     if (!has_past)
         clear_samples(tile);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Two samples of the same light: the gain between them, and the residue, the remaining difference.
-#ifndef NEPH_REALTIME_LOOKS_GLSL
-#define NEPH_REALTIME_LOOKS_GLSL
+#ifndef NEPH_REALTIME_GRADIENT_SAMPLES_GLSL
+#define NEPH_REALTIME_GRADIENT_SAMPLES_GLSL
 
 #include "renderer/realtime/shared/view.glsl"
 
@@ -48,8 +48,8 @@ float residue_between(vec3 now, vec3 then, vec3 gain)
 {
     precise vec3 expected = gain * then;
     precise vec3 difference = abs(now - expected);
-    float of_now = largest(now), of_then = largest(expected);
-    float most = of_now > of_then ? of_now : of_then;
+    float largest_now = largest(now), largest_expected = largest(expected);
+    float most = largest_now > largest_expected ? largest_now : largest_expected;
     precise float part = largest(difference) / most;
     return most > 0.0 ? part : 0.0;
 }

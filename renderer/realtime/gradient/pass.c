@@ -15,9 +15,9 @@ const struct neph_rt_pass neph_rt_gradient = {
     .reads = NEPH_RT_BIT(RT_RAY) | NEPH_RT_BIT(RT_BEHIND) | NEPH_RT_BIT(RT_KEPT_RAY) |
              NEPH_RT_BIT(RT_KEPT_BEHIND) | NEPH_RT_BIT(RT_HALF_DEPTH) |
              NEPH_RT_BIT(RT_HALF_DEPTH_BEFORE),
-    .writes = NEPH_RT_BIT(RT_KEPT_RAY) | NEPH_RT_BIT(RT_KEPT_BEHIND) | NEPH_RT_BIT(RT_LOOK_NOW) |
-              NEPH_RT_BIT(RT_LOOK_THEN) | NEPH_RT_BIT(RT_LOOK_BEHIND_NOW) |
-              NEPH_RT_BIT(RT_LOOK_BEHIND_THEN),
+    .writes = NEPH_RT_BIT(RT_KEPT_RAY) | NEPH_RT_BIT(RT_KEPT_BEHIND) | NEPH_RT_BIT(RT_SAMPLE_NOW) |
+              NEPH_RT_BIT(RT_SAMPLE_THEN) | NEPH_RT_BIT(RT_SAMPLE_BEHIND_NOW) |
+              NEPH_RT_BIT(RT_SAMPLE_BEHIND_THEN),
 };
 
 static const uint32_t change_code[] = {

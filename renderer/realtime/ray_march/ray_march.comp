@@ -36,16 +36,16 @@ Camera camera = frame_camera(); // read before any branch, like the view (shared
 
 // With gradient=on each half-resolution texel (not each tile) has its own sequence of numbers: the
 // noise of a whole frame, and the noise of a texel over time, then have the spectrum of the mask.
-float number_of(ivec2 tile, ivec2 half_pixel)
+float read_ray_dither(ivec2 tile, ivec2 half_pixel)
 {
     return choice(RT_GRADIENT) == 0
                ? dither(choice(RT_RAY_DITHER), tile, view_frame, 0u)
-               : dither(choice(RT_RAY_DITHER), half_pixel, turn_of(tile) >> 1, 0u);
+               : dither(choice(RT_RAY_DITHER), half_pixel, find_schedule_cycle(tile) >> 1, 0u);
 }
 
 // The tile of a ray, square by square, in Morton order within a square, x first: 8 consecutive
 // rays, which lavapipe marches together, are 4x2 tiles, and 32 are 8x4.
-ivec2 tile_of(int ray)
+ivec2 find_ray_tile(int ray)
 {
     const int side = RT_MARCH_BLOCK;
     ivec2 squares = (tile_count() - 1) / side + 1;
@@ -56,13 +56,13 @@ ivec2 tile_of(int ray)
 }
 
 // Number of rays of a square, given by its first tile.
-uint rays_of_square(ivec2 tile)
+uint count_square_rays(ivec2 tile)
 {
     ivec2 rest = min(tile_count() - tile, ivec2(RT_MARCH_BLOCK));
     return uint(rest.x * rest.y);
 }
 
-Ray ray_of(ivec2 tile)
+Ray make_ray(ivec2 tile)
 {
     ivec2 half_pixel = 2 * tile + slot_place(int(fetch_tile(RT_TILE, tile).x));
     half_pixel = min(half_pixel, half_size() - 1);
@@ -75,7 +75,7 @@ Ray ray_of(ivec2 tile)
     ray.view = camera_ray_at(camera, place_px);
     float cosine = dot(ray.view.direction, camera.forward);
     ray.length_m = depth_m < FAR_M ? depth_m / cosine : FAR_M;
-    ray.place = mix(0.5, number_of(tile, half_pixel), setting(RT_RAY_DITHER_AMOUNT));
+    ray.place = mix(0.5, read_ray_dither(tile, half_pixel), setting(RT_RAY_DITHER_AMOUNT));
     return ray;
 }
 
@@ -131,18 +131,18 @@ void put_marched(ivec2 tile, Ray ray, Sums sums)
 
 void main()
 {
-    know_solids();
+    load_known_solids();
     uint thread = gl_GlobalInvocationID.x;
-    ivec2 tile = tile_of(int(run.first_ray + thread));
+    ivec2 tile = find_ray_tile(int(run.first_ray + thread));
     if (thread >= run.ray_count || any(greaterThanEqual(tile, tile_count())))
         return;
-    Ray ray = ray_of(tile);
+    Ray ray = make_ray(tile);
     if (choice(RT_FROXEL_VOLUME) != 0)
         march_from_m = setting(RT_FROXEL_END_M) / dot(ray.view.direction, camera.forward);
     Sums sums = sums_at_start(thread);
     if (!IS_DARK)
         march(ray.view, ray.length_m, ray.place, sums);
-    if (run.end_step < own(frame.steps)) {
+    if (run.end_step < make_nonuniform(frame.steps)) {
         sums_keep(thread, sums);
         return;
     }
@@ -151,6 +151,6 @@ void main()
     else
         put_marched(tile, ray, sums);
     if (!UNCOUNTED && gl_LocalInvocationIndex == 0u)
-        atomicAdd(counters.rays, rays_of_square(tile));
+        atomicAdd(counters.rays, count_square_rays(tile));
     count_cost();
 }

@@ -21,7 +21,7 @@ static void open_ramp(struct neph_vulkan *vulkan, const char *assignments, int w
 
 /* The place at which a texel of the frame found its history [px]; false where it found none, or at
  * the sides, where the ramp ends. */
-static bool found_at(const struct test_passes *test, int x, int y, double place_px[2])
+static bool find_history_place(const struct test_passes *test, int x, int y, double place_px[2])
 {
     float value[4];
     cpu_fetch_half(&test->cpu, RT_HISTORY, x, y, value);
@@ -81,10 +81,10 @@ static void apply_motion(struct neph_gpu_view *view, const struct motion_case *c
 {
     switch (c->motion) {
     case YAW:
-        reconstruct_turn(&view->before, c->amount, 0, 0);
+        reconstruct_phase(&view->before, c->amount, 0, 0);
         break;
     case ROLL:
-        reconstruct_turn(&view->before, 0, 0, c->amount);
+        reconstruct_phase(&view->before, 0, 0, c->amount);
         break;
     case STRAFE: /* the camera was to the right */
         view->before.position_m[0] = (float)c->amount;
@@ -132,7 +132,7 @@ static void test_history_is_where_geometry_says(void **state)
                 if (expected_px[0] < 4 || expected_px[0] > 122 || expected_px[1] < 4 ||
                     expected_px[1] > 28)
                     continue;
-                assert_true(found_at(&test, x, y, place_px));
+                assert_true(find_history_place(&test, x, y, place_px));
                 neph_assert_close(place_px[0], expected_px[0], 0, 1e-4);
                 neph_assert_close(place_px[1], expected_px[1], 0, 1e-4);
                 found++;
@@ -162,7 +162,7 @@ static void test_parallel_history_is_where_geometry_says(void **state)
             for (int x = 5; x < 58; x++) {
                 double place_px[2];
                 const double shift_px = c->motion == DOLLY ? 0.0 : 0.5 * c->amount;
-                assert_true(found_at(&test, x, y, place_px));
+                assert_true(find_history_place(&test, x, y, place_px));
                 neph_assert_close(place_px[0], 2 * x + 1 - shift_px, 0, 1e-4);
                 neph_assert_close(place_px[1], 2 * y + 1, 0, 1e-4);
             }
@@ -171,7 +171,7 @@ static void test_parallel_history_is_where_geometry_says(void **state)
 
 /* Without wind in the reprojection the history of a drifting medium is read at its present place. A
  * medium without effect is at infinity: sideways motion does not move it. */
-static void test_what_does_not_move(void **state)
+static void test_static_content(void **state)
 {
     static const float distances_m[] = {100.0f, INFINITY, NAN, 0.0f, NEPH_GPU_FAR_M};
     for (int i = 0; i < 5; i++) {
@@ -186,7 +186,7 @@ static void test_what_does_not_move(void **state)
         for (int y = 1; y < 17; y++)
             for (int x = 1; x < 31; x++) {
                 double place_px[2];
-                assert_true(found_at(&test, x, y, place_px));
+                assert_true(find_history_place(&test, x, y, place_px));
                 neph_assert_close(place_px[0], 2 * x + 1, 0, 1e-4);
                 neph_assert_close(place_px[1], 2 * y + 1, 0, 1e-4);
             }
@@ -325,14 +325,14 @@ static void test_the_screen_ends(void **state)
     }
     OWNED(passes) struct test_passes test;
     open_two_lights(*state, "", 64, 36, &test);
-    reconstruct_turn(&test.view.before, 3.14159265, 0, 0);
+    reconstruct_phase(&test.view.before, 3.14159265, 0, 0);
     reconstruct_run(&test);
     assert_int_equal(count_without_history(&test), 32 * 18);
 }
 
 /* A post 10 m away, 8 texels wide, before a wall at 100 m, steps aside by 4: the wall appears
  * behind it in 4 columns, and it covers 4 columns of wall. */
-static void test_what_was_hidden_is_rejected(void **state)
+static void test_disoccluded_history_is_rejected(void **state)
 {
     static const struct {
         const char *assignments;
@@ -385,7 +385,7 @@ static void test_a_steady_scene_is_not_rejected(void **state)
  */
 
 /* A different ray value for every texel. */
-static void put_own_rays(struct test_passes *test)
+static void store_distinct_rays(struct test_passes *test)
 {
     for (int y = 0; y < (int)test->view.tile_count[1]; y++)
         for (int x = 0; x < (int)test->view.tile_count[0]; x++) {
@@ -397,7 +397,7 @@ static void put_own_rays(struct test_passes *test)
         }
 }
 
-static void assert_own_rays(const struct test_passes *test)
+static void assert_distinct_rays(const struct test_passes *test)
 {
     for (int y = 0; y < (int)test->view.half_size_px[1]; y++)
         for (int x = 0; x < (int)test->view.half_size_px[0]; x++) {
@@ -424,11 +424,11 @@ static void test_four_frames_make_a_whole(void **state)
         OWNED(passes) struct test_passes test;
         reconstruct_open(*state, sizes_px[i % 5][0], sizes_px[i % 5][1], &test, "%s",
                          assignments[i / 5]);
-        reconstruct_turn(&test.view.now, 0.4, -0.3, 0.2);
+        reconstruct_phase(&test.view.now, 0.4, -0.3, 0.2);
         test.view.before = test.view.now;
         test.view.has_history = 0;
         for (int frame = 0; frame < 4; frame++) {
-            put_own_rays(&test);
+            store_distinct_rays(&test);
             reconstruct_run(&test);
             reconstruct_next_frame(&test);
         }
@@ -439,7 +439,7 @@ static void test_four_frames_make_a_whole(void **state)
             reconstruct_next_frame(&test);
         }
         test_swap(&test, RT_HISTORY, RT_HISTORY_BEFORE);
-        assert_own_rays(&test);
+        assert_distinct_rays(&test);
     }
 }
 
@@ -455,8 +455,8 @@ static void test_no_density_is_exactly_nothing(void **state)
         reconstruct_open(*state, 61, 35, &test, "%s", assignments[i]);
         for (int frame = 0; frame < 8; frame++) {
             test.view.before = test.view.now;
-            reconstruct_turn(&test.view.before, 0.1 * test_uniform(&seed),
-                             0.1 * test_uniform(&seed), 0.1 * test_uniform(&seed));
+            reconstruct_phase(&test.view.before, 0.1 * test_uniform(&seed),
+                              0.1 * test_uniform(&seed), 0.1 * test_uniform(&seed));
             test.view.before.position_m[0] = (float)test_uniform(&seed);
             reconstruct_run(&test);
             for (size_t e = 0; e < test_elements(&test, RT_HISTORY); e++) {
@@ -476,7 +476,7 @@ static int count_unsound(const struct test_passes *test)
     for (size_t i = 0; i < test_elements(test, RT_HISTORY); i++) {
         float value[4];
         test_get(test, RT_HISTORY, i, value);
-        count += !cpu_is_sound(value);
+        count += !cpu_is_valid(value);
     }
     return count;
 }
@@ -513,7 +513,7 @@ static void test_a_bad_ray_is_not_used(void **state)
 }
 
 /* Without usable rays around a texel the result is invalid and marked so. */
-static void test_without_any_ray(void **state)
+static void test_tile_without_rays(void **state)
 {
     OWNED(passes) struct test_passes test;
     reconstruct_open(*state, 64, 36, &test, "%s", "");
@@ -625,7 +625,7 @@ static void test_ages_have_limits(void **state)
 
 /* A view in the corner of a buffer full of bad numbers equals the same view in a buffer of its
  * own. */
-static void test_a_view_is_what_it_is_alone(void **state)
+static void test_view_in_larger_buffer_is_same(void **state)
 {
     static const char *const assignments[] = {"", "box=variance",
                                               "reject_depth=0.1 edge_tiles=dropped"};
@@ -638,7 +638,7 @@ static void test_a_view_is_what_it_is_alone(void **state)
         reconstruct_open(*state, 61, 35, &alone, "%s", assignments[i]);
         test_passes_open(*state, &settings, (int[2]){61, 35}, (int[2]){64, 36}, 7, &beside);
         beside.view.has_history = 1;
-        reconstruct_turn(&alone.view.before, 0.02, 0.03, 0.01);
+        reconstruct_phase(&alone.view.before, 0.02, 0.03, 0.01);
         beside.view.before = alone.view.before;
         uint64_t seed = 71;
         for (int t = 0; t < 7; t++) {

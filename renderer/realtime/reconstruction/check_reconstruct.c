@@ -152,7 +152,7 @@ static void open_at_random(struct neph_vulkan *vulkan, const struct neph_setting
         test->view.jitter_px[axis] = (float)(seed % (5 + axis)) / 7.0f - 0.4f;
         test->view.jitter_before_px[axis] = (float)(seed % (7 + axis)) / 11.0f - 0.3f;
     }
-    reconstruct_turn(&test->view.now, 0.4, -0.3, 0.2); /* not along the axes */
+    reconstruct_phase(&test->view.now, 0.4, -0.3, 0.2); /* not along the axes */
     test->view.before = test->view.now;
     if (!neph_test_is_night() && test->device.kind == NEPH_RT_CPU &&
         test->view.settings[RT_SOLID_MOTION] != 0)
@@ -168,7 +168,7 @@ static void compare_words(struct test_passes *test, uint64_t seed)
     test_same_words(test, RT_HISTORY_STATE, seed);
 }
 
-static int cases_of(size_t size)
+static int find_cases(size_t size)
 {
     return sizes_px[size][0] > 200 ? neph_test_by_day(1, 2) : neph_test_by_day(8, 16);
 }
@@ -187,7 +187,7 @@ static void test_chosen_rays_equal_the_cpu_reference(void **state)
 {
     uint64_t seed = 11;
     for (size_t s = 0; s < COUNT(sizes_px); s++)
-        for (int i = 0; i < cases_of(s); i++) {
+        for (int i = 0; i < find_cases(s); i++) {
             struct neph_settings settings = random_settings(&seed);
             settings.values[RT_CUT_RESET] = 1;
             choose_single_rays(&settings);
@@ -205,7 +205,7 @@ static void test_boxes_hold_the_cpu_reference_s_rays(void **state)
 {
     uint64_t seed = 12;
     for (size_t s = 0; s < COUNT(sizes_px); s++)
-        for (int i = 0; i < cases_of(s); i++) {
+        for (int i = 0; i < find_cases(s); i++) {
             struct neph_settings settings = random_settings(&seed);
             settings.values[RT_BOX] = RT_BOX_MIN_MAX;
             settings.values[RT_BOX_SPACE] = RT_SPACE_LINEAR;
@@ -350,7 +350,7 @@ static void move_at_random(struct neph_gpu_view *view, double much, uint64_t *se
     for (int i = 0; i < 9; i++)
         numbers[i] = much * (test_uniform(seed) - 0.5);
     if (!view->now.is_parallel)
-        reconstruct_turn(&view->before, numbers[0], numbers[1], numbers[2]);
+        reconstruct_phase(&view->before, numbers[0], numbers[1], numbers[2]);
     for (int k = 0; k < 3; k++) {
         view->before.position_m[k] = (float)(10.0 * numbers[3 + k]);
         view->wind_m[k] = (float)(10.0 * numbers[6 + k]);
@@ -380,7 +380,7 @@ static void test_values_equal_the_cpu_reference(void **state)
             test_passes_run(&test, "reconstruction");
             doubtful += compare_values(&test, start);
             total += reconstruct_threads(&test);
-            resting += neph_rt_view_rests(&test.view) && test.device.kind == NEPH_RT_GPU;
+            resting += neph_rt_is_view_static(&test.view) && test.device.kind == NEPH_RT_GPU;
         }
     assert_true(resting >= 4);
     if (doubtful * 1000 > total)
@@ -529,7 +529,7 @@ static void test_spaces_keep_light_sound(void **state)
         for (size_t t = 0; t < test_elements(&test, RT_HISTORY); t++) {
             float value[4];
             test_get(&test, RT_HISTORY, t, value);
-            assert_true(cpu_is_sound(value));
+            assert_true(cpu_is_valid(value));
         }
     }
 }
@@ -558,7 +558,7 @@ static void test_no_corner_of_the_box_is_a_firefly(void **state)
 }
 
 /* Conversion and its inverse round no value inside the box of black, white and three colours. */
-static void test_spaces_leave_what_is_in_the_box(void **state)
+static void test_spaces_keep_colours_in_the_box(void **state)
 {
     static const float corners[5][4] = {
         {0, 0, 0, 0}, {50, 0, 0, 0}, {0, 50, 0, 0}, {0, 0, 50, 0}, {50, 50, 50, 1}};

@@ -82,8 +82,8 @@ static inline double half_value(const struct test_passes *test, int target, int 
 }
 
 /* A camera turned by angles about its own axes: to the right, upwards, clockwise. */
-static inline void reconstruct_turn(struct neph_gpu_view_camera *camera, double yaw_rad,
-                                    double pitch_rad, double roll_rad)
+static inline void reconstruct_phase(struct neph_gpu_view_camera *camera, double yaw_rad,
+                                     double pitch_rad, double roll_rad)
 {
     const double angles_rad[3] = {yaw_rad, pitch_rad, roll_rad};
     for (int i = 0; i < 3; i++) {

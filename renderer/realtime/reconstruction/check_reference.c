@@ -39,7 +39,7 @@ static int choice(const struct reference *cpu, int index)
     return (int)cpu->view->settings[index];
 }
 
-static int held_int(int value, int low, int high)
+static int clamp_int(int value, int low, int high)
 {
     return value < low ? low : value > high ? high : value;
 }
@@ -109,12 +109,13 @@ static int neighbour(const struct reference *cpu, int axis, int tile, int offset
     int last = (int)view->tile_count[axis] - 1;
     if (choice(cpu, RT_EDGE_TILES) == RT_EDGE_TILES_DROPPED)
         last = view->size_px[axis] < 4 ? 0 : (int)view->size_px[axis] / 4 - 1;
-    return held_int(tile + offset, 0, last);
+    return clamp_int(tile + offset, 0, last);
 }
 
 /* Texel along one axis of a 2x2 gather about the tile's upper left corner (0) or lower right one
  * (1). */
-static int gathered(const struct reference *cpu, int axis, int tile, int offset, int corner)
+static int find_gathered_texel(const struct reference *cpu, int axis, int tile, int offset,
+                               int corner)
 {
     const struct neph_gpu_view *view = cpu->view;
     const struct neph_gpu_target *full = &view->targets[RT_DEPTH];
@@ -125,7 +126,7 @@ static int gathered(const struct reference *cpu, int axis, int tile, int offset,
     /* The gather changes texels at halves; in these sizes they are hit exactly or missed by more
      * than 1e-5. */
     const int beyond = (int)floor(place + 0.5 + 1e-9);
-    return held_int(beyond - corner + offset, 0, size_quarter - 1);
+    return clamp_int(beyond - corner + offset, 0, size_quarter - 1);
 }
 
 static float ray_depth_m(const struct reference *cpu, int tile_x, int tile_y, int i,
@@ -135,8 +136,8 @@ static float ray_depth_m(const struct reference *cpu, int tile_x, int tile_y, in
     float tile[4];
     if (choice(cpu, RT_GATHER) == RT_GATHER_NORMALISED && offset[0] + offset[1] != 0) {
         const int corner = offset[0] + offset[1] > 0;
-        cpu_fetch(cpu, RT_TILE, gathered(cpu, 0, tile_x, offset[0], corner),
-                  gathered(cpu, 1, tile_y, offset[1], corner), tile);
+        cpu_fetch(cpu, RT_TILE, find_gathered_texel(cpu, 0, tile_x, offset[0], corner),
+                  find_gathered_texel(cpu, 1, tile_y, offset[1], corner), tile);
     } else {
         cpu_fetch_tile(cpu, RT_TILE, ray->tile_x, ray->tile_y, tile);
     }
@@ -149,8 +150,8 @@ static float marched_depth_m(const struct reference *cpu, const struct ray *ray,
     float tile[4], depth[4];
     cpu_fetch_tile(cpu, RT_TILE, ray->tile_x, ray->tile_y, tile);
     const int *offset = cpu_slot_place(cpu->view, (int)tile[0]);
-    half_pixel[0] = held_int(2 * ray->tile_x + offset[0], 0, (int)cpu->view->half_size_px[0] - 1);
-    half_pixel[1] = held_int(2 * ray->tile_y + offset[1], 0, (int)cpu->view->half_size_px[1] - 1);
+    half_pixel[0] = clamp_int(2 * ray->tile_x + offset[0], 0, (int)cpu->view->half_size_px[0] - 1);
+    half_pixel[1] = clamp_int(2 * ray->tile_y + offset[1], 0, (int)cpu->view->half_size_px[1] - 1);
     cpu_fetch_half(cpu, RT_HALF_DEPTH, half_pixel[0], half_pixel[1], depth);
     return depth[0];
 }
@@ -163,14 +164,14 @@ static void load_rays(const struct reference *cpu, int tile_x, int tile_y, struc
         ray->tile_y = i == 0 ? tile_y : neighbour(cpu, 1, tile_y, around[i][1]);
         cpu_fetch_tile(cpu, RT_RAY, ray->tile_x, ray->tile_y, ray->value);
         ray->depth_m = ray_depth_m(cpu, tile_x, tile_y, i, ray);
-        ray->is_usable = choice(cpu, RT_VALIDITY) == 0 || cpu_is_sound(ray->value);
+        ray->is_usable = choice(cpu, RT_VALIDITY) == 0 || cpu_is_valid(ray->value);
         ray->is_sky = is_sky(marched_depth_m(cpu, ray, (int[2]){0, 0}));
     }
 }
 
 /* The ray nearest in depth among those from `asked` on; NULL if none is usable. */
 static const struct ray *nearest_ray(const struct reference *cpu, const struct ray rays[RAYS],
-                                     int asked, float own_m)
+                                     int asked, float center_depth_m)
 {
     const bool is_limited = choice(cpu, RT_CLAMP_PIXEL_DEPTH) != 0;
     float least_m = is_limited ? NEPH_GPU_FAR_M : setting(cpu, RT_SKY_M);
@@ -180,9 +181,9 @@ static const struct ray *nearest_ray(const struct reference *cpu, const struct r
             continue;
         if (!first)
             first = &rays[i];
-        if (fabsf(own_m - rays[i].depth_m) < least_m) {
+        if (fabsf(center_depth_m - rays[i].depth_m) < least_m) {
             nearest = &rays[i];
-            least_m = fabsf(own_m - rays[i].depth_m);
+            least_m = fabsf(center_depth_m - rays[i].depth_m);
         }
     }
     return nearest ? nearest : first;
@@ -198,7 +199,7 @@ static void extend(struct box *box, const double value[4])
     }
 }
 
-static double held(double value, double low, double high)
+static double clamp_number(double value, double low, double high)
 {
     return value < low ? low : value > high ? high : value;
 }
@@ -244,22 +245,22 @@ static void from_space(int space, const double seen[4], double brightest, double
 static bool is_alike(const struct reference *cpu, float transmittance, float other)
 {
     const float opacity = 1.0f - fmaxf(transmittance, other);
-    const bool of_opacity = choice(cpu, RT_CONTRAST) == RT_CONTRAST_OPACITY;
-    const float unit = of_opacity ? fmaxf(opacity, 1e-6f) : 1.0f;
+    const bool is_by_opacity = choice(cpu, RT_CONTRAST) == RT_CONTRAST_OPACITY;
+    const float unit = is_by_opacity ? fmaxf(opacity, 1e-6f) : 1.0f;
     return fabsf(transmittance - other) < setting(cpu, RT_BOX_TRANSMITTANCE) * unit;
 }
 
 static void choose_rays(const struct reference *cpu, struct ray rays[RAYS],
-                        const struct ray *nearest, float own_m, bool own_is_sky)
+                        const struct ray *nearest, float center_depth_m, bool is_center_sky)
 {
     for (int i = 0; i < RAYS; i++) {
         struct ray *ray = &rays[i];
-        const bool belongs = fabsf(own_m - ray->depth_m) <
+        const bool belongs = fabsf(center_depth_m - ray->depth_m) <
                                  setting(cpu, RT_BOX_DEPTH) * ray->depth_m ||
                              is_alike(cpu, ray->value[3], nearest->value[3]);
-        const bool is_asked = (i > 0 || choice(cpu, RT_BOX_CENTRE) != 0) &&
-                              (!choice(cpu, RT_BOX_SAME_KIND) || ray->is_sky == own_is_sky);
-        ray->is_in_box = ray == nearest || (ray->is_usable && is_asked && belongs);
+        const bool is_tested_ray = (i > 0 || choice(cpu, RT_BOX_CENTRE) != 0) &&
+                                   (!choice(cpu, RT_BOX_SAME_KIND) || ray->is_sky == is_center_sky);
+        ray->is_in_box = ray == nearest || (ray->is_usable && is_tested_ray && belongs);
     }
 }
 
@@ -305,7 +306,8 @@ static void clip(const struct box *box, const double seen[4], double limited[4])
 }
 
 static void clamp_to_rays(const struct reference *cpu, struct ray rays[RAYS],
-                          const struct ray *nearest, float own_m, bool own_is_sky, double value[4])
+                          const struct ray *nearest, float center_depth_m, bool is_center_sky,
+                          double value[4])
 {
     if (choice(cpu, RT_BOX) == RT_BOX_NONE)
         return;
@@ -314,7 +316,7 @@ static void clamp_to_rays(const struct reference *cpu, struct ray rays[RAYS],
     double seen[4], limited[4];
     ray_in_space(nearest, space, box.low);
     memcpy(box.high, box.low, sizeof(box.high));
-    choose_rays(cpu, rays, nearest, own_m, own_is_sky);
+    choose_rays(cpu, rays, nearest, center_depth_m, is_center_sky);
     if (choice(cpu, RT_BOX) == RT_BOX_VARIANCE)
         extend_by_variance(&box, rays, space);
     for (int i = 0; i < RAYS && choice(cpu, RT_BOX) == RT_BOX_MIN_MAX; i++) {
@@ -324,7 +326,7 @@ static void clamp_to_rays(const struct reference *cpu, struct ray rays[RAYS],
     }
     to_space(space, value, seen);
     for (int c = 0; c < 4; c++)
-        limited[c] = held(seen[c], box.low[c], box.high[c]);
+        limited[c] = clamp_number(seen[c], box.low[c], box.high[c]);
     value[3] = limited[3];
     if (!memcmp(limited, seen, 3 * sizeof(*seen)))
         return;
@@ -336,20 +338,20 @@ static void clamp_to_rays(const struct reference *cpu, struct ray rays[RAYS],
 
 /* --- history --------------------------------------------------------------------------------- */
 
-static struct history history_at(const struct reference *cpu, int x, int y)
+static struct history fetch_history_texel(const struct reference *cpu, int x, int y)
 {
     float value[4], state[4];
     cpu_fetch_half(cpu, RT_HISTORY_BEFORE, x, y, value);
     cpu_fetch_half(cpu, RT_HISTORY_STATE_BEFORE, x, y, state);
     const bool has_age = isfinite(state[0]) && state[0] > 0.0f;
     struct history history = {.age = has_age ? state[0] : 0.0f};
-    history.is_invalid = choice(cpu, RT_VALIDITY) != 0 && !(has_age && cpu_is_sound(value));
+    history.is_invalid = choice(cpu, RT_VALIDITY) != 0 && !(has_age && cpu_is_valid(value));
     for (int c = 0; c < 4; c++)
         history.value[c] = value[c];
     return history;
 }
 
-static struct history history_about(const struct reference *cpu, const double place_px[2])
+static struct history interpolate_history(const struct reference *cpu, const double place_px[2])
 {
     const double place[2] = {0.5 * place_px[0] - 0.5, 0.5 * place_px[1] - 0.5};
     const int base[2] = {(int)floor(place[0]), (int)floor(place[1])};
@@ -360,7 +362,7 @@ static struct history history_about(const struct reference *cpu, const double pl
     for (int i = 0; i < 4; i++) {
         const double x = place[0] - base[0], y = place[1] - base[1];
         const double weight = (i % 2 ? x : 1.0 - x) * (i / 2 ? y : 1.0 - y);
-        const struct history tap = history_at(cpu, base[0] + i % 2, base[1] + i / 2);
+        const struct history tap = fetch_history_texel(cpu, base[0] + i % 2, base[1] + i / 2);
         if (weight == 0.0 || tap.is_invalid)
             continue;
         history.is_invalid = false;
@@ -373,7 +375,7 @@ static struct history history_about(const struct reference *cpu, const double pl
         extend(&range, tap.value);
     }
     for (int c = 0; c < 4 && !history.is_invalid; c++)
-        history.value[c] = held(sum[c] / total, range.low[c], range.high[c]);
+        history.value[c] = clamp_number(sum[c] / total, range.low[c], range.high[c]);
     return history;
 }
 
@@ -387,7 +389,7 @@ static bool find_before(const struct reference *cpu, const double place_px[2], d
                         double before_px[2])
 {
     const struct neph_gpu_view *view = cpu->view;
-    double origin_m[3], direction[3], point_m[3], moved_m[3], now_px[2], seen_px[2];
+    double origin_m[3], direction[3], point_m[3], moved_m[3], now_px[2], earlier_px[2];
     line_at(view, place_px, origin_m, direction);
     if (choice(cpu, RT_REPROJECT_MEASURE) == RT_MEASURE_EYE)
         distance_m /= dot(direction, view->now.forward);
@@ -398,11 +400,11 @@ static bool find_before(const struct reference *cpu, const double place_px[2], d
         moved_m[i] = point_m[i] - (choice(cpu, RT_WIND) ? view->wind_m[i] : 0.0);
     }
     project(view, &view->now, point_m, now_px);
-    const double depth_m = project(view, &view->before, moved_m, seen_px);
+    const double depth_m = project(view, &view->before, moved_m, earlier_px);
     bool is_seen = view->now.is_parallel || depth_m > 0.0;
     for (int axis = 0; axis < 2; axis++) {
         /* exactly the place in static frames */
-        before_px[axis] = place_px[axis] + (seen_px[axis] - now_px[axis]) -
+        before_px[axis] = place_px[axis] + (earlier_px[axis] - now_px[axis]) -
                           followed_jitter_px(cpu, view->jitter_before_px, axis);
         is_seen = is_seen && before_px[axis] >= 0.0 && before_px[axis] <= view->size_px[axis];
     }
@@ -428,9 +430,10 @@ static bool is_same_scene(const struct reference *cpu, const double place_px[2],
         expected_m = project(view, &view->before, point_m, unused_px);
     }
     const int x = (int)floor(before_px[0] / 2), y = (int)floor(before_px[1] / 2);
-    const double way_px = hypot(before_px[0] - place_px[0], before_px[1] - place_px[1]);
+    const double displacement_px = hypot(before_px[0] - place_px[0], before_px[1] - place_px[1]);
     const bool is_around = choice(cpu, RT_REJECT_AROUND) == RT_AROUND_ON ||
-                           (choice(cpu, RT_REJECT_AROUND) == RT_AROUND_MOVED && way_px >= 0.125);
+                           (choice(cpu, RT_REJECT_AROUND) == RT_AROUND_MOVED &&
+                            displacement_px >= 0.125);
     bool found = false;
     for (int i = 0; i < 9; i++) {
         if (i != 4 && !is_around)
@@ -443,8 +446,8 @@ static bool is_same_scene(const struct reference *cpu, const double place_px[2],
     return found && expected_m > 0.0;
 }
 
-static struct history history_of(const struct reference *cpu, int x, int y, float depth_m,
-                                 float distance_m)
+static struct history find_history(const struct reference *cpu, int x, int y, float depth_m,
+                                   float distance_m)
 {
     const struct neph_gpu_view *view = cpu->view;
     const struct history none = {.is_invalid = true};
@@ -460,7 +463,7 @@ static struct history history_of(const struct reference *cpu, int x, int y, floa
         return none;
     if (setting(cpu, RT_REJECT_DEPTH) > 0.0f && !is_same_scene(cpu, place_px, before_px, depth_m))
         return (struct history){.is_invalid = true, .is_rejected = true};
-    struct history history = history_about(cpu, before_px);
+    struct history history = interpolate_history(cpu, before_px);
     history.motion_px = hypot(before_px[0] - centre_px[0], before_px[1] - centre_px[1]);
     return history;
 }
@@ -474,7 +477,7 @@ static double blend(double a, double b, double weight_of_b)
 
 static double beyond(double value, double least)
 {
-    return least > 0.0 ? held(value / least - 1.0, 0.0, 1.0) : 1.0;
+    return least > 0.0 ? clamp_number(value / least - 1.0, 0.0, 1.0) : 1.0;
 }
 
 /* Difference between a ray and the history of its own texel. */
@@ -484,7 +487,7 @@ static double change_at_ray(const struct reference *cpu, const struct ray *ray)
     int at[2];
     cpu_fetch_tile(cpu, RT_RAY_DISTANCE, ray->tile_x, ray->tile_y, distance);
     const float depth_m = marched_depth_m(cpu, ray, at);
-    const struct history then = history_of(cpu, at[0], at[1], depth_m, distance[0]);
+    const struct history then = find_history(cpu, at[0], at[1], depth_m, distance[0]);
     if (then.is_invalid)
         return 1.0;
     const double now = luminance((double[3]){ray->value[0], ray->value[1], ray->value[2]});
@@ -550,26 +553,26 @@ static void put_result(const struct reference *cpu, int x, int y, const double v
 }
 
 /* A ray's place relative to the texel, in tiles along one axis. */
-static double way(int half_pixel, int ray_tile_offset)
+static double ray_offset_tiles(int half_pixel, int ray_tile_offset)
 {
     return ray_tile_offset - (half_pixel % 2 ? 0.25 : -0.25);
 }
 
 static double ray_weight(const struct reference *cpu, int kind, const struct ray *ray,
-                         const double ways[2], float own_m)
+                         const double ways[2], float center_depth_m)
 {
     if (kind == RT_FALLBACK_BILINEAR)
         return fmax(1.0 - fabs(ways[0]), 0.0) * fmax(1.0 - fabs(ways[1]), 0.0);
-    const double difference_m = fabsf(own_m - ray->depth_m);
+    const double difference_m = fabsf(center_depth_m - ray->depth_m);
     return exp(-ways[0] * ways[0] - ways[1] * ways[1]) /
            (difference_m + setting(cpu, RT_UPSCALE_TOLERANCE_M));
 }
 
 static void fallback(const struct reference *cpu, int kind, int x, int y,
-                     const struct ray rays[RAYS], const struct ray *nearest, float own_m,
-                     bool own_is_sky, double value[4])
+                     const struct ray rays[RAYS], const struct ray *nearest, float center_depth_m,
+                     bool is_center_sky, double value[4])
 {
-    const struct ray *taken = nearest, *around_it = nearest_ray(cpu, rays, 1, own_m);
+    const struct ray *taken = nearest, *around_it = nearest_ray(cpu, rays, 1, center_depth_m);
     if (kind == RT_FALLBACK_AROUND && around_it)
         taken = around_it;
     if (kind == RT_FALLBACK_TILE && rays[0].is_usable)
@@ -577,9 +580,10 @@ static void fallback(const struct reference *cpu, int kind, int x, int y,
     double sum[4] = {0.0}, total = 0.0;
     const bool is_mean = kind == RT_FALLBACK_BILINEAR || kind == RT_FALLBACK_BILATERAL;
     for (int i = 0; i < RAYS && is_mean; i++) {
-        const double ways[2] = {way(x, around[i][0]), way(y, around[i][1])};
-        const double weight = ray_weight(cpu, kind, &rays[i], ways, own_m);
-        const bool is_foreign = kind == RT_FALLBACK_BILATERAL && rays[i].is_sky != own_is_sky;
+        const double ways[2] = {ray_offset_tiles(x, around[i][0]),
+                                ray_offset_tiles(y, around[i][1])};
+        const double weight = ray_weight(cpu, kind, &rays[i], ways, center_depth_m);
+        const bool is_foreign = kind == RT_FALLBACK_BILATERAL && rays[i].is_sky != is_center_sky;
         if (!rays[i].is_usable || is_foreign || weight == 0.0)
             continue;
         total += weight;
@@ -594,8 +598,8 @@ static void fallback(const struct reference *cpu, int kind, int x, int y,
 static double fresh_weight(const struct reference *cpu, double age, double part)
 {
     const double age_max = setting(cpu, RT_HISTORY_AGE_MAX);
-    const double of_history = 1.0 - 1.0 / fmin(age, age_max);
-    return age_max > 0.0 ? 1.0 - part * setting(cpu, RT_HISTORY_FADE) * of_history
+    const double history_part = 1.0 - 1.0 / fmin(age, age_max);
+    return age_max > 0.0 ? 1.0 - part * setting(cpu, RT_HISTORY_FADE) * history_part
                          : setting(cpu, RT_FRESH_WEIGHT);
 }
 
@@ -619,26 +623,27 @@ static void reconstruct(const struct reference *cpu, int x, int y)
     float depth[4], tile[4], distance[4];
     load_rays(cpu, x / 2, y / 2, rays);
     cpu_fetch_half(cpu, RT_HALF_DEPTH, x, y, depth);
-    float own_m = is_sky(depth[0]) ? setting(cpu, RT_SKY_M) : depth[0];
+    float center_depth_m = is_sky(depth[0]) ? setting(cpu, RT_SKY_M) : depth[0];
     if (choice(cpu, RT_CLAMP_PIXEL_DEPTH))
-        own_m = cpu_stored_depth_m(cpu->view, depth[0]);
-    const struct ray *nearest = nearest_ray(cpu, rays, 0, own_m);
+        center_depth_m = cpu_stored_depth_m(cpu->view, depth[0]);
+    const struct ray *nearest = nearest_ray(cpu, rays, 0, center_depth_m);
     if (!nearest) {
         put_result(cpu, x, y, (double[4]){0, 0, 0, 1}, 0.0f, NEPH_GPU_FAR_M);
         return;
     }
-    const bool of_tile = choice(cpu, RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && rays[0].is_usable;
-    const struct ray *seen = of_tile ? &rays[0] : nearest;
+    const bool uses_tile_ray = choice(cpu, RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE &&
+                               rays[0].is_usable;
+    const struct ray *seen = uses_tile_ray ? &rays[0] : nearest;
     cpu_fetch_tile(cpu, RT_RAY_DISTANCE, seen->tile_x, seen->tile_y, distance);
     cpu_fetch_tile(cpu, RT_TILE, x / 2, y / 2, tile);
-    const bool is_fresh = rays[0].is_usable && (int)tile[0] == cpu_slot_of(cpu->view, x, y);
-    struct history history = history_of(cpu, x, y, depth[0], distance[0]);
+    const bool is_fresh = rays[0].is_usable && (int)tile[0] == cpu_find_slot(cpu->view, x, y);
+    struct history history = find_history(cpu, x, y, depth[0], distance[0]);
     double part = 1.0;
     if (!history.is_invalid) {
         relight(cpu, x, y, history.motion_px, history.value);
         double clamped[4];
         memcpy(clamped, history.value, sizeof(clamped));
-        clamp_to_rays(cpu, rays, nearest, own_m, is_sky(depth[0]), clamped);
+        clamp_to_rays(cpu, rays, nearest, center_depth_m, is_sky(depth[0]), clamped);
         const double share = clamp_share(cpu, x, y, history.motion_px, nearest);
         if (memcmp(clamped, history.value, 3 * sizeof(*clamped)))
             part = 1.0 - share * (1.0 - (double)setting(cpu, RT_BOX_AGE));
@@ -654,7 +659,7 @@ static void reconstruct(const struct reference *cpu, int x, int y)
     memcpy(value, own, sizeof(value));
     if (history.is_invalid && !is_fresh) {
         const int kind = choice(cpu, history.is_rejected ? RT_FALLBACK_REJECTED : RT_FALLBACK);
-        fallback(cpu, kind, x, y, rays, nearest, own_m, is_sky(depth[0]), value);
+        fallback(cpu, kind, x, y, rays, nearest, center_depth_m, is_sky(depth[0]), value);
     } else if (is_fresh && !history.is_invalid) {
         age = fmin(age + 1.0, 255.0);
         blend_fresh(cpu, history.value, own, fresh_weight(cpu, age, part), value);

@@ -21,20 +21,20 @@ bool is_alike(float transmittance, float other)
     return difference < allowed;
 }
 
-bool is_accepted(int ray, int nearest, float nearest_through, float own_m, bool own_is_sky)
+bool is_accepted(int ray, int nearest, float nearest_through, float center_depth_m, bool is_center_sky)
 {
     precise float allowed_m = setting(RT_BOX_DEPTH) * ray_at(ray).depth_m;
     bool is_candidate = ray_at(ray).is_usable && (ray != 0 || choice(RT_BOX_CENTRE) != 0) &&
-                        (choice(RT_BOX_SAME_KIND) == 0 || ray_at(ray).is_sky == own_is_sky);
+                        (choice(RT_BOX_SAME_KIND) == 0 || ray_at(ray).is_sky == is_center_sky);
     return ray == nearest ||
-           (is_candidate && (depth_difference_m(own_m, ray) < allowed_m ||
+           (is_candidate && (depth_difference_m(center_depth_m, ray) < allowed_m ||
                              is_alike(ray_at(ray).value.a, nearest_through)));
 }
 
-void choose_rays(int nearest, float nearest_through, float own_m, bool own_is_sky)
+void choose_rays(int nearest, float nearest_through, float center_depth_m, bool is_center_sky)
 {
     [[unroll]] for (int i = 0; i < 9; i++)
-        in_box[i] = is_accepted(i, nearest, nearest_through, own_m, own_is_sky);
+        in_box[i] = is_accepted(i, nearest, nearest_through, center_depth_m, is_center_sky);
 }
 
 void extend_by_rays(inout Box box, int space)
@@ -65,14 +65,14 @@ void extend_by_variance(inout Box box, int space)
 }
 
 // Clamps history to the box of the accepted rays, which always includes the nearest ray.
-vec4 clamp_to_rays(vec4 value, int nearest, float own_m, bool own_is_sky)
+vec4 clamp_to_rays(vec4 value, int nearest, float center_depth_m, bool is_center_sky)
 {
     if (choice(RT_BOX) == RT_BOX_NONE)
         return value;
     int space = choice(RT_BOX_SPACE);
     vec4 nearest_value = ray_value(nearest), first = to_space(space, nearest_value);
     Box box = Box(first, first);
-    choose_rays(nearest, nearest_value.a, own_m, own_is_sky);
+    choose_rays(nearest, nearest_value.a, center_depth_m, is_center_sky);
     if (choice(RT_BOX) == RT_BOX_MIN_MAX)
         extend_by_rays(box, space);
     else

@@ -26,13 +26,13 @@ bool checks_validity() { return choice(RT_VALIDITY) != 0; }
 bool is_static()
 {
     bool has_jitter = choice(RT_REPROJECT_JITTER) != 0 && choice(RT_JITTERED_DEPTH) != 0;
-    return ALL_REST && !has_jitter;
+    return IS_VIEW_STATIC && !has_jitter;
 }
 
 // --- value of the history
 // -------------------------------------------------------------------------
 
-History history_at(ivec2 half_pixel)
+History fetch_history_texel(ivec2 half_pixel)
 {
     vec4 value = fetch_half(RT_HISTORY_BEFORE, half_pixel);
     float age = fetch_half(RT_HISTORY_STATE_BEFORE, half_pixel).x;
@@ -66,10 +66,10 @@ void add(History tap, float weight, inout Mean mean)
 // without valid taps. It is clamped to the range of the taps, so equal taps give exactly their
 // value. All four taps are fetched before the first is added: after a branch a GPU would wait for
 // one tap after the other, and a loop on lavapipe would keep the whole mean in memory.
-History history_about(vec2 place_px)
+History interpolate_history(vec2 place_px)
 {
     if (is_static())
-        return history_at(ivec2(floor(0.5 * place_px)));
+        return fetch_history_texel(ivec2(floor(0.5 * place_px)));
     vec2 place = 0.5 * place_px - 0.5; // in texels from the centre of the first
     ivec2 base = ivec2(floor(place));
     vec2 part = place - vec2(base);
@@ -77,7 +77,7 @@ History history_about(vec2 place_px)
     Mean mean = Mean(NO_HISTORY, vec4(0.0), 0.0, 0.0, Box(vec4(FAR_M), vec4(-FAR_M)));
     History taps[4];
     [[unroll]] for (int i = 0; i < 4; i++)
-        taps[i] = history_at(base + ivec2(i & 1, i >> 1));
+        taps[i] = fetch_history_texel(base + ivec2(i & 1, i >> 1));
     [[unroll]] for (int i = 0; i < 4; i++)
         add(taps[i], weights_x[i & 1] * weights_y[i >> 1], mean);
     History history = mean.history;
@@ -121,10 +121,10 @@ bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
                          : distance_m;
     precise vec3 point_m = line.origin_m + length_m * line.direction;
     precise vec3 moved_m = choice(RT_WIND) != 0 ? point_m - wind_m() : point_m;
-    vec3 seen = project(view_before, moved_m);
-    precise vec2 motion_px = seen.xy - project(view_now, point_m).xy;
+    vec3 earlier = project(view_before, moved_m);
+    precise vec2 motion_px = earlier.xy - project(view_now, point_m).xy;
     before_px = place_px + motion_px - ray_jitter_px(jitter_before_px);
-    return (is_parallel || seen.z > 0.0) && all(greaterThanEqual(before_px, vec2(0.0))) &&
+    return (is_parallel || earlier.z > 0.0) && all(greaterThanEqual(before_px, vec2(0.0))) &&
            all(lessThanEqual(before_px, vec2(view_size())));
 }
 
@@ -170,7 +170,7 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
 // ------------------------------------------------------------------------------
 
 // The history of a half-resolution texel, given its scene's eye depth and its medium's distance.
-History history_of(ivec2 half_pixel, float depth_m, float distance_m)
+History find_history(ivec2 half_pixel, float depth_m, float distance_m)
 {
     bool is_new = (checks_validity() && !has_past) ||
                   (choice(RT_CUT_RESET) != 0 && is_cut);
@@ -180,7 +180,7 @@ History history_of(ivec2 half_pixel, float depth_m, float distance_m)
         return NO_HISTORY;
     if (is_set(RT_REJECT_DEPTH) && !is_same_scene(place_px, before_px, depth_m))
         return REJECTED;
-    History history = history_about(before_px);
+    History history = interpolate_history(before_px);
     history.motion_px = distance(before_px, centre_px);
     return history;
 }

@@ -49,7 +49,7 @@ ivec2 ray_half_pixel(ivec2 tile, float slot)
 
 ivec2 ray_half_pixel(ivec2 tile) { return ray_half_pixel(tile, fetch_tile(RT_TILE, tile).x); }
 
-bool asks_for_kinds()
+bool compares_kinds()
 {
     return choice(RT_BOX_SAME_KIND) != 0 || choice(RT_FALLBACK) == RT_FALLBACK_BILATERAL ||
            choice(RT_FALLBACK_REJECTED) == RT_FALLBACK_BILATERAL;
@@ -74,7 +74,7 @@ Ray load_ray(ivec2 tile, int i)
     ray.value = fetch_tile(RT_RAY, from);
     ray.depth_m = ray_depth_m(tile, i, found);
     ray.is_usable = !checks_validity() || is_sound(ray.value);
-    ray.is_sky = asks_for_kinds() &&
+    ray.is_sky = compares_kinds() &&
                  is_sky(fetch_half(RT_HALF_DEPTH, ray_half_pixel(from, found.x)).x);
     return ray;
 }
@@ -83,23 +83,23 @@ Ray load_ray(ivec2 tile, int i)
 Ray ray_at(int i);
 vec4 ray_value(int i);
 
-float depth_difference_m(float own_m, int ray)
+float depth_difference_m(float center_depth_m, int ray)
 {
-    precise float difference_m = abs(own_m - ray_at(ray).depth_m);
+    precise float difference_m = abs(center_depth_m - ray_at(ray).depth_m);
     return difference_m;
 }
 
 // The ray nearest in depth among those from `first` on, the first of equal ones; -1 if none is
 // usable. The article considers differences up to 20 km, the largest difference of limited depths;
 // beyond them it takes the first ray.
-int nearest_ray(float own_m, int first)
+int nearest_ray(float center_depth_m, int first)
 {
     float least_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? FAR_M : setting(RT_SKY_M);
     int nearest = -1;
     [[unroll]] for (int i = 0; i < 9; i++) {
         if (i < first || !ray_at(i).is_usable)
             continue;
-        float difference_m = depth_difference_m(own_m, i);
+        float difference_m = depth_difference_m(center_depth_m, i);
         if (difference_m < least_m || nearest < 0)
             nearest = i;
         if (difference_m < least_m)

@@ -61,17 +61,17 @@ vec4 ray_value(int ray)
     return value;
 }
 
-Change change_around_tile(ivec2 tile) { return change_of(RT_CHANGE, tile); }
+Change change_around_tile(ivec2 tile) { return load_change(RT_CHANGE, tile); }
 
 // The texel of this thread; false for threads past the last. With output elision
 // (renderer/realtime/unread.h) one thread a tile writes only the texel with a ray; the others keep
 // their values in place.
-bool own_texel(out ivec2 half_pixel)
+bool find_texel(out ivec2 half_pixel)
 {
-    if (!is_unread())
-        return own_element(half_size(), half_pixel);
+    if (!is_output_elided())
+        return find_element(half_size(), half_pixel);
     ivec2 tile;
-    bool is_left = own_element(tile_count(), tile);
+    bool is_left = find_element(tile_count(), tile);
     half_pixel = ray_half_pixel(tile);
     return is_left;
 }
@@ -79,7 +79,7 @@ bool own_texel(out ivec2 half_pixel)
 void main()
 {
     ivec2 half_pixel;
-    if (!own_texel(half_pixel))
+    if (!find_texel(half_pixel))
         return;
     load_rays(half_pixel / 2);
     reconstruct(half_pixel);

@@ -24,10 +24,10 @@ Change change_around_tile(ivec2 tile);
 // tile has it without an additional ray.
 float change_at_ray(ivec2 tile, int ray)
 {
-    ivec2 own_tile = ray_tile(tile, ray);
-    ivec2 place = ray_half_pixel(own_tile);
-    History then = history_of(place, fetch_half(RT_HALF_DEPTH, place).x,
-                              fetch_tile(RT_RAY_DISTANCE, own_tile).x);
+    ivec2 find_tile = ray_tile(tile, ray);
+    ivec2 place = ray_half_pixel(find_tile);
+    History then = find_history(place, fetch_half(RT_HALF_DEPTH, place).x,
+                              fetch_tile(RT_RAY_DISTANCE, find_tile).x);
     vec4 now = ray_value(ray);
     float now_luminance = luminance(now.rgb);
     float then_luminance = luminance(then.value.rgb);
@@ -51,7 +51,7 @@ float age_after_change(ivec2 tile, bool is_fresh, float age)
         return age;
     float change = change_around_tile(tile).residue;
     float unchanged = 1.0 - beyond(change, setting(RT_BOX_CHANGE));
-    age = min(unchanged * age, lasting(change, setting(RT_BOX_CHANGE)));
+    age = min(unchanged * age, compute_change_time(change, setting(RT_BOX_CHANGE)));
     return max(age, is_fresh ? 0.0 : 1.0);
 }
 
@@ -91,8 +91,8 @@ float fresh_weight(float age, float part)
 {
     if (!is_set(RT_HISTORY_AGE_MAX))
         return setting(RT_FRESH_WEIGHT);
-    float of_history = 1.0 - 1.0 / min(age, setting(RT_HISTORY_AGE_MAX));
-    return 1.0 - part * setting(RT_HISTORY_FADE) * of_history;
+    float history_part = 1.0 - 1.0 / min(age, setting(RT_HISTORY_AGE_MAX));
+    return 1.0 - part * setting(RT_HISTORY_FADE) * history_part;
 }
 
 // Blends history and ray in fresh_space.
@@ -114,7 +114,7 @@ vec4 blend_fresh(vec4 history, vec4 ray, float weight)
 const vec3 LINEAR_WEIGHTS = vec3(0.25, 0.75, 0.0);
 const vec3 GAUSSIAN_WEIGHTS = vec3(0.569782825, 0.939413063, 0.209611387); // exp(-d^2)
 
-vec4 mean_of_rays(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_sky)
+vec4 average_rays(int kind, ivec2 half_pixel, int nearest, float center_depth_m, bool is_center_sky)
 {
     bool by_depth = kind == RT_FALLBACK_BILATERAL;
     vec4 sum = vec4(0.0);
@@ -122,10 +122,10 @@ vec4 mean_of_rays(int kind, ivec2 half_pixel, int nearest, float own_m, bool own
     [[unroll]] for (int i = 0; i < 9; i++) {
         ivec2 at = 1 + AROUND[i] * (1 - 2 * (half_pixel & 1));
         float weight = by_depth ? GAUSSIAN_WEIGHTS[at.x] * GAUSSIAN_WEIGHTS[at.y] /
-                                      (depth_difference_m(own_m, i) +
+                                      (depth_difference_m(center_depth_m, i) +
                                        setting(RT_UPSCALE_TOLERANCE_M))
                                 : LINEAR_WEIGHTS[at.x] * LINEAR_WEIGHTS[at.y];
-        if (!ray_at(i).is_usable || weight == 0.0 || (by_depth && ray_at(i).is_sky != own_is_sky))
+        if (!ray_at(i).is_usable || weight == 0.0 || (by_depth && ray_at(i).is_sky != is_center_sky))
             continue;
         sum += weight * ray_at(i).value;
         total += weight;
@@ -133,11 +133,11 @@ vec4 mean_of_rays(int kind, ivec2 half_pixel, int nearest, float own_m, bool own
     return total > 0.0 ? sum / total : ray_value(nearest);
 }
 
-vec4 fallback(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_sky)
+vec4 fallback(int kind, ivec2 half_pixel, int nearest, float center_depth_m, bool is_center_sky)
 {
-    int around = kind == RT_FALLBACK_AROUND ? nearest_ray(own_m, 1) : -1;
+    int around = kind == RT_FALLBACK_AROUND ? nearest_ray(center_depth_m, 1) : -1;
     if (kind == RT_FALLBACK_BILINEAR || kind == RT_FALLBACK_BILATERAL)
-        return mean_of_rays(kind, half_pixel, nearest, own_m, own_is_sky);
+        return average_rays(kind, half_pixel, nearest, center_depth_m, is_center_sky);
     if (kind == RT_FALLBACK_TILE && ray_at(0).is_usable)
         return ray_at(0).value;
     return ray_value(around < 0 ? nearest : around);
@@ -182,7 +182,7 @@ Texel texel_at(ivec2 half_pixel)
                                                          : texel.depth_m;
     texel.nearest = nearest_ray(texel.compared_m, 0);
     texel.is_fresh = ray_at(0).is_usable &&
-                     int(fetch_tile(RT_TILE, texel.tile).x) == slot_of(half_pixel);
+                     int(fetch_tile(RT_TILE, texel.tile).x) == find_slot(half_pixel);
     return texel;
 }
 
@@ -190,15 +190,15 @@ Texel texel_at(ivec2 half_pixel)
 void keep_ray(ivec2 half_pixel)
 {
     ivec2 kept_texel = 2 * (half_pixel / 2) + kept_place();
-    if (is_unchanged() && (is_unread() || half_pixel == kept_texel))
+    if (is_unchanged() && (is_output_elided() || half_pixel == kept_texel))
         put_half(RT_KEPT_RAY, kept_texel, as_halves(ray_at(0).value));
 }
 
 // Distance of the medium that a texel shows [m].
 float medium_distance_m(Texel texel)
 {
-    bool of_tile = choice(RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && ray_at(0).is_usable;
-    return fetch_tile(RT_RAY_DISTANCE, ray_tile(texel.tile, of_tile ? 0 : texel.nearest)).x;
+    bool uses_tile_ray = choice(RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && ray_at(0).is_usable;
+    return fetch_tile(RT_RAY_DISTANCE, ray_tile(texel.tile, uses_tile_ray ? 0 : texel.nearest)).x;
 }
 
 // Applies the gain of the light to history and clamps it, as far as motion or change requires.
@@ -230,7 +230,7 @@ void reconstruct(ivec2 half_pixel)
         return;
     }
     float distance_m = medium_distance_m(texel);
-    History history = history_of(half_pixel, texel.depth_m, distance_m);
+    History history = find_history(half_pixel, texel.depth_m, distance_m);
     float part = history.is_invalid ? 1.0 : adapt_history(texel, history);
     float age = history.is_invalid ? 1.0 : history.age;
     vec4 value = ray_value(texel.is_fresh ? 0 : texel.nearest);

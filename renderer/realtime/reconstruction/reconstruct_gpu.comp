@@ -50,7 +50,7 @@ vec4 ray_value(int ray) { return area_values[area_index(ray)]; }
 // --- changes around ---------------------------------------------------------------------------
 
 shared vec4 area_changes[BLOCK_TILE_COUNT];
-shared vec4 area_samples[4 * AREA_COUNT]; // RT_LOOK_NOW and the three targets after it
+shared vec4 area_samples[4 * AREA_COUNT]; // RT_SAMPLE_NOW and the three targets after it
 ivec2 area_corner;                        // the first tile of the area
 
 bool finds_change()
@@ -63,17 +63,17 @@ void load_samples()
 {
     for (int i = int(gl_LocalInvocationID.x); i < AREA_COUNT; i += GROUP_THREADS) {
         ivec2 tile = area_corner + ivec2(i % AREA.x, i / AREA.x);
-        area_samples[i] = fetch_tile(RT_LOOK_NOW, tile);
-        area_samples[i + AREA_COUNT] = fetch_tile(RT_LOOK_THEN, tile);
-        area_samples[i + 2 * AREA_COUNT] = fetch_tile(RT_LOOK_BEHIND_NOW, tile);
-        area_samples[i + 3 * AREA_COUNT] = fetch_tile(RT_LOOK_BEHIND_THEN, tile);
+        area_samples[i] = fetch_tile(RT_SAMPLE_NOW, tile);
+        area_samples[i + AREA_COUNT] = fetch_tile(RT_SAMPLE_THEN, tile);
+        area_samples[i + 2 * AREA_COUNT] = fetch_tile(RT_SAMPLE_BEHIND_NOW, tile);
+        area_samples[i + 3 * AREA_COUNT] = fetch_tile(RT_SAMPLE_BEHIND_THEN, tile);
     }
 }
 
 vec4 load_sample(int target, ivec2 tile)
 {
     ivec2 at = tile - area_corner;
-    return area_samples[(target - RT_LOOK_NOW) * AREA_COUNT + at.x + AREA.x * at.y];
+    return area_samples[(target - RT_SAMPLE_NOW) * AREA_COUNT + at.x + AREA.x * at.y];
 }
 
 void find_changes(ivec2 first_tile)
@@ -85,7 +85,7 @@ void find_changes(ivec2 first_tile)
     if (i >= BLOCK_TILE_COUNT)
         return;
     if (thread < half_group) {
-        vec4 change = change_of_medium(tile);
+        vec4 change = compute_medium_change(tile);
         area_changes[i] = change;
         if (is_there)
             put_tile(RT_CHANGE, tile, change);
@@ -97,7 +97,7 @@ void find_changes(ivec2 first_tile)
 Change change_around_tile(ivec2 tile)
 {
     if (!finds_change())
-        return change_of(RT_CHANGE, tile);
+        return load_change(RT_CHANGE, tile);
     ivec2 at = place_in_area - 1;
     vec4 change = area_changes[at.x + BLOCK_TILES.x * at.y];
     return Change(change.rgb, change.a);
@@ -107,7 +107,7 @@ Change change_around_tile(ivec2 tile)
 
 void main()
 {
-    ivec2 block = own_block(half_size(), BLOCK);
+    ivec2 block = find_block(half_size(), BLOCK);
     int thread = int(gl_LocalInvocationID.x);
     ivec2 half_pixel = block + ivec2(thread % BLOCK.x, thread / BLOCK.x);
     place_in_area = half_pixel / 2 - block / 2 + 1;

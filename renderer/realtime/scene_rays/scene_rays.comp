@@ -27,7 +27,7 @@ SightLine sight_line(Camera camera, vec2 place_px)
 }
 
 // Keeps the nearest intersection, by the same rule as scene_hit().
-void meet(Solid solid, uint s, inout SightLine line)
+void intersect_solid(Solid solid, uint s, inout SightLine line)
 {
     float t0_m, t1_m;
     bool meets = solid_interval(solid, line.ray.origin_m, line.ray.direction, t0_m, t1_m);
@@ -37,13 +37,13 @@ void meet(Solid solid, uint s, inout SightLine line)
 }
 
 // Few solids on a GPU are read once for both rays.
-void meet_solids(inout SightLine picture, inout SightLine steady)
+void intersect_solids(inout SightLine picture, inout SightLine steady)
 {
     if (!ARE_KNOWN && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN) {
         [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
-            meet(solids[s], s, picture);
+            intersect_solid(solids[s], s, picture);
             if (choice(RT_JITTERED_DEPTH) == 0)
-                meet(solids[s], s, steady);
+                intersect_solid(solids[s], s, steady);
         }
     } else {
         picture.hit = scene_hit(picture.ray.origin_m, picture.ray.direction);
@@ -54,7 +54,7 @@ void meet_solids(inout SightLine picture, inout SightLine steady)
 
 void main()
 {
-    know_solids();
+    load_known_solids();
     uint thread = min(gl_GlobalInvocationID.x, run.ray_count - 1u);
     int ray = int(run.first_ray + thread);
     if (KNOWN_SOLIDS != 0u)
@@ -64,7 +64,7 @@ void main()
     vec3 background = frame.background;
     SightLine picture = sight_line(camera, vec2(pixel) + 0.5 + jitter_px);
     SightLine steady = sight_line(camera, vec2(pixel) + 0.5);
-    meet_solids(picture, steady);
+    intersect_solids(picture, steady);
     if (choice(RT_JITTERED_DEPTH) != 0)
         steady = picture;
     if (gl_GlobalInvocationID.x >= run.ray_count)

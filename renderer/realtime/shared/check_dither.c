@@ -231,8 +231,8 @@ static void test_values_stay_within_the_unit_interval(void **state)
 }
 
 /* Number of cells, of 4x4 in the unit square, with pairs of 16 frames; mean over all pixels. */
-static double cells_of_pairs(const struct cpu_dither *dither, int kind, bool is_mirrored,
-                             uint32_t channel, int *most)
+static double count_pair_cells(const struct cpu_dither *dither, int kind, bool is_mirrored,
+                               uint32_t channel, int *most)
 {
     double mean = 0.0;
     *most = 0;
@@ -263,11 +263,11 @@ static void test_channels_cover_the_square(void **state)
         neph_blue_noise_load(NEPH_SOURCE_DIR "/renderer/blue_noise.png", 1, ranks, &diag), &diag);
     const struct cpu_dither dither = {1, ranks};
     int most;
-    assert_true(cells_of_pairs(&dither, RT_DITHER_BLUE, true, 0, &most) < 8.0);
+    assert_true(count_pair_cells(&dither, RT_DITHER_BLUE, true, 0, &most) < 8.0);
     assert_true(most <= 8);
     for (int kind = RT_DITHER_WHITE; kind < KINDS; kind++)
         for (uint32_t channel = 1; channel < CHANNELS; channel++)
-            if (!(cells_of_pairs(&dither, kind, false, channel, &most) > 9.4))
+            if (!(count_pair_cells(&dither, kind, false, channel, &most) > 9.4))
                 fail_msg("kind %d, channel %u", kind, channel);
 }
 

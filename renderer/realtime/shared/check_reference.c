@@ -27,7 +27,7 @@ void cpu_fetch_full(const struct reference *cpu, int target, int x, int y, float
               (int)view->origin_px[1] + held(y, view->size_px[1]), value);
 }
 
-void cpu_fetch_picture(const struct reference *cpu, int target, int x, int y, float value[4])
+void cpu_fetch_output(const struct reference *cpu, int target, int x, int y, float value[4])
 {
     const struct neph_gpu_view *view = cpu->view;
     cpu_fetch(cpu, target, (int)view->origin_px[0] + held(x, view->picture_px[0]),
@@ -54,7 +54,7 @@ void cpu_put_full(const struct reference *cpu, int target, int x, int y, const f
     put(cpu, target, (int)view->origin_px[0] + x, (int)view->origin_px[1] + y, value);
 }
 
-void cpu_put_picture(const struct reference *cpu, int target, int x, int y, const float value[4])
+void cpu_put_output(const struct reference *cpu, int target, int x, int y, const float value[4])
 {
     cpu_put_full(cpu, target, x, y, value); /* both have the same origin */
 }
@@ -71,7 +71,7 @@ void cpu_put_tile(const struct reference *cpu, int target, int x, int y, const f
     put(cpu, target, (int)view->origin_px[0] / 4 + x, (int)view->origin_px[1] / 4 + y, value);
 }
 
-bool cpu_is_sound(const float value[4])
+bool cpu_is_valid(const float value[4])
 {
     for (int c = 0; c < 4; c++)
         if (!isfinite(value[c]) || !(value[c] >= 0.0f))

@@ -23,16 +23,16 @@ struct reference {
  * or a tile, clamped to its sides. */
 void cpu_fetch(const struct reference *cpu, int target, int x, int y, float value[4]);
 void cpu_fetch_full(const struct reference *cpu, int target, int x, int y, float value[4]);
-void cpu_fetch_picture(const struct reference *cpu, int target, int x, int y, float value[4]);
+void cpu_fetch_output(const struct reference *cpu, int target, int x, int y, float value[4]);
 void cpu_fetch_half(const struct reference *cpu, int target, int x, int y, float value[4]);
 void cpu_fetch_tile(const struct reference *cpu, int target, int x, int y, float value[4]);
 void cpu_put_full(const struct reference *cpu, int target, int x, int y, const float value[4]);
-void cpu_put_picture(const struct reference *cpu, int target, int x, int y, const float value[4]);
+void cpu_put_output(const struct reference *cpu, int target, int x, int y, const float value[4]);
 void cpu_put_half(const struct reference *cpu, int target, int x, int y, const float value[4]);
 void cpu_put_tile(const struct reference *cpu, int target, int x, int y, const float value[4]);
 
 /* is_sound() of realtime/shared/view.glsl. */
-bool cpu_is_sound(const float value[4]);
+bool cpu_is_valid(const float value[4]);
 
 /* Depth of an edge of the froxels' slices [m]. */
 double cpu_froxel_edge_m(const struct reference *cpu, int edge);

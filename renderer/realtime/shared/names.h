@@ -25,9 +25,9 @@
 #define RT_SOLIDS_UNKNOWN 65 // this many and more: tested block by block
 #define RT_HALVES_CONSTANT 9
 #define RT_GPU_ACCESS_CONSTANT 10
-#define RT_RESTS_CONSTANT 11
-#define RT_RESTS_ALL 1u // camera, air and solids
-#define RT_RESTS_AIR 2u
+#define RT_STATIC_CONSTANT 11
+#define RT_STATIC_VIEW 1u // camera, air and solids
+#define RT_STATIC_MEDIUM 2u
 #define RT_BALLS_CONSTANT 12 // and 13
 #define RT_DARK_CONSTANT 14
 #define RT_CHOICE_CONSTANT 15
@@ -104,10 +104,10 @@
 #define RT_PAIR_TARGET_COUNT 22
 // Four words. Quarter; the two samples of a tile's gradient. RGB: the medium's radiance along the
 // tile's ray; A: a change that light does not explain.
-#define RT_LOOK_NOW 22
-#define RT_LOOK_THEN 23        // RGB: the earlier sample; A: 1 where there is one, else 0
-#define RT_LOOK_BEHIND_NOW 24  // the same behind the media, as sums over the sampled pixels
-#define RT_LOOK_BEHIND_THEN 25 // A: the number of sampled pixels
+#define RT_SAMPLE_NOW 22
+#define RT_SAMPLE_THEN 23        // RGB: the earlier sample; A: 1 where there is one, else 0
+#define RT_SAMPLE_BEHIND_NOW 24  // the same behind the media, as sums over the sampled pixels
+#define RT_SAMPLE_BEHIND_THEN 25 // A: the number of sampled pixels
 // Quarter; the change around a tile (gradient/change.comp). RGB: light of this frame over light of
 // the frame before; A: the change that this ratio does not explain.
 #define RT_CHANGE 26        // of the medium
@@ -131,7 +131,7 @@
 #define RT_FROXEL_COLUMN 6
 #define RT_FROXEL_SECTIONS 3
 // Output resolution: as many pixels as RT_FULL, or more with screen_percent.
-#define RT_PICTURE 7
+#define RT_OUTPUT 7
 
 // The table of targets, rows for a C array or a GLSL one: resolution, format with
 // target_format=half, format with target_format=float.
@@ -149,22 +149,22 @@
         {RT_HALF, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY_BEFORE */                              \
         {RT_QUARTER, RT_RGBA16F, RT_RGBA32F}, /* RT_RAY */                                         \
         {RT_FULL, RT_RGBA16F, RT_RGBA32F},    /* RT_VOLUME */                                      \
-        {RT_PICTURE, RT_RGBA16F, RT_RGBA32F}, /* RT_TAA_OUT */                                     \
-        {RT_PICTURE, RT_RGBA16F, RT_RGBA32F}, /* RT_TAA_BEFORE */                                  \
+        {RT_OUTPUT, RT_RGBA16F, RT_RGBA32F},  /* RT_TAA_OUT */                                     \
+        {RT_OUTPUT, RT_RGBA16F, RT_RGBA32F},  /* RT_TAA_BEFORE */                                  \
         {RT_FULL, RT_RGBA32F, RT_RGBA32F},    /* RT_BEHIND */                                      \
         {RT_FULL, RT_RGBA32F, RT_RGBA32F},    /* RT_COLOR */                                       \
-        {RT_PICTURE, RT_RGBA32F, RT_RGBA32F}, /* RT_SHARPENED */                                   \
+        {RT_OUTPUT, RT_RGBA32F, RT_RGBA32F},  /* RT_SHARPENED */                                   \
         {RT_FULL, RT_RGBA32F, RT_RGBA32F},    /* RT_MOVED */                                       \
         {RT_FROXEL, RT_RGBA32F, RT_RGBA32F},  /* RT_FROXELS */                                     \
         {RT_HALF, RT_RGBA16F, RT_RGBA16F},    /* RT_KEPT_RAY */                                    \
         {RT_FULL, RT_RGBA16F, RT_RGBA16F},    /* RT_KEPT_BEHIND */                                 \
-        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_LOOK_NOW */                                    \
-        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_LOOK_THEN */                                   \
-        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_LOOK_BEHIND_NOW */                             \
-        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_LOOK_BEHIND_THEN */                            \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_SAMPLE_NOW */                                  \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_SAMPLE_THEN */                                 \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_SAMPLE_BEHIND_NOW */                           \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_SAMPLE_BEHIND_THEN */                          \
         {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_CHANGE */                                      \
         {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_CHANGE_BEHIND */                               \
-        {RT_PICTURE, RT_RGBA32F, RT_RGBA32F}, /* RT_TAA_STATE */                                   \
-        {RT_PICTURE, RT_RGBA32F, RT_RGBA32F}, /* RT_TAA_STATE_BEFORE */
+        {RT_OUTPUT, RT_RGBA32F, RT_RGBA32F},  /* RT_TAA_STATE */                                   \
+        {RT_OUTPUT, RT_RGBA32F, RT_RGBA32F},  /* RT_TAA_STATE_BEFORE */
 
 #endif

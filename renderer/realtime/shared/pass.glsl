@@ -15,14 +15,14 @@ layout(push_constant) uniform PassRun {
 } run;
 
 // The element of this thread in an image, in rows; false for threads past the last element.
-bool own_element(ivec2 size, out ivec2 element)
+bool find_element(ivec2 size, out ivec2 element)
 {
     element = element_at(int(run.first_thread + gl_GlobalInvocationID.x), size.x);
     return element.y < size.y;
 }
 
 // First element of the block of this work group in an image; blocks are in rows.
-ivec2 own_block(ivec2 size, ivec2 block)
+ivec2 find_block(ivec2 size, ivec2 block)
 {
     int index = int(run.first_thread / GROUP_THREADS + gl_WorkGroupID.x);
     return block * element_at(index, (size.x - 1) / block.x + 1);

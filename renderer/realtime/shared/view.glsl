@@ -116,7 +116,7 @@ layout(std430, binding = REALTIME_BINDING + 2) buffer TargetFours {
 } target_fours[KNOWN_TARGETS];
 
 #ifdef SEES_TEXELS
-// The targets as texels, for reads on a CPU (neph_buffer_see_texels()).
+// The targets as texels, for reads on a CPU (neph_buffer_create_texel_views()).
 layout(binding = NEPH_GPU_TEXELS_BINDING, r32ui)
 uniform readonly uimageBuffer target_texels[RT_WORD_TARGET_COUNT];
 layout(binding = NEPH_GPU_TEXEL_PAIRS_BINDING, rg32ui)
@@ -165,7 +165,7 @@ float setting(int index) { return force_nonuniform(settings[index]); } // of a n
 
 ivec2 view_origin() { return origin_px; }
 ivec2 view_size() { return size_px; }
-ivec2 picture_size() { return picture_px; }
+ivec2 get_output_size() { return picture_px; }
 ivec2 half_size() { return half_size_px; }
 ivec2 tile_count() { return tiles; }
 vec3 wind_m() { return moved_by_wind_m; }
@@ -181,7 +181,7 @@ struct TargetRow {
 
 const TargetRow TARGETS[RT_TARGET_COUNT] = {RT_TARGETS};
 
-int format_of(int target)
+int get_format(int target)
 {
     TargetRow row = TARGETS[target];
     bool is_half = choice(RT_TARGET_FORMAT) == RT_FORMAT_HALF;
@@ -191,8 +191,8 @@ int format_of(int target)
 layout(constant_id = RT_HALVES_CONSTANT) const uint NATIVE_HALVES = 0;
 // Static frames skip most of the reprojection. A constant removes that code from the kernel;
 // lavapipe would execute it under a branch.
-layout(constant_id = RT_RESTS_CONSTANT) const uint RESTS = 0;
-const bool ALL_REST = (RESTS & RT_RESTS_ALL) != 0u, AIR_RESTS = (RESTS & RT_RESTS_AIR) != 0u;
+layout(constant_id = RT_STATIC_CONSTANT) const uint STATIC_PARTS = 0;
+const bool IS_VIEW_STATIC = (STATIC_PARTS & RT_STATIC_VIEW) != 0u, IS_MEDIUM_STATIC = (STATIC_PARTS & RT_STATIC_MEDIUM) != 0u;
 
 // By the driver's conversions where they are known to be correct (renderer/halves.h).
 vec4 unpack(uvec2 words)
@@ -209,12 +209,12 @@ uint pack(vec2 value)
                : to_word(value);
 }
 
-int width_of(int target)
+int get_width(int target)
 {
     int resolution = TARGETS[target].resolution;
     if (resolution == RT_FROXEL)
         return froxel_row;
-    if (resolution == RT_PICTURE)
+    if (resolution == RT_OUTPUT)
         return picture_row;
     return resolution == RT_FULL ? full_row : resolution == RT_HALF ? half_row : quarter_row;
 }
@@ -231,8 +231,8 @@ uvec2 half_words(int target, uint index, int format)
 // Element (x, y) of a target, in texels of the whole target. The caller ensures 0 <= (x, y) < size.
 vec4 fetch(int target, ivec2 texel)
 {
-    uint index = uint(texel.y * width_of(target) + texel.x);
-    int format = format_of(target);
+    uint index = uint(texel.y * get_width(target) + texel.x);
+    int format = get_format(target);
     switch (format) {
     case RT_R32F:
         return vec4(uintBitsToFloat(load_word(target, index)), 0.0, 0.0, 0.0);
@@ -247,8 +247,8 @@ vec4 fetch(int target, ivec2 texel)
 
 void put(int target, ivec2 texel, vec4 value)
 {
-    uint index = uint(texel.y * width_of(target) + texel.x);
-    switch (format_of(target)) {
+    uint index = uint(texel.y * get_width(target) + texel.x);
+    switch (get_format(target)) {
     case RT_R16F:
         targets[target].words[index] = pack(vec2(value.x, 0.0));
         break;
@@ -276,9 +276,9 @@ vec4 fetch_full(int target, ivec2 pixel)
     return fetch(target, view_origin() + clamp(pixel, ivec2(0), view_size() - 1));
 }
 
-vec4 fetch_picture(int target, ivec2 pixel)
+vec4 fetch_output(int target, ivec2 pixel)
 {
-    return fetch(target, view_origin() + clamp(pixel, ivec2(0), picture_size() - 1));
+    return fetch(target, view_origin() + clamp(pixel, ivec2(0), get_output_size() - 1));
 }
 
 vec4 fetch_half(int target, ivec2 pixel)
@@ -293,7 +293,7 @@ vec4 fetch_tile(int target, ivec2 tile)
 
 void put_full(int target, ivec2 pixel, vec4 value) { put(target, view_origin() + pixel, value); }
 
-void put_picture(int target, ivec2 pixel, vec4 value) { put(target, view_origin() + pixel, value); }
+void put_output(int target, ivec2 pixel, vec4 value) { put(target, view_origin() + pixel, value); }
 
 void put_half(int target, ivec2 pixel, vec4 value)
 {
@@ -345,9 +345,9 @@ ViewLine view_line_at(ViewCamera camera, vec2 place_px)
 }
 
 // Whether the camera has the same place, direction and field of view as in the frame before.
-bool camera_rests()
+bool is_camera_static()
 {
-    if (ALL_REST)
+    if (IS_VIEW_STATIC)
         return true;
     return view_before.position_m == vec3(0.0) && view_now.forward == view_before.forward &&
            view_now.right == view_before.right && view_now.up == view_before.up &&
@@ -355,7 +355,7 @@ bool camera_rests()
            view_now.half_height == view_before.half_height;
 }
 
-bool air_rests() { return AIR_RESTS || choice(RT_WIND) == 0 || wind_m() == vec3(0.0); }
+bool is_medium_static() { return IS_MEDIUM_STATIC || choice(RT_WIND) == 0 || wind_m() == vec3(0.0); }
 
 // The factor by which the image plane widens: the depth, or 1 for an orthographic camera.
 float view_spread(ViewCamera camera, float depth) { return camera.is_parallel != 0u ? 1.0 : depth; }

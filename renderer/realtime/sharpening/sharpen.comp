@@ -19,26 +19,26 @@ const float AMOUNT = 0.5; // of the difference from the mean of four
 
 const ivec2 CROSS[4] = {ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1)};
 
-vec3 picture_at(ivec2 pixel)
+vec3 load_pixel(ivec2 pixel)
 {
-    return choice(RT_TAA) != RT_TAA_OFF ? fetch_picture(RT_TAA_OUT, pixel).rgb
+    return choice(RT_TAA) != RT_TAA_OFF ? fetch_output(RT_TAA_OUT, pixel).rgb
                                         : fetch_full(RT_COLOR, pixel).rgb;
 }
 
 void main()
 {
     ivec2 pixel;
-    if (!own_element(picture_size(), pixel))
+    if (!find_element(get_output_size(), pixel))
         return;
-    vec3 own = picture_at(pixel), least = own, largest = own, sum = vec3(0.0);
+    vec3 center = load_pixel(pixel), least = center, largest = center, sum = vec3(0.0);
     for (int i = 0; i < 4; i++) {
-        vec3 neighbour = picture_at(pixel + CROSS[i]);
+        vec3 neighbour = load_pixel(pixel + CROSS[i]);
         least = mix(least, neighbour, lessThan(neighbour, least));
         largest = mix(largest, neighbour, greaterThan(neighbour, largest));
         sum += neighbour;
     }
-    precise vec3 sharper = own + AMOUNT * (own - 0.25 * sum);
+    precise vec3 sharper = center + AMOUNT * (center - 0.25 * sum);
     sharper = mix(sharper, least, lessThan(sharper, least));
     sharper = mix(sharper, largest, greaterThan(sharper, largest));
-    put_picture(RT_SHARPENED, pixel, vec4(sharper, 0.0));
+    put_output(RT_SHARPENED, pixel, vec4(sharper, 0.0));
 }

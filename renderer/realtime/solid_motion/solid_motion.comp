@@ -28,7 +28,7 @@ vec3 turned_back(Mover mover, vec3 v)
 // A static mover gives exactly 0: both differences are between equal numbers.
 vec3 moved_m(uint solid, vec3 point_m, out float is_mover)
 {
-    vec3 way_m = vec3(0.0);
+    vec3 displacement_m = vec3(0.0);
     is_mover = 0.0;
     for (uint m = 0; m < view.mover_count; m++) {
         Mover mover = view.movers[m];
@@ -37,23 +37,23 @@ vec3 moved_m(uint solid, vec3 point_m, out float is_mover)
         precise vec3 arm_m = point_m - mover.pivot_m;
         precise vec3 own_m = arm_m - turned_back(mover, arm_m);
         is_mover = 1.0;
-        way_m = own_m + (mover.pivot_m - mover.pivot_before_m);
+        displacement_m = own_m + (mover.pivot_m - mover.pivot_before_m);
     }
-    return way_m;
+    return displacement_m;
 }
 
 void main()
 {
-    know_solids();
+    load_known_solids();
     uint thread = min(gl_GlobalInvocationID.x, run.ray_count - 1u);
     ivec2 pixel = element_at(int(run.first_ray + thread), view_size().x);
     ViewRay ray = camera_ray_at(frame_camera(), vec2(pixel) + 0.5 + jitter_px);
     Hit hit = scene_hit(ray.origin_m, ray.direction);
-    vec3 way_m = vec3(0.0);
+    vec3 displacement_m = vec3(0.0);
     float is_mover = 0.0;
     if (hit.solid != NO_SOLID)
-        way_m = moved_m(hit.solid, view_point_m(ray, hit.t_m), is_mover);
+        displacement_m = moved_m(hit.solid, view_point_m(ray, hit.t_m), is_mover);
     if (gl_GlobalInvocationID.x >= run.ray_count)
         return;
-    put_full(RT_MOVED, pixel, vec4(way_m, is_mover));
+    put_full(RT_MOVED, pixel, vec4(displacement_m, is_mover));
 }

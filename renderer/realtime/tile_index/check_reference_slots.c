@@ -14,7 +14,7 @@ const int *cpu_slot_place(const struct neph_gpu_view *view, int slot)
     return places[(int)view->settings[RT_SLOT_ORDER]][slot];
 }
 
-int cpu_slot_of(const struct neph_gpu_view *view, int half_x, int half_y)
+int cpu_find_slot(const struct neph_gpu_view *view, int half_x, int half_y)
 {
     for (int slot = 0; slot < 3; slot++) {
         const int *place = cpu_slot_place(view, slot);

@@ -17,7 +17,7 @@
 const int *cpu_slot_place(const struct neph_gpu_view *view, int slot);
 
 /* The slot of a half-resolution texel in its tile. */
-int cpu_slot_of(const struct neph_gpu_view *view, int half_x, int half_y);
+int cpu_find_slot(const struct neph_gpu_view *view, int half_x, int half_y);
 
 /* The scheduled slot of a tile. */
 int cpu_default_slot(const struct neph_gpu_view *view, int tile_x, int tile_y);

@@ -114,7 +114,7 @@ static void test_every_slot_has_a_turn_in_four_frames(void **state)
  * the frames of four that have, around every tile, rays of both kinds: clockwise with the
  * checkerboard all of them; raster order, which the article's comments attribute to the game, two;
  * without the checkerboard all tiles have the same slot and no frame has both. */
-static void test_which_orders_see_near_and_far(void **state)
+static void test_slot_orders_cover_near_and_far(void **state)
 {
     static const struct {
         const char *assignments;
@@ -193,7 +193,7 @@ static void test_stored_depths(void **state)
 
 /* A view in the corner of a larger buffer makes the same decisions as in a buffer of its own; with
  * tile_origin=buffer it reads the depths of the neighbouring view. */
-static void test_a_view_decides_alone(void **state)
+static void test_views_are_independent(void **state)
 {
     static const char *const origins[] = {"tile_origin=view", "tile_origin=buffer"};
     for (int i = 0; i < 2; i++) {

@@ -29,7 +29,7 @@ const ivec2 SLOT_PLACES[4][4] = ivec2[4][4](
 ivec2 slot_place(int slot) { return SLOT_PLACES[choice(RT_SLOT_ORDER)][slot]; }
 
 // The slot of a half-resolution texel in its tile.
-int slot_of(ivec2 half_pixel)
+int find_slot(ivec2 half_pixel)
 {
     int slot = 0;
     while (slot < 3 && slot_place(slot) != (half_pixel & 1))
@@ -48,9 +48,9 @@ int default_slot(ivec2 tile)
 
 // With gradient = on a tile uses the same ray_dither numbers in two consecutive cycles of its
 // slots; tiles on the black squares are one cycle ahead.
-uint turn_of(ivec2 tile) { return (view_frame >> 2) + uint((tile.x ^ tile.y) & 1); }
+uint find_schedule_cycle(ivec2 tile) { return (view_frame >> 2) + uint((tile.x ^ tile.y) & 1); }
 
-bool repeats_ray(ivec2 tile) { return (turn_of(tile) & 1u) != 0u; }
+bool repeats_ray(ivec2 tile) { return (find_schedule_cycle(tile) & 1u) != 0u; }
 
 bool is_sky(float depth_m) { return depth_m >= FAR_M; }
 

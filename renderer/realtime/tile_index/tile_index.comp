@@ -43,7 +43,7 @@ float slot_depth_m(ivec2 tile, int slot, ivec2 origin_px)
 
 int neighbour_slot(ivec2 tile)
 {
-    bool has_chosen = is_sequential() && colour_of(tile) < run.colour;
+    bool has_chosen = is_sequential() && find_tile_phase(tile) < run.colour;
     return has_chosen ? int(fetch_tile(RT_TILE, tile).x) : default_slot(tile);
 }
 
@@ -54,20 +54,20 @@ float neighbour_ray_m(ivec2 neighbour)
 
 // The tile of this thread; false for threads past the last. In a dispatch of one colour a thread
 // processes the tile of that colour in its 2x2.
-bool own_tile(out ivec2 tile)
+bool find_tile(out ivec2 tile)
 {
     if (!is_sequential())
-        return own_element(tile_count(), tile);
-    bool is_left = own_element((tile_count() + 1) / 2, tile);
+        return find_element(tile_count(), tile);
+    bool is_left = find_element((tile_count() + 1) / 2, tile);
     tile = 2 * tile + ivec2(run.colour & 1u, run.colour >> 1);
     return is_left && is_tile(tile);
 }
 
 void main()
 {
-    bool overrides = may_override();
+    bool overrides = can_override();
     ivec2 tile;
-    if (!own_tile(tile))
+    if (!find_tile(tile))
         return;
     ivec2 origin_px = choice(RT_TILE_ORIGIN) == RT_TILE_ORIGIN_BUFFER ? ivec2(0) : view_origin();
     float depths_m[4];

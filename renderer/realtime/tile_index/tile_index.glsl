@@ -9,7 +9,7 @@
 bool is_sequential() { return choice(RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL; }
 
 // Whether any tile of the view may override in this frame (override_rest).
-bool may_override()
+bool can_override()
 {
     return choice(RT_OVERRIDE) != RT_OVERRIDE_NONE && force_nonuniform(view.resting) == 0u;
 }
@@ -36,7 +36,7 @@ bool covers(float ray_m, float depth_m)
 }
 
 // The colour of a tile within 2x2 tiles: the number of the phase in which it chooses its slot.
-uint colour_of(ivec2 tile) { return uint((tile.x & 1) + 2 * (tile.y & 1)); }
+uint find_tile_phase(ivec2 tile) { return uint((tile.x & 1) + 2 * (tile.y & 1)); }
 
 // Depth of a neighbour's ray for the comparison [m], with the slot that the neighbour has at this
 // point; each shader defines its own access.

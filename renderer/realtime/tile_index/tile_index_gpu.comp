@@ -145,10 +145,10 @@ void choose_colour(int thread)
 void main()
 {
     int thread = int(gl_LocalInvocationID.x);
-    ivec2 first = own_block(tile_count(), ivec2(RT_COLOUR_BLOCK));
+    ivec2 first = find_block(tile_count(), ivec2(RT_COLOUR_BLOCK));
     ivec2 tile = first + ivec2(thread % RT_COLOUR_BLOCK, thread / RT_COLOUR_BLOCK);
     area_corner = first - HALO;
-    bool overrides = !is_smooth() && may_override();
+    bool overrides = !is_smooth() && can_override();
     if (overrides) {
         load_depths();
         share_rays();

@@ -47,12 +47,12 @@ static bool is_usable(const struct reference *cpu, const float volume[4], float 
 {
     if (setting(cpu, RT_VALIDITY) == 0)
         return true;
-    return isfinite(age) && age > 0.0f && cpu_is_sound(volume);
+    return isfinite(age) && age > 0.0f && cpu_is_valid(volume);
 }
 
 /* ---- the place ------------------------------------------------------------------------------- */
 
-static float place_of(const struct reference *cpu, int axis, int pixel)
+static float find_place(const struct reference *cpu, int axis, int pixel)
 {
     const bool is_jittered = setting(cpu, RT_JITTERED_DEPTH) == 0;
     const float jitter_px = is_jittered ? cpu->view->jitter_px[axis] : 0.0f;
@@ -152,8 +152,8 @@ static bool depth_matters(const struct reference *cpu, const struct tap taps[TAP
         if (taps[i].is_used && taps[i].volume[3] > largest)
             largest = taps[i].volume[3];
     }
-    const bool of_opacity = choice(cpu, RT_CONTRAST) == RT_CONTRAST_OPACITY;
-    const float unit = of_opacity ? 1.0f - least : largest;
+    const bool is_by_opacity = choice(cpu, RT_CONTRAST) == RT_CONTRAST_OPACITY;
+    const float unit = is_by_opacity ? 1.0f - least : largest;
     return contrast == 0.0f || largest - least > contrast * unit;
 }
 
@@ -211,7 +211,7 @@ static void upscale_pixel(const struct reference *cpu, int x, int y)
     cpu_fetch_full(cpu, RT_DEPTH, x, y, depth);
     shift_px(cpu, x, y, shift);
     for (int axis = 0; axis < 2; axis++) {
-        const float place = place_of(cpu, axis, axis ? y : x) + shift[axis];
+        const float place = find_place(cpu, axis, axis ? y : x) + shift[axis];
         const float first = is_square(cpu) ? floorf(place + 0.5f) - 1.0f : floorf(place);
         corner[axis] = (int)first;
         fraction[axis] = place - first;

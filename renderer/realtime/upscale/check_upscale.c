@@ -156,7 +156,7 @@ static void test_bad_history_equals_the_cpu_reference(void **state)
 /* ---- values ---------------------------------------------------------------------------------- */
 
 /* For any weights of the taps, bit by bit. */
-static void test_a_constant_stays_what_it_is(void **state)
+static void test_constants_stay_constant(void **state)
 {
     uint64_t seed = 20261129;
     for (int v = 0; v < VARIANTS; v++) {
@@ -178,7 +178,7 @@ static void test_a_constant_stays_what_it_is(void **state)
 }
 
 /* Validity: invalid taps have no effect, and a pixel with only invalid taps is invalid. */
-static void test_bad_history_is_not_seen(void **state)
+static void test_bad_history_has_no_effect(void **state)
 {
     uint64_t seed = 20261130;
     for (int v = 0; v < VARIANTS; v++) {
@@ -197,7 +197,7 @@ static void test_bad_history_is_not_seen(void **state)
             for (int x = 0; x < sizes_px[3][0]; x++) {
                 float volume[4];
                 cpu_fetch_full(&test.cpu, RT_VOLUME, x, y, volume);
-                assert_true(cpu_is_sound(volume));
+                assert_true(cpu_is_valid(volume));
                 /* The largest shift is 4 texels, and the left taps are up to one away. */
                 if (x >= 2 * (sound_columns + 5))
                     assert_true(volume[0] == 0.0f && volume[3] == 1.0f);
@@ -490,7 +490,7 @@ static void test_ridges_are_not_sky(void **state)
 }
 
 /* The taps' transmittances are 0.9 and 0.1: a contrast of 0.8 / 0.9 = 0.889. */
-static void test_depth_matters_with_contrast_alone(void **state)
+static void test_depth_matters_only_with_contrast(void **state)
 {
     static const char *const modes[] = {"nearest", "mean", "bilateral"};
     static const int line[3] = {1, 0, 17};

@@ -83,6 +83,6 @@ vec4 weighted_mean(Tap taps[TAPS_MAX], float weights[TAPS_MAX], float total)
 void main()
 {
     ivec2 quad;
-    if (own_element(view_size() / 2 + 1, quad))
+    if (find_element(view_size() / 2 + 1, quad))
         upscale(quad);
 }

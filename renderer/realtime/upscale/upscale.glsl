@@ -53,7 +53,7 @@ bool is_usable(vec4 volume, float age)
 
 // --- the place --------------------------------------------------------------------------------
 
-vec2 place_of(ivec2 pixel)
+vec2 find_place(ivec2 pixel)
 {
     bool is_jittered = choice(RT_JITTERED_DEPTH) == 0;
     vec2 shift_px = is_jittered ? jitter_px : vec2(0.0);
@@ -113,15 +113,15 @@ float compared_depth_m(float eye_m)
 
 bool is_square() { return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE; }
 
-bool shares_taps() { return choice(RT_UPSCALE_DITHER) == RT_DITHER_NONE; }
+bool has_shared_taps() { return choice(RT_UPSCALE_DITHER) == RT_DITHER_NONE; }
 
 // The first pixel of a thread; it may lie one pixel before the view.
 ivec2 first_pixel(ivec2 quad) { return 2 * quad - (is_square() ? 0 : 1); }
 
 // The half-resolution texel of a pixel's first tap; taps are numbered row by row.
-ivec2 corner_of(ivec2 pixel, vec2 place)
+ivec2 find_first_tap(ivec2 pixel, vec2 place)
 {
-    if (shares_taps())
+    if (has_shared_taps())
         return (is_square() ? pixel : pixel + 1) / 2 - 1;
     return ivec2(is_square() ? floor(place + 0.5) - 1.0 : floor(place));
 }
@@ -165,7 +165,7 @@ Taps fetch_taps(ivec2 corner)
 }
 
 // `fraction`: place relative to the corner, in texels; `scene_m`: the pixel's eye depth.
-void judge(inout Tap tap, int i, vec2 fraction, float scene_m)
+void weigh_tap(inout Tap tap, int i, vec2 fraction, float scene_m)
 {
     precise float difference_m = abs(compared_depth_m(scene_m) - compared_depth_m(tap.depth_m));
     tap.difference_m = difference_m;
@@ -175,17 +175,17 @@ void judge(inout Tap tap, int i, vec2 fraction, float scene_m)
 
 // The order in which ties are decided: the nearest in place first. For the pixels of a quad with
 // shared taps it follows from the pixel's corner of the quad.
-int asked_tap(int i, int in_quad, vec2 fraction)
+int get_tap_in_tie_order(int i, int in_quad, vec2 fraction)
 {
     if (is_square())
         return i == 0 ? 4 : i <= 4 ? i - 1 : i;
-    if (shares_taps())
+    if (has_shared_taps())
         return i ^ in_quad;
     return i ^ ((fraction.x < 0.5 ? 0 : 1) + (fraction.y < 0.5 ? 0 : 2));
 }
 
 // A selection among registers is cheaper than an index into memory.
-Tap picked(Tap taps[TAPS_MAX], int index)
+Tap select_tap(Tap taps[TAPS_MAX], int index)
 {
     Tap tap = taps[0];
     [[unroll]] for (int i = 1; i < tap_count(); i++)
@@ -200,8 +200,8 @@ int nearest_tap(Tap taps[TAPS_MAX], int in_quad, vec2 fraction)
     int nearest = -1;
     float least_m = 0.0;
     [[unroll]] for (int i = 0; i < tap_count(); i++) {
-        int asked = asked_tap(i, in_quad, fraction);
-        Tap tap = picked(taps, asked);
+        int asked = get_tap_in_tie_order(i, in_quad, fraction);
+        Tap tap = select_tap(taps, asked);
         if (tap.is_used && (nearest < 0 || tap.difference_m < least_m)) {
             nearest = asked;
             least_m = tap.difference_m;
@@ -267,7 +267,7 @@ vec4 blend(Tap taps[TAPS_MAX], float weights[TAPS_MAX], int nearest)
     [[unroll]] for (int i = 0; i < tap_count(); i++)
         total += weights[i];
     if (!(total > 0.0))
-        return picked(taps, nearest).volume;
+        return select_tap(taps, nearest).volume;
     return weighted_mean(taps, weights, total);
 }
 
@@ -275,9 +275,9 @@ Upscaled upscaled(Taps taps, int in_quad, vec2 fraction, float scene_m)
 {
     precise float limit_m = setting(RT_UPSCALE_DEPTH) * compared_depth_m(scene_m);
     [[unroll]] for (int i = 0; i < tap_count(); i++)
-        judge(taps.of[i], i, fraction, scene_m);
+        weigh_tap(taps.of[i], i, fraction, scene_m);
     int nearest = nearest_tap(taps.of, in_quad, fraction);
-    Tap chosen = picked(taps.of, nearest);
+    Tap chosen = select_tap(taps.of, nearest);
     bool allows = choice(RT_UPSCALE) == RT_UPSCALE_MEAN ||
                   choice(RT_UPSCALE) == RT_UPSCALE_INVERSE;
     bool regardless = !depth_matters(taps.of, chosen) || (allows && all_within(taps.of, limit_m));
@@ -294,7 +294,7 @@ Upscaled upscaled(Taps taps, int in_quad, vec2 fraction, float scene_m)
 // The volume as a later pass would read it from its target.
 vec4 as_kept(vec4 volume)
 {
-    return format_of(RT_VOLUME) == RT_RGBA16F
+    return get_format(RT_VOLUME) == RT_RGBA16F
                ? from_words(uvec2(pack(volume.xy), pack(volume.zw)))
                : volume;
 }
@@ -315,14 +315,14 @@ void upscale(ivec2 quad)
     Taps taps;
     [[unroll]] for (int i = 0; i < 4; i++) {
         ivec2 pixel = first_pixel(quad) + ivec2(i & 1, i >> 1);
-        precise vec2 place = place_of(pixel) + shift_px(pixel);
-        ivec2 corner = corner_of(pixel, place);
-        if (i == 0 || !shares_taps())
+        precise vec2 place = find_place(pixel) + shift_px(pixel);
+        ivec2 corner = find_first_tap(pixel, place);
+        if (i == 0 || !has_shared_taps())
             taps = fetch_taps(corner);
         precise vec2 fraction = place - vec2(corner);
         Upscaled made = upscaled(taps, i, fraction, fetch_full(RT_DEPTH, pixel).x);
         if (all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, view_size()))) {
-            if (!is_unread()) {
+            if (!is_output_elided()) {
                 put_full(RT_VOLUME, pixel, made.volume);
                 put_full(RT_VOLUME_DISTANCE, pixel, vec4(made.distance_m));
             }

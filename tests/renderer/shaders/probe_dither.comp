@@ -11,7 +11,7 @@
 void main()
 {
     ivec2 pixel;
-    if (!own_element(view_size(), pixel))
+    if (!find_element(view_size(), pixel))
         return;
     ivec2 place = pixel - ivec2(70, 5);
     vec4 numbers;
