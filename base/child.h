@@ -13,9 +13,9 @@
 
 struct neph_child_params {
     const char *const *argv; /* argv[0] is looked up in neph's PATH; NULL-terminated */
-    const char
-        *working_directory; /* NULL: unchanged; moves neither a relative argv[0] nor `home` */
-    const char *log_path;   /* stdout and stderr go here (truncated); NULL: /dev/null */
+    /* NULL: unchanged; moves neither a relative argv[0] nor `home` */
+    const char *working_directory;
+    const char *log_path; /* stdout and stderr go here (truncated); NULL: /dev/null */
     /* The child's environment has only: PATH of neph, LANG=C.UTF-8, HOME and TMPDIR set to `home`
      * (NULL: HOME=/nonexistent), and the entries "NAME=value" of `environment` (NULL: none). */
     const char *home;

@@ -30,7 +30,7 @@ struct neph_supervisor_job {
 
 /* The step of the start that was reached. */
 enum neph_supervisor_step {
-    NEPH_SUPERVISOR_READY, /* all is set up and execve() is next; in a report: the program has run */
+    NEPH_SUPERVISOR_READY,      /* set up, execve() is next; in a report: the program has run */
     NEPH_SUPERVISOR_NO_MESSAGE, /* the program's process was killed before it reported */
     NEPH_SUPERVISOR_DEATH_SIGNAL,
     NEPH_SUPERVISOR_GROUP,

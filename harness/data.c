@@ -47,7 +47,7 @@ char *neph_data_renamed_path(const char *relative, const char *old_relative)
 }
 
 /* For the caller to free; NULL when memory is short. */
-static char *folder_of(enum neph_data_scenes which)
+static char *find_scene_folder(enum neph_data_scenes which)
 {
     return neph_data_renamed_path(scene_folders[which].name, scene_folders[which].old_name);
 }
@@ -96,7 +96,7 @@ static enum neph_status find_scene(const char *path_or_name, char **path, struct
     if (is_path)
         return NEPH_OK;
     for (int folder = 0; folder < NEPH_DATA_SCENES_COUNT; folder++) {
-        char *within = folder_of((enum neph_data_scenes)folder);
+        char *within = find_scene_folder((enum neph_data_scenes)folder);
         char *found = within ? neph_format("%s/%s.yaml", within, path_or_name) : NULL;
         free(within);
         if (!found)
@@ -174,7 +174,7 @@ static int keep_yaml(const struct dirent *entry)
 enum neph_status neph_data_list_scenes(enum neph_data_scenes which, char ***names, int *count,
                                        struct neph_diag *diag)
 {
-    char *folder = folder_of(which);
+    char *folder = find_scene_folder(which);
     struct dirent **entries = NULL;
     const int found = folder ? scandir(folder, &entries, keep_yaml, alphasort) : -1;
     if (found < 0) {

@@ -284,16 +284,16 @@ static void add_rows(struct parse *parse, const struct neph_cli_option *rows)
     }
 }
 
-static int key_of(const struct parse *parse, int row)
+static int row_key(const struct parse *parse, int row)
 {
     const struct neph_cli_option *option = &parse->rows[row];
     return option->letter ? option->letter : KEY_FIRST + row;
 }
 
-static const struct neph_cli_option *row_of(const struct parse *parse, int key)
+static const struct neph_cli_option *find_row(const struct parse *parse, int key)
 {
     for (int i = 0; i < parse->row_count; i++)
-        if (key_of(parse, i) == key)
+        if (row_key(parse, i) == key)
             return &parse->rows[i];
     return NULL;
 }
@@ -359,7 +359,7 @@ static void print_help(const struct parse *parse)
 static const struct neph_cli_option *row_of_key(const struct parse *parse, int key)
 {
     if (key < KEY_OLD || key >= KEY_USAGE) /* keys of argp's own are above those here, or 0 */
-        return row_of(parse, key);
+        return find_row(parse, key);
     const struct neph_old_option *old = &neph_old_options[key - KEY_OLD];
     char was[64], is[64];
     snprintf(was, sizeof(was), "--%s", old->old);
@@ -436,7 +436,7 @@ static void list_options(const struct parse *parse, struct argp_option *options)
     for (int i = 0; i < parse->row_count; i++) {
         const struct neph_cli_option *row = &parse->rows[i];
         *options++ = (struct argp_option){.name = row->name,
-                                          .key = key_of(parse, i),
+                                          .key = row_key(parse, i),
                                           .arg = row->argument,
                                           .doc = row->help,
                                           .group = row->group};

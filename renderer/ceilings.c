@@ -223,7 +223,8 @@ static enum neph_status fill_samples(const struct neph_vulkan *vulkan, const str
     return status;
 }
 
-/* Pairs of each node and its successor, read together on a CPU (neph_buffer_create_texel_views()). */
+/* Pairs of each node and its successor, read together on a CPU (neph_buffer_create_texel_views()).
+ * */
 static enum neph_status fill_pairs(const struct neph_vulkan *vulkan, struct neph_buffer *pairs,
                                    struct neph_diag *diag)
 {

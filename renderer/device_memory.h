@@ -12,7 +12,8 @@
 void neph_device_memory_add(uint64_t bytes);
 void neph_device_memory_subtract(uint64_t bytes);
 
-/* The current size, and the maximum since neph_device_memory_reset_peak() [bytes]. From any thread. */
+/* The current size, and the maximum since neph_device_memory_reset_peak() [bytes]. From any thread.
+ * */
 uint64_t neph_device_memory(void);
 uint64_t neph_device_memory_peak(void);
 void neph_device_memory_reset_peak(void);

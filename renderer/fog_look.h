@@ -20,8 +20,8 @@ struct neph_fog_look_params {
     bool sun_is_clear; /* solids are lit without attenuation by fog */
 };
 
-/* The fog parameters as the shader reads them. The scene must satisfy neph_fog_look_can_model_fog_only(), or
- * be a scene without its media. */
+/* The fog parameters as the shader reads them. The scene must satisfy
+ * neph_fog_look_can_model_fog_only(), or be a scene without its media. */
 struct neph_gpu_fog_look neph_gpu_fog_pack(const struct neph_scene *scene,
                                            const struct neph_fog_look *look,
                                            enum neph_fog_model model, struct neph_vec3 camera_m);

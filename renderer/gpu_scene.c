@@ -273,7 +273,8 @@ static enum neph_status upload_data(const struct neph_vulkan *vulkan,
 }
 
 /* On a CPU: the values of grids in pairs, since reading a texel takes a third of the time of
- * reading a word (neph_buffer_create_texel_views()). Omitted if the pairs exceed the largest buffer. */
+ * reading a word (neph_buffer_create_texel_views()). Omitted if the pairs exceed the largest
+ * buffer. */
 static enum neph_status upload_pairs(const struct neph_vulkan *vulkan,
                                      const struct neph_medium *const *media,
                                      struct neph_gpu_scene *gpu, struct neph_diag *diag)

@@ -56,9 +56,10 @@ static double compute_camera_product(const struct neph_medium *medium, struct ne
     return *extinction_per_m * neph_box_distance_m(&support, camera_m);
 }
 
-/* compute_camera_product() of a medium for perspective and orthographic cameras. Rays of an orthographic camera
- * start up to half a diagonal beside it, which for 16:9 is about the image height. That height is
- * therefore a lower limit of the distance, even with the camera inside the medium. */
+/* compute_camera_product() of a medium for perspective and orthographic cameras. Rays of an
+ * orthographic camera start up to half a diagonal beside it, which for 16:9 is about the image
+ * height. That height is therefore a lower limit of the distance, even with the camera inside the
+ * medium. */
 static double compute_medium_product(const struct neph_scene *scene, int m,
                                      struct neph_vec3 camera_m, double *extinction_per_m)
 {

@@ -242,7 +242,8 @@ def realtime_table(settings):
              "const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {"]
     lines += [f"    {setting.row('realtime')}," for setting in rows]
     lines += ["    {.choices = gone},", "};", ""]
-    lines += ["struct neph_rt_settings neph_rt_group_settings(const struct neph_settings *settings)",
+    lines += ["struct neph_rt_settings neph_rt_group_settings("
+              "const struct neph_settings *settings)",
               "{", "    const double *values = settings->values;",
               "    return (struct neph_rt_settings){"]
     lines += [f"        .{setting.folder}.{setting.fields[0]} = {setting.read(setting.id)},"

@@ -58,7 +58,7 @@ const std::vector<std::string> passes = {
 
 using Values = std::unordered_map<uint32_t, std::vector<uint32_t>>;
 
-Values values_of(const uint32_t *constants, int count)
+Values collect_values(const uint32_t *constants, int count)
 {
     Values values;
     for (int i = 0; i < count; i++)
@@ -132,7 +132,7 @@ extern "C" enum neph_status neph_specialize(const uint32_t *words, size_t size_b
 try {
     std::vector<uint32_t> optimized;
     const std::string refusal = optimize(words, size_bytes / sizeof(*words),
-                                         values_of(constants, count), &optimized);
+                                         collect_values(constants, count), &optimized);
     if (!refusal.empty())
         return neph_fail(diag, NEPH_ERR_INTERNAL, "SPIRV-Tools refuses to specialise it: %s",
                          refusal.c_str());

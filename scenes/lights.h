@@ -18,8 +18,8 @@ double neph_light_falloff(const struct neph_light *light, struct neph_vec3 direc
 struct neph_lit {
     struct neph_vec3 direction; /* unit, from the point to the light */
     double distance_m;
-    struct neph_rgb
-        irradiance_w_per_m2; /* on a plane perpendicular to the direction; 0 at the light */
+    /* on a plane perpendicular to the direction; 0 at the light */
+    struct neph_rgb irradiance_w_per_m2;
 };
 
 struct neph_lit neph_light_at(const struct neph_light *light, struct neph_vec3 point_m);

@@ -135,7 +135,8 @@ static enum neph_status make_voxels(struct neph_medium *medium, int nodes, struc
     return NEPH_OK;
 }
 
-/* neph_keep_error() for a check whose error may lack a position: it gets the position of the medium. */
+/* neph_keep_error() for a check whose error may lack a position: it gets the position of the
+ * medium. */
 static enum neph_status keep_error_at(struct neph_reader *reader, const yaml_node_t *node,
                                       enum neph_status first, enum neph_status next)
 {

@@ -291,7 +291,7 @@ void place_axes(const entry &chosen, const openvdb::math::Mat4d &m, neph_vdb_pla
 }
 
 /* The placement of a box of voxels by the transform of the file. */
-neph_vdb_placement placement_of(const entry &chosen, const CoordBBox &box)
+neph_vdb_placement compute_placement(const entry &chosen, const CoordBBox &box)
 {
     const openvdb::math::MapBase::ConstPtr map = chosen.grid->transform().baseMap();
     if (!map->isLinear())
@@ -338,7 +338,7 @@ bool fits(const request &request_in, const CoordBBox &box)
 }
 
 /* The key of a scene file for a box. */
-std::string key_of(const CoordBBox &box)
+std::string format_region_key(const CoordBBox &box)
 {
     const Coord low = box.min(), high = box.max();
     return words("index_box: {first: [%d, %d, %d], last: [%d, %d, %d]}", low[0], low[1], low[2],
@@ -525,7 +525,8 @@ void check_strays(const FloatTree &tree, const request &request_in, const CoordB
         refuse_size(request_in, box, smaller);
     if (is_too_large)
         refuse_size(request_in, box,
-                    "stray voxels make it so large; leave them out with " + key_of(main));
+                    "stray voxels make it so large; leave them out with " +
+                        format_region_key(main));
     if (main.empty() || !is_much_longer(rest, all))
         return;
     throw bad_file(
@@ -534,7 +535,8 @@ void check_strays(const FloatTree &tree, const request &request_in, const CoordB
               "leave them out with %s, count them with %s, or use the scale of the file: "
               "placement: file, without center_m and a side",
               all.at[0], all.at[1], all.at[2], rest.at[0], rest.at[1], rest.at[2],
-              100.0 * (1.0 - stray_density_max), key_of(main).c_str(), key_of(box).c_str()));
+              100.0 * (1.0 - stray_density_max), format_region_key(main).c_str(),
+              format_region_key(box).c_str()));
 }
 
 void check_voxel_count(const entry &chosen, const FloatTree &tree)
@@ -685,7 +687,7 @@ void read_volume(const char *voxels, const request &request_in)
 
     file.read_voxels(chosen);
     const CoordBBox block = choose_block(tree, request_in, active);
-    const neph_vdb_placement placement = placement_of(chosen, block);
+    const neph_vdb_placement placement = compute_placement(chosen, block);
     block_writer out(voxels);
     out.put(&placement, sizeof(placement));
     export_voxels(tree, block, active, out);

@@ -10,7 +10,7 @@
 enum { TEXT, CSV, CHART };
 _Static_assert(CHART + 1 == NEPH_PUBLICATION_STREAMS, "a new stream");
 
-static FILE **stream_of(struct neph_publication *publication, int form)
+static FILE **select_stream(struct neph_publication *publication, int form)
 {
     return form == TEXT  ? &publication->text
            : form == CSV ? &publication->csv
@@ -26,7 +26,7 @@ enum neph_status neph_publication_begin(const struct neph_publication_places *pl
     for (int form = 0; form < NEPH_PUBLICATION_STREAMS; form++) {
         if (!is_wanted[form])
             continue;
-        FILE **stream = stream_of(publication, form);
+        FILE **stream = select_stream(publication, form);
         *stream = open_memstream(&publication->kept[form].text, &publication->kept[form].size);
         if (!*stream)
             return neph_fail_memory(diag);
@@ -56,7 +56,7 @@ static bool close_streams(struct neph_publication *publication)
 {
     bool is_whole = true;
     for (int form = 0; form < NEPH_PUBLICATION_STREAMS; form++) {
-        FILE **stream = stream_of(publication, form);
+        FILE **stream = select_stream(publication, form);
         if (*stream) {
             is_whole = !ferror(*stream) && is_whole;
             is_whole = fclose(*stream) == 0 && is_whole;

@@ -163,9 +163,9 @@ struct neph_engine {
     const struct neph_gpu_renderer *gpu; /* used by neph_gpu_sequence; NULL: another sequence */
     int lighting;                        /* enum neph_march_lighting, for the ray-marching
                                           * engines */
-    bool
-        has_frame_history; /* has history: its frames depend on earlier frames. Its shots have the scene
-                       * over time; other engines get the scene of the frame (scenes/motion.h) */
+    /* Its frames depend on earlier frames. Its shots have the scene over time;
+     * other engines get the scene of the frame (scenes/motion.h) */
+    bool has_frame_history;
     bool accepts_given_frame; /* can replace the solids by depth and radiance from a file */
     bool injects;             /* can apply changes to a running renderer: scenes/injection.h */
     uint32_t version;         /* version of this driver; raise it when its output changes */

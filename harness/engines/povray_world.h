@@ -61,8 +61,8 @@ struct neph_povray_world {
     /* Optical depth across the largest displacement of a container's face, away from other faces
      * and eyes. */
     double shift_error;
-    struct neph_povray_point_light
-        lamps[NEPH_SCENE_LIGHTS_MAX]; /* one for each light of the scene */
+    /* one for each light of the scene */
+    struct neph_povray_point_light lamps[NEPH_SCENE_LIGHTS_MAX];
     double depth_range_m; /* exceeds the depth of all solids; 0: no solid in front of the camera */
 };
 

@@ -148,8 +148,8 @@ static void wait_for_all(const struct worker_processes *worker_processes, bool a
 
 /* ---- receiving messages ---------------------------------------------------------------------- */
 
-/* The next message; NULL: none within RECEIVE_TIMEOUT_MS, or, with `*is_over`, no worker can send any
- * more. */
+/* The next message; NULL: none within RECEIVE_TIMEOUT_MS, or, with `*is_over`, no worker can send
+ * any more. */
 static const char *next_text(const struct worker_processes *worker_processes, bool *is_over)
 {
     struct pollfd told = {.fd = worker_processes->receiver_fd, .events = POLLIN};

@@ -189,7 +189,7 @@ static int convert_key_code(SDL_Keycode code)
     return code > 0 && code < 128 ? (int)code : NEPH_FLY_KEY_NONE;
 }
 
-static SDL_Keycode code_of(int key)
+static SDL_Keycode sdl_key_code(int key)
 {
     for (size_t i = 0; i < sizeof(keys) / sizeof(keys[0]); i++)
         if (keys[i].key == key && key >= 128)
@@ -262,7 +262,7 @@ void neph_window_push_key(struct neph_window *window, int key, bool is_down)
 {
     SDL_Event event = {.type = is_down ? SDL_KEYDOWN : SDL_KEYUP};
     event.key.state = is_down ? SDL_PRESSED : SDL_RELEASED;
-    event.key.keysym.sym = code_of(key);
+    event.key.keysym.sym = sdl_key_code(key);
     window->sdl.PushEvent(&event);
 }
 

@@ -51,9 +51,9 @@ struct neph_lost_series {
     enum neph_loss loss;
     int64_t accepted; /* number of the baseline run */
     int64_t nights;   /* number of runs since its last measurement */
-    const char
-        *other; /* the edited scene's series; else a series of this run with the same scene version
-                   under another name or suite; NULL: none */
+    /* the edited scene's series; else a series of this run with the same scene version under
+     * another name or suite; NULL: none */
+    const char *other;
 };
 
 struct neph_lost_list {

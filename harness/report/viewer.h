@@ -18,14 +18,14 @@ struct neph_viewer_set {
 
 struct neph_viewer {
     const char *title;
-    struct neph_viewer_set
-        sets[NEPH_VIEWER_SETS_MAX]; /* the first is the reference of the others */
-    int set_count;                  /* >= 1 */
-    const char *layer;              /* prefix of its channels R G B Z ...; NULL: no prefix */
-    struct neph_viewing viewing;    /* initial exposure; the other members are for maps */
-    bool own_frame_rate;            /* use the frame rate that the frames state, if any */
-    unsigned quantities;            /* neph_quantity_bit values; 0: all quantities of a set */
-    const char *const *overlays;    /* names of metric maps (`neph compare --maps`) */
+    /* the first is the reference of the others */
+    struct neph_viewer_set sets[NEPH_VIEWER_SETS_MAX];
+    int set_count;               /* >= 1 */
+    const char *layer;           /* prefix of its channels R G B Z ...; NULL: no prefix */
+    struct neph_viewing viewing; /* initial exposure; the other members are for maps */
+    bool own_frame_rate;         /* use the frame rate that the frames state, if any */
+    unsigned quantities;         /* neph_quantity_bit values; 0: all quantities of a set */
+    const char *const *overlays; /* names of metric maps (`neph compare --maps`) */
     int overlay_count;
     struct neph_display_choice display; /* in addition to the display's own curve; no config: only
                                            that curve */

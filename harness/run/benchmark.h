@@ -4,8 +4,8 @@
  *
  * The squared noise of a Monte Carlo renderer falls as cost / time. The ratio of two engines' costs
  * is therefore the ratio of their render times at equal noise, at any noise level. All engines
- * render NEPH_SAMPLE_LEVELS sample counts in one run on the same cores, in turns, each count with two seeds
- * a and b. With r and s, two independent reference frames of the tracer:
+ * render NEPH_SAMPLE_LEVELS sample counts in one run on the same cores, in turns, each count with
+ * two seeds a and b. With r and s, two independent reference frames of the tracer:
  *
  *   noise^2 = mean (a - b)^2 / 2
  *   error^2 = mean (a - r) (a - s)     free of the references' noise, as r and s are independent

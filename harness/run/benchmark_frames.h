@@ -82,9 +82,9 @@ double neph_benchmark_share(const struct neph_benchmark_frames *benchmark,
 /* The cost of a density evaluation beside the roofline limits; NaN: not known, or the pass is not a
  * marcher. */
 struct neph_benchmark_evaluation {
-    double
-        chain_share; /* of the rate of dependent samples (struct neph_roofline_limits); NaN also where
-                             some evaluations are not samples of a grid */
+    /* of the rate of dependent samples (struct neph_roofline_limits); NaN also where some
+     * evaluations are not samples of a grid */
+    double chain_share;
     double multiply_adds; /* multiply-adds that the device can make in the time of one evaluation:
                              an evaluation that needs more than this around its sample is limited by
                              arithmetic */

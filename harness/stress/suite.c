@@ -18,7 +18,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Fails to compile when a kind is added, as register_trial_progress() counts the frames of references. */
+/* Fails to compile when a kind is added, as register_trial_progress() counts the frames of
+ * references. */
 _Static_assert(NEPH_FAILING_REFERENCE_COUNT == 2, "a new kind");
 
 /* Expected seconds before the first step has finished, on two cores. */

@@ -14,7 +14,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Fails to compile when a kind is added, as compute_series_switch_m() knows the series of each model. */
+/* Fails to compile when a kind is added, as compute_series_switch_m() knows the series of each
+ * model. */
 _Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
 
 static double mean(struct neph_rgb rgb)

@@ -85,8 +85,8 @@ enum neph_status neph_capture_document(const char *folder, const char *reading, 
  * Borrowed. */
 const json_t *neph_capture_find_value(const json_t *document, const char *metric, const char *mask);
 
-/* Whether all frames of a sequence fit into memory, so that neph_capture_replay() provides each of them
- * as an image. */
+/* Whether all frames of a sequence fit into memory, so that neph_capture_replay() provides each of
+ * them as an image. */
 bool neph_capture_fits_memory(int width_px, int height_px, int frame_count);
 
 #endif

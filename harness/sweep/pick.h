@@ -59,8 +59,8 @@ struct neph_pick {
     struct neph_pick_variant left_out[NEPH_PICK_VARIANTS_MAX]; /* parts that the choice does not
                                                                    have, and parts that it keeps */
     int left_out_count;
-    int candidate_total; /* candidates; `measured`: frames or sequences of candidates, at all sizes */
-    int measured;
+    int candidate_total;
+    int measured;      /* frames or sequences of candidates, at all sizes */
     const char *truth; /* name of its engine */
     double floor;      /* its noise at full size */
     bool is_still;     /* the scene is static */

@@ -30,9 +30,9 @@ struct neph_sweep_series {
     const char *varied; /* the setting that varies; NULL: the series is one point */
     const char *values; /* its values, separated by spaces, in the order of the line */
     bool flicker; /* render sequences and measure their flicker, as for engines with a history */
-    const char
-        *lag_at; /* values of `varied` for which a sequence with a step of the sun is measured, too;
-                    NULL: none */
+    /* values of `varied` for which a sequence with a step of the sun is measured, too; NULL:
+     * none */
+    const char *lag_at;
     int scattering; /* scattering of the rendered scene: enum neph_scattering; -1: the scene's own
                        */
     double order;   /* expected order: error ~ time^-order; 0: not given */

@@ -62,10 +62,9 @@ struct neph_sweep {
     struct neph_scene *rescattered[NEPH_SCATTERING_MULTIPLE + 1]; /* the scene with other
                                                                      scattering, where a series
                                                                      needs it; owned */
-    struct neph_engine_info *infos;                               /* in the order of
-                                                                     neph_engines_with_user_engines();
-                                                                     owned */
-    struct neph_sweep_point *points;                              /* owned */
+    /* in the order of neph_engines_with_user_engines(); owned */
+    struct neph_engine_info *infos;
+    struct neph_sweep_point *points; /* owned */
     int point_count;
     const char *truth;    /* name of its engine */
     double floor;         /* relative noise of the truth; 0: none */

@@ -49,8 +49,8 @@ struct neph_gpu_kind {
     /* Extinction scale of the visible surface as seen from outside (see reach.h) [1/m], at most the
      * largest extinction. NULL: the largest extinction. */
     double (*surface_extinction_per_m)(const struct neph_medium *medium, double largest_per_m);
-    /* Extinction times distance, and that extinction. NULL: surface_extinction_per_m times the distance of the
-     * bounds. */
+    /* Extinction times distance, and that extinction. NULL: surface_extinction_per_m times the
+     * distance of the bounds. */
     double (*reach)(const struct neph_medium *medium, const struct neph_bounds *support,
                     struct neph_vec3 camera_m, double *extinction_per_m);
 };

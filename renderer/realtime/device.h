@@ -64,7 +64,8 @@ enum neph_status neph_rt_device_download(struct neph_rt_device *device, int targ
 /* Swaps the buffers of each target of a pass that is a history in the next frame. */
 void neph_rt_device_swap_histories(struct neph_rt_device *device, const struct neph_rt_pass *pass);
 
-/* Copies the view to the device, into memory that no frame in flight reads: neph_buffer_ring_advance(). */
+/* Copies the view to the device, into memory that no frame in flight reads:
+ * neph_buffer_ring_advance(). */
 void neph_rt_device_upload_view(struct neph_rt_device *device);
 
 /* Binds the view, the noise and the targets that a pass declares, after `first` other buffers and

@@ -31,8 +31,8 @@ struct neph_rt_scene_cache {
 };
 
 /* Binds the cached targets for this frame number to the device. `alike`: number of identical frames
- * directly before this one. `has_only_scene`: rays see only the scene itself, without injections or a
- * given frame. Targets whose contents are still valid are added to `*given` (NEPH_RT_BIT() of
+ * directly before this one. `has_only_scene`: rays see only the scene itself, without injections or
+ * a given frame. Targets whose contents are still valid are added to `*given` (NEPH_RT_BIT() of
  * each).
  *
  * The cache starts after one full period of identical frames. It stays off

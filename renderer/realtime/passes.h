@@ -84,8 +84,8 @@ struct neph_rt_pass {
      * shader has them. Else, or with NULL, one dispatch of independent texels. */
     const struct neph_rt_condition *in_colours;
     uint32_t reads, writes; /* NEPH_RT_BIT() of all targets that its shader can access */
-    struct neph_rt_unused_targets
-        spared[NEPH_RT_UNUSED_MAX]; /* exceptions; ends early with no targets */
+    /* exceptions; ends early with no targets */
+    struct neph_rt_unused_targets spared[NEPH_RT_UNUSED_MAX];
     struct neph_rt_history histories[NEPH_RT_HISTORIES_MAX]; /* ends early with {0, 0} */
     int picture; /* the target whose R G B are the frame after this pass; 0: none */
 };

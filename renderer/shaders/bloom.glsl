@@ -47,6 +47,9 @@ bool get_thread_texel(out ivec2 texel)
 // The two coarse texels along an axis that a fine texel is interpolated from: the near one with
 // weight 3/4, the far one with 1/4. At the border both are the same texel.
 int near_coarse_texel(int fine) { return fine / 2; }
-int far_coarse_texel(int fine, int size) { return clamp(fine / 2 + 2 * (fine & 1) - 1, 0, size - 1); }
+int far_coarse_texel(int fine, int size)
+{
+    return clamp(fine / 2 + 2 * (fine & 1) - 1, 0, size - 1);
+}
 
 #endif

@@ -24,7 +24,8 @@ bool make_nonuniform(bool answer) { return make_nonuniform(uint(answer)) != 0u; 
 vec3 make_nonuniform(vec3 v)
 {
     uvec3 bits = floatBitsToUint(v);
-    return uintBitsToFloat(uvec3(make_nonuniform(bits.x), make_nonuniform(bits.y), make_nonuniform(bits.z)));
+    return uintBitsToFloat(
+        uvec3(make_nonuniform(bits.x), make_nonuniform(bits.y), make_nonuniform(bits.z)));
 }
 
 // A uniform read costs lavapipe some 24 instructions, because it gathers the value per lane. Values

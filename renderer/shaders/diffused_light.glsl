@@ -35,7 +35,8 @@ vec3 diffused_light(Mixture mixture, vec3 point_m, float seen_depth, float step_
     float to_eye = -dot(field.xyz, view_direction);
     float sum = 0.0;
     [[unroll]] for (uint m = 0; m < media_count(); m++) {
-        float peak = forward_peak_fraction(m), g = similar_mean_cosine(m), scattering = scattering_per_m[m].x;
+        float peak = forward_peak_fraction(m), g = similar_mean_cosine(m);
+        float scattering = scattering_per_m[m].x;
         float smooth_per_sr = henyey_greenstein_per_sr(g, view_direction, to_sun());
         float diffuse = max(field.w + 3.0 * g * to_eye, 0.0) / (4.0 * PI);
         sum += scattering * phase_towards_camera_per_sr[m] * sun *

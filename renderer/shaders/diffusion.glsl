@@ -71,6 +71,9 @@ uvec3 select_axis(int axis) { return uvec3(axis == 0, axis == 1, axis == 2); }
 
 // Cells of a level that form one cell of the next coarser level, along each axis: 2, or 1 along an
 // axis of one cell.
-uvec3 coarsening(DiffusionLevel level) { return uvec3(1u) + uvec3(greaterThan(level.size, uvec3(1u))); }
+uvec3 coarsening(DiffusionLevel level)
+{
+    return uvec3(1u) + uvec3(greaterThan(level.size, uvec3(1u)));
+}
 
 #endif

@@ -48,7 +48,8 @@ void main()
     ViewRay ray = camera_ray(pixel % frame.width_px, pixel / frame.width_px);
     Hit hit = scene_hit(ray.origin_m, ray.direction);
     bool is_sky = hit.solid == NO_SOLID;
-    vec3 behind = is_sky ? frame.background : sunlit_surface_radiance(hit, view_point_m(ray, hit.t_m));
+    vec3 behind = is_sky ? frame.background
+                         : sunlit_surface_radiance(hit, view_point_m(ray, hit.t_m));
     FogLookLight fog = fog_look_along(run.look, ray.direction, hit.t_m, to_sun());
     float eye_depth_m = is_sky ? FAR_M : hit.t_m * dot(ray.direction, frame.camera_forward);
     pixels[thread] = FogLookPixel(fog.volume + fog.through * behind, eye_depth_m, fog.volume,

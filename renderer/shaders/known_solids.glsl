@@ -33,7 +33,8 @@ void load_known_solids()
         [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
             known_solids[s] = solids[s];
             known_solids[s].kind = make_nonuniform(solids[s].kind);
-            known_solids[s].albedo.w = uintBitsToFloat(make_nonuniform(floatBitsToUint(solids[s].albedo.w)));
+            known_solids[s].albedo.w =
+                uintBitsToFloat(make_nonuniform(floatBitsToUint(solids[s].albedo.w)));
         }
 }
 

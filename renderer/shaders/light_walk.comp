@@ -129,7 +129,8 @@ float turning_fraction(uint m) { return (1.0 - frame.media[m].g) / (1.0 - path_s
 // Optical depth of the similar medium over the original one, after a number of events.
 float thinness(uint m, uint events)
 {
-    return is_similar(m, events) ? 1.0 - frame.media[m].albedo.r * (1.0 - turning_fraction(m)) : 1.0;
+    return is_similar(m, events) ? 1.0 - frame.media[m].albedo.r * (1.0 - turning_fraction(m))
+                                 : 1.0;
 }
 
 float path_extinction_color(uint m)

@@ -53,8 +53,8 @@ MarchPixel finished_pixel(ViewRay ray, vec2 place_px, Hit hit, Sums sums)
     return pixel;
 }
 
-// Pixel of a ray; the same as find_ray_pixel() in renderer/march.c. Rays fill a square in this order, so
-// eight consecutive rays (a subgroup of lavapipe) are 4x2 pixels and 32 are 8x4:
+// Pixel of a ray; the same as find_ray_pixel() in renderer/march.c. Rays fill a square in this
+// order, so eight consecutive rays (a subgroup of lavapipe) are 4x2 pixels and 32 are 8x4:
 //
 //    0  1  2  3   8  9 10 11
 //    4  5  6  7  12 13 14 15
@@ -81,7 +81,8 @@ void main()
 
     Sums sums = sums_at_start(thread);
     // With a closed-form transmittance and no light from the media, no step is needed.
-    if (!IS_SOLVED || HAS_VEIL || make_nonuniform(frame.scatters | frame.emits | frame.scatters_lamps) != 0)
+    if (!IS_SOLVED || HAS_VEIL ||
+        make_nonuniform(frame.scatters | frame.emits | frame.scatters_lamps) != 0)
         march(ray, hit.t_m, 0.5, sums);
 
     if (run.end_step < make_nonuniform(frame.steps))

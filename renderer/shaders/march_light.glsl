@@ -66,9 +66,11 @@ const uint SUN_MARCHED = KINDS & (SUN == EXACT ? OPEN_KINDS : ~0u);
 const uint FITTED_OCTAVES = NEPH_GPU_FITTED_OCTAVES;
 
 // Read once per thread, as in to_sun().
-uint kept_sun_steps = make_nonuniform(frame.sun_steps), kept_octave_count = make_nonuniform(frame.octave_count);
+uint kept_sun_steps = make_nonuniform(frame.sun_steps);
+uint kept_octave_count = make_nonuniform(frame.octave_count);
 vec3 kept_octave_factors = frame.octave_factors;
-bool kept_emits = make_nonuniform(frame.emits) != 0, kept_scatters = make_nonuniform(frame.scatters) != 0;
+bool kept_emits = make_nonuniform(frame.emits) != 0;
+bool kept_scatters = make_nonuniform(frame.scatters) != 0;
 
 // Cost counters of this pixel.
 uint density_evaluations = 0;

@@ -28,7 +28,8 @@ vec4 finer(ivec2 texel)
 // Share of a coarse texel in a fine one along an axis: 3/4, 1/4 or 0, or their sum at the border.
 float share(int fine, int coarse, int size)
 {
-    return (near_coarse_texel(fine) == coarse ? 0.75 : 0.0) + (far_coarse_texel(fine, size) == coarse ? 0.25 : 0.0);
+    return (near_coarse_texel(fine) == coarse ? 0.75 : 0.0) +
+           (far_coarse_texel(fine, size) == coarse ? 0.25 : 0.0);
 }
 
 void main()

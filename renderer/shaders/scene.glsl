@@ -45,7 +45,10 @@ uint block_end(uint block, vec3 origin_m, vec3 direction, float t0_m, float t1_m
     return meets ? min(first + BLOCK_SOLIDS, frame.solid_count) : first;
 }
 
-uint block_count() { return (make_nonuniform(frame.solid_count) + BLOCK_SOLIDS - 1) / BLOCK_SOLIDS; }
+uint block_count()
+{
+    return (make_nonuniform(frame.solid_count) + BLOCK_SOLIDS - 1) / BLOCK_SOLIDS;
+}
 
 #ifdef KNOWS_SOLIDS
 // scene_hit() for known solids.

@@ -82,7 +82,8 @@ float reach_px(Site site, vec3 across, vec2 way)
     vec2 from_px = pixel_centre_px(site.pixel);
     float edge_px = to_edge_px(from_px, way);
     if (is_orthographic())
-        return min(edge_px, length(project_to_pixel(site.point_m + site.radius_m * across) - from_px));
+        return min(edge_px,
+                   length(project_to_pixel(site.point_m + site.radius_m * across) - from_px));
     float sine = site.radius_m / length(site.point_m);
     if (sine >= 1.0)
         return edge_px;
@@ -208,8 +209,9 @@ float unreal_ao(Site site)
         for (int s = 1; s <= steps; s++) {
             vec2 way_px = float(s) / float(steps) * offset_px;
             vec2 cosines, weights;
-            bool both = sample_beside(site, pixel_centre_px(site.pixel) + way_px, cosines.x, weights.x);
-            both = sample_beside(site, pixel_centre_px(site.pixel) - way_px, cosines.y, weights.y) && both;
+            vec2 centre_px = pixel_centre_px(site.pixel);
+            bool both = sample_beside(site, centre_px + way_px, cosines.x, weights.x);
+            both = sample_beside(site, centre_px - way_px, cosines.y, weights.y) && both;
             most = mix(most, vec3(max(most.xy, cosines), 1.0), both ? weights.x * weights.y : 0.0);
         }
         vec2 open = (1.0 - most.xy) * (1.0 - most.xy);

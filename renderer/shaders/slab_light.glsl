@@ -33,7 +33,9 @@ float depth_behind(vec3 point_m)
     if (SUN == EXACT)
         depth = exact_optical_depth(point_m, away, length_m).x;
     if (SUN_MARCHED != 0u)
-        depth += marched_optical_depth(SUN_MARCHED, point_m, away, FAR_M, make_nonuniform(frame.sun_steps)).x;
+        depth += marched_optical_depth(SUN_MARCHED, point_m, away, FAR_M,
+                                       make_nonuniform(frame.sun_steps))
+                     .x;
     return depth;
 }
 

@@ -130,7 +130,8 @@ vec3 unreal(vec3 rec709)
     ap0 = with_less_red(with_glow(ap0));
     vec3 colour = max(multiply_rows(view.ap0_to_ap1, ap0), vec3(0.0));
     colour = mix(vec3(dot(colour, AP1_LUMINANCE)), colour, BEFORE);
-    colour = vec3(apply_film_curve(colour.r), apply_film_curve(colour.g), apply_film_curve(colour.b));
+    colour = vec3(apply_film_curve(colour.r), apply_film_curve(colour.g),
+                  apply_film_curve(colour.b));
     colour = mix(vec3(dot(colour, AP1_LUMINANCE)), colour, AFTER);
     return max(multiply_rows(view.ap1_to_rec709, max(colour, vec3(0.0))), vec3(0.0));
 }
@@ -251,7 +252,8 @@ vec3 encode_display(vec3 colour)
 // White balance, tone curve and encoding of an exposed scene-linear colour.
 vec3 develop_colour(vec3 colour)
 {
-    return encode_display(apply_tone_curve(max(multiply_rows(view.white_balance, colour), vec3(0.0))));
+    return encode_display(
+        apply_tone_curve(max(multiply_rows(view.white_balance, colour), vec3(0.0))));
 }
 
 // --- the colour table ---------------------------------------------------------------------------

@@ -391,7 +391,8 @@ void add_lamplight(vec3 light)
 // tracer_first.comp has done it, unless OPEN.
 bool is_lamp_light_pending()
 {
-    bool counts = make_nonuniform(frame.scatters_lamps) != 0u && (path.events > 0 ? MULTIPLE : OPEN);
+    bool counts = make_nonuniform(frame.scatters_lamps) != 0u &&
+                  (path.events > 0 ? MULTIPLE : OPEN);
     return counts && path.is_looked_for == 0 && path.throughput != vec3(0.0);
 }
 

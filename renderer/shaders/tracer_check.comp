@@ -56,7 +56,8 @@ void check_higher(uint first, float u)
     if (choice.most == 0.0)
         return;
     SunCheck event = sun_checks[choice.item];
-    results[choice.item].higher.rgb += compute_correction(choice, event.point_m, event.guessed, event.color);
+    results[choice.item].higher.rgb +=
+        compute_correction(choice, event.point_m, event.guessed, event.color);
 }
 
 void check_first(uint first, uint pixel, float u)

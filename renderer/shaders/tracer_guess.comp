@@ -171,7 +171,8 @@ float weighed_per_m(uint thread, vec3 point_m)
 {
     float sum_per_m = 0.0;
     for (uint m = 0; m < media_count(); m++) {
-        float weight = weights[medium_weight_index(thread, m)] * average_channels(frame.media[m].extinction_color);
+        float weight = weights[medium_weight_index(thread, m)] *
+                       average_channels(frame.media[m].extinction_color);
         if (weight > 0.0)
             sum_per_m += weight * medium_extinction_per_m(m, point_m);
     }

@@ -97,7 +97,8 @@ First guessed_collision(uint pixel, ViewRay ray, vec2 u)
         return first;
     vec3 color = frame.media[m].extinction_color;
     first.medium = m;
-    first.weight = color / average_channels(color) * (all_per_m * stretch_m / (place.density * own));
+    first.weight = color / average_channels(color) *
+                   (all_per_m * stretch_m / (place.density * own));
     first.view_depth = place.x;
     float cells = stretches / float(GUESS_PLACES);
     uint cell = min(uint(cells), LIT_EDGES - 2u);

@@ -13,8 +13,8 @@ struct neph_sky_split {
     bool is_air[NEPH_SCENE_MEDIA_MAX]; /* of the scene's media */
 };
 
-/* False, with the reason as text: no such air, or air that neph_sky_read_air() refuses (a background,
- * lights other than the sun, bounds that cut the air). */
+/* False, with the reason as text: no such air, or air that neph_sky_read_air() refuses (a
+ * background, lights other than the sun, bounds that cut the air). */
 bool neph_sky_split(const struct neph_scene *scene, struct neph_sky_split *split, char *reason,
                     size_t reason_size);
 

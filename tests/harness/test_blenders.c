@@ -170,7 +170,7 @@ static void install(const struct bench *bench, const struct fake *fake)
     free(script);
 }
 
-static struct neph_engine_info probe_of(const struct bench *bench, const struct fake *fake)
+static struct neph_engine_info run_probe(const struct bench *bench, const struct fake *fake)
 {
     struct neph_engine_info info;
     install(bench, fake);
@@ -189,7 +189,7 @@ static void assert_says(const char *text, const char *words)
 
 static void test_one_that_works(void **state)
 {
-    const struct neph_engine_info info = probe_of(*state, &good);
+    const struct neph_engine_info info = run_probe(*state, &good);
     assert_true(info.available);
     assert_string_equal(info.version, "Blender 3.4.1");
     assert_string_equal(info.warning, "");
@@ -199,7 +199,7 @@ static void test_one_that_works(void **state)
 
 static void assert_broken(const struct bench *bench, const struct fake *fake, const char *words)
 {
-    const struct neph_engine_info info = probe_of(bench, fake);
+    const struct neph_engine_info info = run_probe(bench, fake);
     assert_true(info.broken && !info.available);
     assert_says(info.missing, words);
     struct neph_diag diag = {0};
@@ -228,7 +228,7 @@ static void test_layers_in_full(void **state)
     struct fake fake = good;
     fake.has_long_names = true;
     fake.phases = "[\"RAYLEIGH\"]";
-    const struct neph_engine_info info = probe_of(*state, &fake);
+    const struct neph_engine_info info = run_probe(*state, &fake);
     assert_true(info.available);
     assert_says(info.can, "; Rayleigh");
 }
@@ -238,7 +238,7 @@ static void test_version_9(void **state)
 {
     struct fake fake = good;
     fake.version = "9.0.2";
-    const struct neph_engine_info info = probe_of(*state, &fake);
+    const struct neph_engine_info info = run_probe(*state, &fake);
     assert_true(info.available);
     assert_says(info.warning, "Blender 9.0.2 was not measured");
     fake.brightness = 0.0;
@@ -246,7 +246,7 @@ static void test_version_9(void **state)
     assert_broken(*state, &fake, "black");
     fake = good;
     fake.version = "3.3.9";
-    const struct neph_engine_info old = probe_of(*state, &fake);
+    const struct neph_engine_info old = run_probe(*state, &fake);
     assert_false(old.available);
     assert_says(old.missing, "versions from 3.4 on");
 }
@@ -285,7 +285,7 @@ static void test_no_volumes(void **state)
     const struct neph_settings settings = neph_settings_default(&neph_engine_cycles);
     fog.medium_count = 1;
     fake.has_voxels = false;
-    const struct neph_engine_info info = probe_of(bench, &fake);
+    const struct neph_engine_info info = run_probe(bench, &fake);
     assert_true(info.available);
     assert_says(info.can, "no voxels");
     neph_assert_ok(try_frame(&fog, &diag), &diag);
@@ -303,7 +303,7 @@ static void test_worse_after_its_trial(void **state)
     const struct bench *bench = *state;
     struct fake fake = good;
     struct neph_diag diag = {0};
-    assert_true(probe_of(bench, &fake).available);
+    assert_true(run_probe(bench, &fake).available);
     neph_assert_ok(try_frame(&bench->trial.scene, &diag), &diag);
     fake.brightness = 0.0;
     write_images(bench, &fake);
@@ -326,7 +326,7 @@ static void test_missing_features_of_a_blender(void **state)
     char reason[512] = "";
     struct neph_settings settings = neph_settings_default(&neph_engine_cycles);
     struct neph_scene scene = bench->trial.scene;
-    assert_true(probe_of(bench, &good).available);
+    assert_true(run_probe(bench, &good).available);
     scene.media[0].phase.kind = NEPH_PHASE_RAYLEIGH;
     assert_false(neph_engine_can_render(&neph_engine_cycles, &scene, &settings, reason, 512));
     assert_says(reason, "Rayleigh");
@@ -339,7 +339,7 @@ static void test_missing_features_of_a_blender(void **state)
     struct fake fake = good;
     fake.version = "4.0.1";
     fake.lacks_spots = true;
-    assert_true(probe_of(bench, &fake).available);
+    assert_true(run_probe(bench, &fake).available);
     scene.lights[0] = (struct neph_light){.intensity_w_per_sr = {1.0, 1.0, 1.0}};
     scene.light_count = 1;
     settings = neph_settings_default(&neph_engine_cycles);

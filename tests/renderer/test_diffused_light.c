@@ -139,9 +139,9 @@ static const struct layer {
     const char *name;
     double depth, albedo, g, sun_cosine;
     bool from_below;
-    double
-        allowed; /* error of P1 relative to adding and doubling, measured (3.2, 2.6, 17.2, 17.6, 3.1
-                    %) and rounded up */
+    /* error of P1 relative to adding and doubling, measured (3.2, 2.6, 17.2, 17.6, 3.1 %) and
+     * rounded up */
+    double allowed;
 } layers[] = {
     {"isotropic, depth 8, from above", 8.0, 1.0, 0.0, 0.6, false, 0.05},
     {"g 0.85, depth 16, from above", 16.0, 1.0, 0.85, 0.7, false, 0.1},

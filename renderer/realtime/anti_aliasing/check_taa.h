@@ -13,7 +13,8 @@ static const double float_ulp = 0x1p-24, half_ulp = 0x1p-11; /* relative, rounde
 /* float32 has the cameras' axes to 6e-8 and places in 127 pixels to 8e-6 px: a multiple of that. */
 static const double motion_error_px = 1e-4;
 
-/* Rotated by up to `turn_rad` about all axes and moved by up to `displacement_m` since the frame before. */
+/* Rotated by up to `turn_rad` about all axes and moved by up to `displacement_m` since the frame
+ * before. */
 static inline void move_camera(struct neph_gpu_view *view, double turn_rad, double displacement_m,
                                uint64_t *seed)
 {

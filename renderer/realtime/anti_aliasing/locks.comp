@@ -108,7 +108,8 @@ bool is_disoccluded(ivec2 pixel, ivec2 source, vec2 before_px)
     ivec2 corner = ivec2(floor(before_px - 0.5));
     float farthest_before_m = -FAR_M;
     for (int i = 0; i < 4; i++)
-        farthest_before_m = max(farthest_before_m, fetch_output(RT_TAA_STATE_BEFORE, corner + ivec2(i & 1, i >> 1)).b);
+        farthest_before_m = max(
+            farthest_before_m, fetch_output(RT_TAA_STATE_BEFORE, corner + ivec2(i & 1, i >> 1)).b);
     float here_m = depth_before_m(pixel, nearest_depth_m(source, 2));
     precise float limit_m = (1.0 - SEPARATION) * here_m;
     return farthest_before_m < limit_m;

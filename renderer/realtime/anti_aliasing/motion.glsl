@@ -47,8 +47,8 @@ bool follows_medium()
 }
 
 // Whether the history of each pixel is the pixel of the same place: camera, media and solids are
-// where they were in the frame before. It is a specialization constant (IS_VIEW_STATIC), so that the
-// kernel of a static frame has no code of find_before() but for its first lines.
+// where they were in the frame before. It is a specialization constant (IS_VIEW_STATIC), so that
+// the kernel of a static frame has no code of find_before() but for its first lines.
 bool is_static = IS_VIEW_STATIC && !follows_solids();
 
 // --- places --------------------------------------------------------------------------------------

@@ -28,7 +28,8 @@
 //   camera.
 // - shared/clamp.glsl: Box and its functions, clamp_between().
 // - shared/color_space.glsl: to_space(), from_space() and luma_4(), four times the luma Y.
-// - gradient/change.glsl: beyond() is 0 up to a limit and 1 from twice the limit on; compute_change_time() is
+// - gradient/change.glsl: beyond() is 0 up to a limit and 1 from twice the limit on;
+// compute_change_time() is
 //   the limit divided by a change.
 // - shared/device.glsl: code that is fast on one kind of device, such as first_tap() and
 //   last_tap(), the ends of a loop over four taps.

@@ -21,7 +21,8 @@ bool is_alike(float transmittance, float other)
     return difference < allowed;
 }
 
-bool is_accepted(int ray, int nearest, float nearest_through, float center_depth_m, bool is_center_sky)
+bool is_accepted(int ray, int nearest, float nearest_through, float center_depth_m,
+                 bool is_center_sky)
 {
     precise float allowed_m = setting(RT_BOX_DEPTH) * ray_at(ray).depth_m;
     bool is_candidate = ray_at(ray).is_usable && (ray != 0 || choice(RT_BOX_CENTRE) != 0) &&

@@ -125,7 +125,8 @@ vec4 average_rays(int kind, ivec2 half_pixel, int nearest, float center_depth_m,
                                       (depth_difference_m(center_depth_m, i) +
                                        setting(RT_UPSCALE_TOLERANCE_M))
                                 : LINEAR_WEIGHTS[at.x] * LINEAR_WEIGHTS[at.y];
-        if (!ray_at(i).is_usable || weight == 0.0 || (by_depth && ray_at(i).is_sky != is_center_sky))
+        if (!ray_at(i).is_usable || weight == 0.0 ||
+            (by_depth && ray_at(i).is_sky != is_center_sky))
             continue;
         sum += weight * ray_at(i).value;
         total += weight;

@@ -192,7 +192,8 @@ layout(constant_id = RT_HALVES_CONSTANT) const uint NATIVE_HALVES = 0;
 // Static frames skip most of the reprojection. A constant removes that code from the kernel;
 // lavapipe would execute it under a branch.
 layout(constant_id = RT_STATIC_CONSTANT) const uint STATIC_PARTS = 0;
-const bool IS_VIEW_STATIC = (STATIC_PARTS & RT_STATIC_VIEW) != 0u, IS_MEDIUM_STATIC = (STATIC_PARTS & RT_STATIC_MEDIUM) != 0u;
+const bool IS_VIEW_STATIC = (STATIC_PARTS & RT_STATIC_VIEW) != 0u;
+const bool IS_MEDIUM_STATIC = (STATIC_PARTS & RT_STATIC_MEDIUM) != 0u;
 
 // By the driver's conversions where they are known to be correct (renderer/halves.h).
 vec4 unpack(uvec2 words)
@@ -355,7 +356,10 @@ bool is_camera_static()
            view_now.half_height == view_before.half_height;
 }
 
-bool is_medium_static() { return IS_MEDIUM_STATIC || choice(RT_WIND) == 0 || wind_m() == vec3(0.0); }
+bool is_medium_static()
+{
+    return IS_MEDIUM_STATIC || choice(RT_WIND) == 0 || wind_m() == vec3(0.0);
+}
 
 // The factor by which the image plane widens: the depth, or 1 for an orthographic camera.
 float view_spread(ViewCamera camera, float depth) { return camera.is_parallel != 0u ? 1.0 : depth; }
