@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Child processes: the part that runs in neph. fork() and not posix_spawn(), because a supervisor
- * has to be between neph and the program (keeper.h). All allocations and messages are made here,
+ * has to be between neph and the program (supervisor.h). All allocations and messages are made here,
  * before the fork.
  */
 #include "base/child.h"
@@ -9,7 +9,7 @@
 #include "base/clock.h"
 #include "base/files.h"
 #include "base/interrupt.h"
-#include "base/keeper.h"
+#include "base/supervisor.h"
 
 #include <errno.h>
 #include <fcntl.h>

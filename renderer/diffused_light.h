@@ -14,7 +14,7 @@
 #ifndef NEPH_RENDERER_DIFFUSED_LIGHT_H
 #define NEPH_RENDERER_DIFFUSED_LIGHT_H
 
-#include "renderer/march_cut.h"
+#include "renderer/march_split.h"
 #include "renderer/skip_cells.h"
 
 enum { NEPH_DIFFUSED_LEVELS_MAX = 10 };

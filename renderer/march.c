@@ -2,10 +2,10 @@
 #include "renderer/march.h"
 
 #include "base/clock.h"
+#include "renderer/float32_range.h"
 #include "renderer/in_flight.h"
-#include "renderer/march_cut.h"
 #include "renderer/march_scene.h"
-#include "renderer/reach.h"
+#include "renderer/march_split.h"
 #include "renderer/shortcuts.h"
 #include "renderer/sky/split.h"
 #include "scenes/emission.h"

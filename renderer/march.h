@@ -48,7 +48,7 @@ struct neph_march_stats {
  * - multiple scattering with `single`, single scattering with any other lighting,
  * - background light on media or solids,
  * - for the lighting of Horizon clouds: another kind of medium,
- * - a medium outside the float32 range (renderer/reach.h). */
+ * - a medium outside the float32 range (renderer/float32_range.h). */
 bool neph_march_can_render(const struct neph_scene *scene, enum neph_march_lighting lighting,
                            char *reason, size_t reason_size);
 

@@ -3,7 +3,7 @@
 
 #include "renderer/fog_look.h"
 #include "renderer/grid_textures.h"
-#include "renderer/march_cut.h"
+#include "renderer/march_split.h"
 #include "scenes/fog_translation.h"
 #include "scenes/motion.h"
 

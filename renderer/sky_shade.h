@@ -7,7 +7,7 @@
 #ifndef NEPH_RENDERER_SKY_SHADE_H
 #define NEPH_RENDERER_SKY_SHADE_H
 
-#include "renderer/march_cut.h"
+#include "renderer/march_split.h"
 #include "renderer/sky/tables.h"
 #include "renderer/sun_fill.h"
 

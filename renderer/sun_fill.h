@@ -9,7 +9,7 @@
 #define NEPH_RENDERER_SUN_FILL_H
 
 #include "renderer/in_flight.h"
-#include "renderer/march_cut.h"
+#include "renderer/march_split.h"
 #include "renderer/skip_cells.h"
 
 /* Tables that a frame may fill; the last is only counted (sky_shade.h). */

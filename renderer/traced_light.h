@@ -12,7 +12,7 @@
 #ifndef NEPH_RENDERER_TRACED_LIGHT_H
 #define NEPH_RENDERER_TRACED_LIGHT_H
 
-#include "renderer/march_cut.h"
+#include "renderer/march_split.h"
 
 /* Camera, frame and wind of a view. */
 struct neph_traced_light_view {

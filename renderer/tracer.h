@@ -91,7 +91,7 @@ struct neph_tracer_stats {
 };
 
 /* False, with the reason as text, for features that this estimator does not support, and for media
- * outside the float32 range (renderer/reach.h). */
+ * outside the float32 range (renderer/float32_range.h). */
 bool neph_tracer_can_render(const struct neph_scene *scene, char *reason, size_t reason_size);
 
 /* Render a frame: R G B, volume.*, order1.* (scattered exactly once, by a medium), transmittance.*,

@@ -2,7 +2,7 @@
  *
  * The brightness of each medium: an estimate of the light of one collision in it. Samplers use it
  * to distribute samples over the media, so that a bright medium inside a dark one is sampled
- * (truth/own_flight.h). It does not change the expected radiance.
+ * (truth/majorant_flight.h). It does not change the expected radiance.
  */
 #ifndef NEPH_SCENES_SOURCES_H
 #define NEPH_SCENES_SOURCES_H

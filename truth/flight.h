@@ -10,7 +10,7 @@
 
 #include "truth/guess.h"
 #include "truth/lit_flight.h"
-#include "truth/own_flight.h"
+#include "truth/majorant_flight.h"
 #include "truth/tracking.h"
 
 /* Edges per medium: two ends, inner edges, and a series of optical depths per fog layer. */

@@ -7,7 +7,7 @@
 #include "harness/engines/engines.h"
 
 #include "harness/engines/cpu_frame.h"
-#include "harness/engines/own_cost.h"
+#include "harness/engines/process_cost.h"
 
 #include <math.h>
 #include <stdio.h>

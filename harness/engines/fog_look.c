@@ -9,8 +9,8 @@
 #include "harness/engines/frame_stats.h"
 #include "harness/engines/gpu_frames.h"
 #include "harness/engines/vulkan_device.h"
+#include "renderer/float32_range.h"
 #include "renderer/fog_look.h"
-#include "renderer/reach.h"
 #include "scenes/fog_translation.h"
 #include "scenes/surfaces.h"
 

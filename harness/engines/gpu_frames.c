@@ -2,7 +2,7 @@
 #include "harness/engines/gpu_frames.h"
 
 #include "base/clock.h"
-#include "harness/engines/own_cost.h"
+#include "harness/engines/process_cost.h"
 #include "harness/engines/vulkan_device.h"
 
 #include <math.h>

@@ -8,7 +8,7 @@
 #include "harness/engines/frame_stats.h"
 #include "harness/engines/gpu_frames.h"
 #include "harness/engines/vulkan_device.h"
-#include "renderer/reach.h"
+#include "renderer/float32_range.h"
 #include "renderer/screen/screen.h"
 
 #include <math.h>

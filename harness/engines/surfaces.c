@@ -5,7 +5,7 @@
  */
 #include "harness/engines/engines.h"
 
-#include "harness/engines/own_cost.h"
+#include "harness/engines/process_cost.h"
 #include "truth/surfaces.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
 
-#include "harness/engines/own_cost.h"
+#include "harness/engines/process_cost.h"
 #include "renderer/tracer.h"
 
 #include <math.h>

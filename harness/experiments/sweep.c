@@ -9,7 +9,7 @@
 #include "base/files.h"
 #include "base/threads.h"
 #include "harness/document/table.h"
-#include "harness/engines/look.h"
+#include "harness/engines/non_physical.h"
 #include "harness/json_file.h"
 #include "harness/progress.h"
 #include "harness/report/report_folder.h"

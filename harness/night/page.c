@@ -5,7 +5,7 @@
 #include "base/path.h"
 #include "harness/data.h"
 #include "harness/night/output.h"
-#include "harness/night/page_pictures.h"
+#include "harness/night/page_images.h"
 #include "harness/night/readers.h"
 #include "harness/report/page.h"
 #include "harness/report/report_folder.h"

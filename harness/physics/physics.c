@@ -5,7 +5,7 @@
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
 #include "harness/experiment/pool.h"
-#include "harness/physics/pictures.h"
+#include "harness/physics/images.h"
 #include "harness/physics/trial.h"
 #include "harness/progress.h"
 #include "metrics/significance.h"

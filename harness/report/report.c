@@ -6,7 +6,7 @@
 #include "base/path.h"
 #include "harness/document/display_png.h"
 #include "harness/engines/engines.h"
-#include "harness/physics/pictures.h"
+#include "harness/physics/images.h"
 #include "harness/report/page.h"
 #include "harness/report/report_folder.h"
 #include "harness/report/vega.h"

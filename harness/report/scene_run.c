@@ -4,7 +4,7 @@
 #include "base/clock.h"
 #include "base/exr.h"
 #include "harness/engines/engines.h"
-#include "harness/engines/look.h"
+#include "harness/engines/non_physical.h"
 #include "harness/report/scene_layers.h"
 #include "harness/report/step_depth.h"
 #include "harness/run/budget.h"

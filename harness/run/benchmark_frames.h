@@ -3,7 +3,7 @@
  * Benchmark of engines without noise: the speed of frames in flight.
  *
  * After a second of warm-up, frames follow each other as in a game: a few are submitted ahead, and
- * none is read back. The error and the device's roofline limits (renderer/ceilings.h) are measured
+ * none is read back. The error and the device's roofline limits (renderer/roofline.h) are measured
  * in the same run. For a static scene the warm-up goes on until the engine has detected that the
  * scene is static (renderer/realtime/stillness.h), so that all timed frames do the same work.
  */
@@ -12,7 +12,7 @@
 
 #include "harness/run/chain_times.h"
 #include "harness/run/showing.h"
-#include "renderer/ceilings.h"
+#include "renderer/roofline.h"
 
 enum { NEPH_BENCHMARK_FRAMES_ENGINES_MAX = 4, NEPH_BENCHMARK_FRAMES_MAX = 100000 };
 

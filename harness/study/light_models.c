@@ -7,7 +7,7 @@
 #include "base/exr.h"
 #include "base/written.h"
 #include "harness/engines/engines.h"
-#include "harness/engines/look.h"
+#include "harness/engines/non_physical.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -45,7 +45,7 @@ enum neph_status neph_light_model_render(const struct neph_light_model *model,
                                          struct neph_image **frame, double *seconds,
                                          struct neph_diag *diag);
 
-/* Whether the model is non-physical (harness/engines/look.h). */
+/* Whether the model is non-physical (harness/engines/non_physical.h). */
 bool neph_light_model_is_non_physical(const struct neph_light_model *model);
 
 /* All models that engines offer, as "A,B", at most NEPH_LIGHT_MODELS_MAX:

@@ -5,7 +5,7 @@
 #include "harness/sweep/chart.h"
 
 #include "base/files.h"
-#include "harness/engines/look.h"
+#include "harness/engines/non_physical.h"
 #include "harness/report/vega.h"
 #include "harness/sweep/front.h"
 #include "harness/sweep/labels.h"

@@ -6,7 +6,7 @@
 
 #include "base/written.h"
 #include "harness/engines/engines.h"
-#include "harness/engines/look.h"
+#include "harness/engines/non_physical.h"
 #include "harness/sweep/equal.h"
 
 #include <math.h>

@@ -13,7 +13,7 @@
 #include "harness/run/configuration.h"
 #include "harness/run/store.h"
 #include "harness/run/times.h"
-#include "harness/sweep/ladder_filter.h"
+#include "harness/sweep/candidate_filter.h"
 #include "harness/sweep/results.h"
 
 struct neph_pick_params {

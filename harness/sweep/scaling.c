@@ -8,7 +8,7 @@
 #include "harness/data.h"
 #include "harness/engines/vulkan_device.h"
 #include "harness/experiment/pool.h"
-#include "harness/sweep/ladder.h"
+#include "harness/sweep/candidates.h"
 #include "harness/sweep/point.h"
 #include "harness/sweep/scaled.h"
 #include "scenes/relit.h"

@@ -4,7 +4,7 @@
 #include "renderer/compute.h"
 #include "renderer/post/colour.h"
 #include "renderer/post/film.h"
-#include "renderer/post/rest.h"
+#include "renderer/post/metadata.h"
 #include "renderer/vulkan_device.h"
 #include "shaders/structs.h"
 

@@ -2,7 +2,7 @@
 #include "renderer/realtime/device.h"
 
 #include "renderer/realtime/options.h"
-#include "renderer/realtime/unread.h"
+#include "renderer/realtime/output_elision.h"
 
 #include <stdlib.h>
 #include <string.h>

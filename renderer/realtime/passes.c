@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/passes.h"
 
-#include "renderer/realtime/unread.h"
+#include "renderer/realtime/output_elision.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Micro-benchmark of arithmetic throughput, for the roofline limits of renderer/ceilings.h.
+// Micro-benchmark of arithmetic throughput, for the roofline limits of renderer/roofline.h.
 //
 // Each thread computes ROWS independent chains of fused multiply-adds (or of exponentials with
 // EXPONENTIALS), so that the latency of one chain is hidden by the others. It reads no memory and
@@ -20,7 +20,7 @@ layout(push_constant) uniform CeilingTurns {
 
 layout(constant_id = 0) const bool EXPONENTIALS = false;
 
-const uint ROWS = 8; // independent chains per thread; ceilings.c has the same number
+const uint ROWS = 8; // independent chains per thread; roofline.c has the same number
 
 void main()
 {

@@ -1,7 +1,7 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Micro-benchmark of memory bandwidth, for the roofline limits of renderer/ceilings.h: each thread
+// Micro-benchmark of memory bandwidth, for the roofline limits of renderer/roofline.h: each thread
 // copies 16 bytes. The bytes that a pass moves are compared with this rate.
 
 layout(local_size_x = 64) in;

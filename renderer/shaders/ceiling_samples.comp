@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Micro-benchmark of trilinear samples of a voxel grid, for the roofline limits of
-// renderer/ceilings.h. The sample rate of the ray marcher is compared with this rate.
+// renderer/roofline.h. The sample rate of the ray marcher is compared with this rate.
 //
 // Each thread samples along a line, either from a storage buffer with grid_density() (grid.glsl) or
 // from a 3D texture as grid_texture.glsl does. Neighbouring threads sample neighbouring lines, as

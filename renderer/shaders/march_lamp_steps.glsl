@@ -25,7 +25,7 @@
 #include "march_lamps.glsl"
 
 // Upper bound of the additional parts of all steps of a ray for one light, beside one part per
-// step. lamp_parts() of renderer/march_cut.c plans the loop iterations for them.
+// step. lamp_parts() of renderer/march_split.c plans the loop iterations for them.
 const uint LAMP_RAY_PARTS = SHORTCUTS >> 16u;
 
 // Distance from the foot, in units of h, beyond which no step is divided: 1e-9 of the light is

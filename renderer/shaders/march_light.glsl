@@ -114,7 +114,7 @@ uint taps() { return SKIPS ? 1 : TAPS_IN_TURN ? 2 : SAMPLES_TEXTURES ? TAPS_MAX 
 
 // Samples one after the other: with a single grid this saves a CPU every other loop iteration. In
 // other scenes the inner loops would exceed the iterations that a dispatch may have
-// (renderer/march_cut.c).
+// (renderer/march_split.c).
 void add_taps_in_turn(uint kinds, vec3 origin_m, vec3 direction, Steps steps, uint i, inout Sum sum)
 {
     [[unroll]] for (uint k = 0; k < taps(); k++) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Push constants of a march: the rays (one per thread) and the steps that one dispatch computes
-// (renderer/march_cut.h).
+// (renderer/march_split.h).
 #ifndef NEPH_MARCH_RUN_GLSL
 #define NEPH_MARCH_RUN_GLSL
 

@@ -192,7 +192,7 @@ float log_sent(float sun_depth)
 }
 
 // Whether free flights collide with bright media often enough in all channels that have light
-// (truth/own_flight.c).
+// (truth/majorant_flight.c).
 bool has_enough_free_flights(uint pixel, uint first)
 {
     const float SUFFICE = 1.0 / 32.0;

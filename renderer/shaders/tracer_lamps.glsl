@@ -38,7 +38,7 @@ const float LAMP_NEAREST = 1e-6;
 // Smallest height over a view ray: 1/d^2 stays a float32.
 const float LAMP_NEAREST_M = 1e-15;
 
-// Position of a light in the frame (renderer/lamp_sight.c).
+// Position of a light in the frame (renderer/light_projection.c).
 struct LampSight {
     ivec2 pixel;    // the nearest pixel
     vec2 beside_px; // offset from its centre

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 static const uint32_t picture_code[] = {
-#include "shaders/sky_picture.comp.inc"
+#include "shaders/sky_image.comp.inc"
 };
 
 enum { local_size = 64, PART_PIXELS = 1 << 20, BUFFERS = NEPH_SKY_BUFFERS + 1 };

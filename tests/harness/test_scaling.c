@@ -7,8 +7,8 @@
 
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/sweep/candidates.h"
 #include "harness/sweep/front.h"
-#include "harness/sweep/ladder.h"
 #include "harness/sweep/repeat.h"
 #include "harness/sweep/scaled.h"
 #include "harness/sweep/scaling.h"

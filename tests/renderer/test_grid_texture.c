@@ -7,7 +7,7 @@
 #include "tests/renderer/probe.h"
 
 #include "renderer/grid_textures.h"
-#include "renderer/march_cut.h"
+#include "renderer/march_split.h"
 #include "renderer/texture.h"
 #include "renderer/vulkan_device.h"
 #include "scenes/grid.h"

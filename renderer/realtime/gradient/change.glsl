@@ -14,7 +14,7 @@ struct Change {
 // Known: no change for many frames (renderer/realtime/stillness.h).
 bool is_unchanged() { return choice(RT_STEADY) >= RT_STEADY_KNOWN; }
 
-// Only the next frame reads this one (renderer/realtime/unread.h).
+// Only the next frame reads this one (renderer/realtime/output_elision.h).
 bool is_output_elided() { return choice(RT_STEADY) == RT_STEADY_UNREAD; }
 
 Change load_change(int target, ivec2 tile)
