@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Child processes: the part that runs in neph. fork() and not posix_spawn(), because a supervisor
- * has to be between neph and the program (supervisor.h). All allocations and messages are made here,
- * before the fork.
+ * has to be between neph and the program (supervisor.h). All allocations and messages are made
+ * here, before the fork.
  */
 #include "base/child.h"
 

@@ -46,8 +46,8 @@ struct neph_gpu_kind {
     uint64_t (*integral_turns)(const struct neph_medium *medium);
     /* The largest extinction anywhere [1/m]. NULL: `extinction_per_m`. */
     double (*largest_per_m)(const struct neph_medium *medium);
-    /* Extinction scale of the visible surface as seen from outside (see float32_range.h) [1/m], at most the
-     * largest extinction. NULL: the largest extinction. */
+    /* Extinction scale of the visible surface as seen from outside (see float32_range.h) [1/m], at
+     * most the largest extinction. NULL: the largest extinction. */
     double (*surface_extinction_per_m)(const struct neph_medium *medium, double largest_per_m);
     /* Extinction times distance, and that extinction. NULL: surface_extinction_per_m times the
      * distance of the bounds. */

@@ -75,8 +75,8 @@ struct neph_rt_pass {
     /* The pass is skipped where one of these is true; ends early with {0}, which is always false.
      * The setting of the first one is not 0 only where a variant absorbs the pass. */
     struct neph_rt_condition done_by_other[NEPH_RT_OTHERS_MAX];
-    int resolution; /* of the texels that it writes: RT_FULL, .. */
-    int unread_resolution; /* the same in frames with output elision (output_elision.h); 0: no difference */
+    int resolution;        /* of the texels that it writes: RT_FULL, .. */
+    int unread_resolution; /* in frames with output elision (output_elision.h); 0: the same */
     bool in_quads;         /* a thread writes 2x2 texels; the first may lie one before the view */
     enum neph_rt_rays rays;
     /* Where this is true the pass runs in four phases, one for each texel of 2x2, and each phase

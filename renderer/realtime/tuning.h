@@ -16,9 +16,9 @@ struct neph_rt_tuning {
     bool has_driver_halves; /* leave conversion of halves to the driver where correct (halves.h) */
     bool prepares_kernels;  /* compile before the first frame; takes seconds on a CPU */
     bool has_air_kernels;   /* kernels for static media with a moving camera */
-    bool
-        elides_outputs; /* skip outputs that no later frame reads (output_elision.h), and cache static
-                               scenes (scene_cache.h) */
+    /* Skip outputs that no later frame reads (output_elision.h), and cache static scenes
+     * (scene_cache.h). */
+    bool elides_outputs;
 };
 
 const struct neph_rt_tuning *neph_rt_get_tuning(enum neph_rt_device_kind kind);

@@ -64,8 +64,8 @@ vec4 ray_value(int ray)
 Change change_around_tile(ivec2 tile) { return load_change(RT_CHANGE, tile); }
 
 // The texel of this thread; false for threads past the last. With output elision
-// (renderer/realtime/output_elision.h) one thread a tile writes only the texel with a ray; the others keep
-// their values in place.
+// (renderer/realtime/output_elision.h) one thread a tile writes only the texel with a ray; the
+// others keep their values in place.
 bool find_texel(out ivec2 half_pixel)
 {
     if (!is_output_elided())
