@@ -14,12 +14,13 @@ scripts/words_allowed.txt end in `_of` or are a bare verb and are yet to be rena
 shrinks: a name that is no longer in the code fails, too.
 """
 import argparse
+import os
 import pathlib
 import re
-import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(os.environ.get("NEPH_SOURCE_DIR",
+                                   pathlib.Path(__file__).resolve().parent.parent))
 ALLOWED = ROOT / "scripts/words_allowed.txt"
 # Pattern, limit per 1,000 words.
 HABITS = {
@@ -33,18 +34,20 @@ HABITS = {
     "picture(s)": (r"\bpictures?\b", 2.0),
     "anew": (r"\banew\b", 0.5),
 }
+FOLDERS = ("base", "docs", "harness", "metrics", "renderer", "results", "scenes", "scripts", "tests",
+           "truth")
 CODE = {".c", ".h", ".cpp", ".comp", ".glsl"}
 SHADERS = {".comp", ".glsl"}
 TOKEN = re.compile(r'(?P<comment>/\*.*?\*/|//[^\n]*)|(?P<string>(?:"(?:[^"\\\n]|\\.)*"\s*)+)', re.S)
 BANNED_NAME = re.compile(r"\b(\w+_of|rests|own|asks|knows|tells|holds|wakes|looks)\(")
 
 
-def tracked():
-    listed = subprocess.run(["git", "-C", ROOT, "ls-files"], capture_output=True, text=True,
-                            check=True).stdout.split("\n")
-    for name in listed:
-        path = ROOT / name
-        if name and path.is_file() and not path.is_symlink() and "corpus" not in name:
+def files():
+    """(name, path) of all files that are counted."""
+    found = [path for folder in FOLDERS for path in sorted((ROOT / folder).rglob("*.*"))]
+    for path in sorted(ROOT.glob("*.md")) + found:
+        name = path.relative_to(ROOT).as_posix()
+        if path.is_file() and not re.search(r"corpus|node_modules|__pycache__", name):
             yield name, path
 
 
@@ -61,7 +64,7 @@ def prose(text):
 
 def texts():
     """(kind, file, line, text) of all that is counted."""
-    for name, path in tracked():
+    for name, path in files():
         text = path.read_text(encoding="utf8", errors="ignore")
         if path.suffix == ".md" and not name.startswith("tests/"):
             for number, line in enumerate(prose(text).split("\n"), 1):
@@ -91,7 +94,7 @@ def count():
 
 def banned_names():
     found = set()
-    for name, path in tracked():
+    for name, path in files():
         if path.suffix in CODE:
             code = TOKEN.sub(" ", path.read_text(encoding="utf8", errors="ignore"))
             found |= set(BANNED_NAME.findall(code))

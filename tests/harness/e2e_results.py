@@ -37,6 +37,7 @@ class Project(unittest.TestCase):
                 self.assertEqual([key for key in ("host", "what", "command", "code")
                                   if not data.get(key)], [])
                 self.assertEqual([code for code in data["code"] if not (ROOT / code).exists()], [])
+                self.assertTrue((ROOT / data.get("page", "docs")).exists(), data.get("page"))
 
 
 class Tool(unittest.TestCase):

@@ -5,6 +5,8 @@ page."""
 import os
 import pathlib
 import re
+import subprocess
+import tempfile
 import unittest
 
 ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
@@ -105,6 +107,36 @@ class Words(unittest.TestCase):
                 if len(line) > WIDTH and not is_row:
                     wide.append(f"{name}:{number}")
         self.assertEqual(wide, [])
+
+
+class Counter(unittest.TestCase):
+    """scripts/words.py on a tree of two files."""
+
+    def count(self, comment, name="find_row", allowed=""):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            (root / "base").mkdir()
+            (root / "scripts").mkdir()
+            (root / "scripts/words_allowed.txt").write_text(allowed)
+            (root / "README.md").write_text("A page of plain words.\n")
+            (root / "base/a.c").write_text(
+                f'/* {comment} */ int {name}(int i) {{ puts("a message of five words"); }}\n')
+            return subprocess.run([ROOT / "scripts/words.py"], text=True, capture_output=True,
+                                  env=os.environ | {"NEPH_SOURCE_DIR": folder}, check=False)
+
+    def test_plain_words_pass(self):
+        done = self.count("The mean of all values, in metres.")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("comments 7, messages 5", done.stdout)
+
+    def test_a_habit_a_name_and_an_old_exception_fail(self):
+        for fault, words in (("comments: what/who as a noun 166.7", ("Of what is left the mean",)),
+                             ("row_of() is to be named", ("The mean.", "row_of")),
+                             ("old_of is no longer", ("The mean.", "find_row", "old_of"))):
+            done = self.count(*words)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(fault, done.stderr)
+        self.assertEqual(self.count("The mean.", "row_of", "row_of").returncode, 0)
 
 
 if __name__ == "__main__":
