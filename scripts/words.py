@@ -34,8 +34,8 @@ HABITS = {
     "picture(s)": (r"\bpictures?\b", 2.0),
     "anew": (r"\banew\b", 0.5),
 }
-FOLDERS = ("base", "docs", "harness", "metrics", "renderer", "results", "scenes", "scripts", "tests",
-           "truth")
+FOLDERS = ("base", "docs", "harness", "metrics", "renderer", "results", "scenes", "scripts",
+           "tests", "truth")
 CODE = {".c", ".h", ".cpp", ".comp", ".glsl"}
 SHADERS = {".comp", ".glsl"}
 TOKEN = re.compile(r'(?P<comment>/\*.*?\*/|//[^\n]*)|(?P<string>(?:"(?:[^"\\\n]|\\.)*"\s*)+)', re.S)

@@ -145,7 +145,8 @@ class Bake(neph_case.NephCase):
         self.assertGreater(bakes["povray"]["transmittance_max"], 1e-5)
         self.assertLess(bakes["povray"]["transmittance_max"], 1e-2)
         # from the store
-        self.assertIn("of 64 x 64 x 64 nodes: errors: transmittance up to", self.neph(*request).stdout)
+        self.assertIn("of 64 x 64 x 64 nodes: errors: transmittance up to",
+                      self.neph(*request).stdout)
 
     def test_wrong_requests_say_the_way_out(self):
         out = self.folder / "out.vdb"
