@@ -53,8 +53,7 @@ enum neph_status neph_build_id(char hex[NEPH_BUILD_ID_SIZE], struct neph_diag *d
     dl_iterate_phdr(look_at_program, &id);
     if (!id)
         return neph_fail(diag, NEPH_ERR_IO,
-                         "this program does not say which build it is: link it with "
-                         "-Wl,--build-id=sha1");
+                         "this program has no build id: link it with -Wl,--build-id=sha1");
     for (int i = 0; i < SHOWN_BYTES; i++)
         snprintf(hex + 2 * i, 3, "%02x", id[i]);
     return NEPH_OK;

@@ -65,7 +65,7 @@ enum neph_status neph_checkpoint_write(const char *path, const char *identity, c
 static enum neph_status refuse(const char *path, const char *why, struct neph_diag *diag)
 {
     neph_fail(diag, NEPH_ERR_INPUT, "the checkpoint '%s' %s", path, why);
-    neph_hint(diag, "remove it to start anew, or name another file");
+    neph_hint(diag, "remove it to start again, or name another file");
     return NEPH_ERR_INPUT;
 }
 
@@ -85,7 +85,7 @@ static enum neph_status check_whole(const char *path, const char *file, size_t s
     const size_t body_bytes = size - line_bytes;
     if (memcmp(line, file, line_bytes) != 0 || identity_bytes > body_bytes ||
         count != (body_bytes - identity_bytes) / 8 || (body_bytes - identity_bytes) % 8 != 0)
-        return refuse(path, "is damaged or cut short", diag);
+        return refuse(path, "is damaged or truncated", diag);
     return NEPH_OK;
 }
 
@@ -118,7 +118,7 @@ enum neph_status neph_checkpoint_read(const char *path, const char *identity, do
         status = check_identity(path, file + line_bytes, found_bytes, identity, diag);
     }
     if (!status && found_count != count)
-        status = refuse(path, "holds another count of numbers", diag);
+        status = refuse(path, "has another number of values", diag);
     for (size_t i = 0; !status && i < count; i++)
         values[i] = get_double((const unsigned char *)file + line_bytes + found_bytes + 8 * i);
     free(file);

@@ -281,7 +281,7 @@ static enum neph_status run_kept(const struct neph_child_params *params,
         status = fail_start(params->argv[0], "fork", error, diag);
     else if (!await_report(talk_fds[0], report))
         status = neph_fail(diag, NEPH_ERR_ENGINE,
-                           "the process that watches over '%s' was killed, and it as well",
+                           "the supervisor process of '%s' was killed, and with it the program",
                            params->argv[0]);
     close(talk_fds[0]);
     while (keeper > 0 && waitpid(keeper, NULL, 0) < 0 && errno == EINTR)
@@ -317,7 +317,7 @@ static enum neph_status run(const struct neph_child_params *params,
         status = run_kept(params, &job, report, diag);
     if (!status && report->excess == NEPH_EXCESS_LOG &&
         ftruncate(job.output_fd, params->limits.log_bytes) != 0)
-        status = neph_fail(diag, NEPH_ERR_IO, "cannot cut '%s': %s", params->log_path,
+        status = neph_fail(diag, NEPH_ERR_IO, "cannot truncate '%s': %s", params->log_path,
                            strerror(errno));
     close_if_open(&job.output_fd);
     close_if_open(&job.input_fd);
@@ -372,7 +372,7 @@ static void quote_log(const char *log_path, char quote[QUOTE_BYTES + 64])
     text[length] = '\0';
     const char *lines = last_lines(text);
     if (*lines)
-        snprintf(quote, QUOTE_BYTES + 64, "; its last words:\n%s", lines);
+        snprintf(quote, QUOTE_BYTES + 64, "; the end of its log:\n%s", lines);
 }
 
 static enum neph_status explain_excess(const struct neph_child_params *params,
@@ -386,17 +386,17 @@ static enum neph_status explain_excess(const struct neph_child_params *params,
         break;
     case NEPH_EXCESS_BYTES:
         return neph_fail(diag, NEPH_ERR_ENGINE,
-                         "'%s' was stopped: its folder holds more than %" PRId64 " MiB%s", program,
+                         "'%s' was stopped: its folder has more than %" PRId64 " MiB%s", program,
                          limits->folder_bytes >> 20, quote);
     case NEPH_EXCESS_ENTRIES:
         return neph_fail(diag, NEPH_ERR_ENGINE,
-                         "'%s' was stopped: its folder holds more than %" PRId64
+                         "'%s' was stopped: its folder has more than %" PRId64
                          " files and folders%s",
                          program, limits->folder_entries, quote);
     case NEPH_EXCESS_HIDDEN:
         return neph_fail(diag, NEPH_ERR_ENGINE,
-                         "'%s' was stopped: in its folder are folders that cannot be read, or more "
-                         "than 64 of them inside one another%s",
+                         "'%s' was stopped: its folder has subfolders that cannot be read, or are "
+                         "more than 64 levels deep%s",
                          program, quote);
     case NEPH_EXCESS_LOG:
         return neph_fail(diag, NEPH_ERR_ENGINE,

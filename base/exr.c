@@ -83,7 +83,7 @@ static enum neph_status fail_read(const char *path, const struct stream *stream,
                          strerror(stream->trouble.io_error));
     enum neph_status status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is truncated or damaged: %s",
                                         path, neph_exr_reason(&stream->trouble, result));
-    neph_hint(diag, "was the program that wrote it interrupted? Make the file again");
+    neph_hint(diag, "write the file again: its writer may have been interrupted");
     return status;
 }
 
@@ -95,8 +95,8 @@ static enum neph_status refuse_kind(const char *path, const char *kind, struct n
     return NEPH_ERR_INPUT;
 }
 
-/* Codes of the attribute `compression` that the current library does not know; it reads an unknown
- * code as ZIP. Names: https://openexr.com/en/latest/OpenEXRFileLayout.html. */
+/* Codes of the attribute `compression` beyond DWAB. A library that does not know a code reads it as
+ * ZIP. Names: https://openexr.com/en/latest/OpenEXRFileLayout.html. */
 static const struct {
     int code;
     const char *name;
@@ -124,7 +124,7 @@ static enum neph_status check_compression(const char *path, const char *header, 
     struct neph_exr_attribute attribute;
     for (size_t at = 0; neph_exr_next_attribute(header, size, &at, &attribute);)
         if (strcmp(attribute.name, "compression") == 0 && attribute.value_bytes == 1 &&
-            attribute.value[0] >= EXR_COMPRESSION_LAST_TYPE)
+            attribute.value[0] > EXR_COMPRESSION_DWAB)
             return refuse_compression(path, attribute.value[0], diag);
     return NEPH_OK;
 }
@@ -203,8 +203,8 @@ static enum neph_status check_size(const char *path, struct layout *layout, stru
     if (width_px < 1 || height_px < 1 || width_px > NEPH_IMAGE_SIDE_MAX_PX ||
         height_px > NEPH_IMAGE_SIDE_MAX_PX)
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "'%s' says that it is %lldx%lld pixels large; 1 to %d a side are read",
-                         path, (long long)width_px, (long long)height_px, NEPH_IMAGE_SIDE_MAX_PX);
+                         "'%s' has a size of %lldx%lld pixels; allowed are 1 to %d per side", path,
+                         (long long)width_px, (long long)height_px, NEPH_IMAGE_SIDE_MAX_PX);
     layout->width_px = (int)width_px;
     layout->height_px = (int)height_px;
     return NEPH_OK;
@@ -215,12 +215,12 @@ static enum neph_status check_channels(const char *path, struct layout *layout,
 {
     int count = layout->channels->num_channels;
     if (count < 1 || count > CHANNEL_COUNT_MAX)
-        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' has %d channels; 1 to %d are read", path,
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' has %d channels; allowed are 1 to %d", path,
                          count, CHANNEL_COUNT_MAX);
     for (int i = 0; i < count; i++) {
         const exr_attr_chlist_entry_t *channel = &layout->channels->entries[i];
         if (channel->x_sampling != 1 || channel->y_sampling != 1) {
-            neph_fail(diag, NEPH_ERR_INPUT, "'%s': channel '%s' has not a sample per pixel", path,
+            neph_fail(diag, NEPH_ERR_INPUT, "'%s': channel '%s' is subsampled", path,
                       channel->name.str);
             neph_hint(diag, "write luminance and chroma (Y, RY, BY) as R, G, B");
             return NEPH_ERR_INPUT;

@@ -79,8 +79,7 @@ static enum neph_status check_writable(const struct neph_image *image, const cha
         const char *name = image->attributes[i].name;
         if (name[0] == '\0' || neph_exr_is_reserved(name))
             return neph_fail(diag, NEPH_ERR_INPUT,
-                             "cannot write '%s': '%s' is not a free name for an attribute", path,
-                             name);
+                             "cannot write '%s': the attribute name '%s' is reserved", path, name);
     }
     return NEPH_OK;
 }

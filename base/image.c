@@ -247,11 +247,10 @@ static enum neph_status scale_windows(const struct neph_image *from, struct neph
     }
     if (fits)
         return NEPH_OK;
-    neph_fail(
-        diag, NEPH_ERR_INPUT,
-        "a data window of %dx%d pixels that becomes %dx%d would lie between the pixels of its "
-        "display window",
-        from_px[0], from_px[1], to_px[0], to_px[1]);
+    neph_fail(diag, NEPH_ERR_INPUT,
+              "a data window scaled from %dx%d to %dx%d pixels would not lie on whole pixels of "
+              "its display window",
+              from_px[0], from_px[1], to_px[0], to_px[1]);
     neph_hint(diag, "write a data window that is equal to the display window");
     return NEPH_ERR_INPUT;
 }

@@ -82,7 +82,7 @@ static void hint_known(const struct neph_option *options, const char *owner, con
         best = run > best ? run : best;
     }
     if (list_names(options, key, length, best, names, sizeof(names)) && names[0])
-        neph_hint(diag, "settings of %s with a name like it: %s", owner, names);
+        neph_hint(diag, "settings of %s with a similar name: %s", owner, names);
 }
 
 /* The entry of a removed option, followed by its reason; NULL: no removed option has this name. */
@@ -109,7 +109,8 @@ static void warn_gone(const char *owner, const char *const *gone)
         if (known == gone)
             return;
     }
-    fprintf(stderr, "warning: %s: setting %s is gone and ignored: %s\n", owner, gone[0], gone[1]);
+    fprintf(stderr, "warning: %s: setting %s was removed and is ignored: %s\n", owner, gone[0],
+            gone[1]);
 }
 
 static enum neph_status parse_choice(const struct neph_option *option, const char *text,

@@ -18,7 +18,7 @@ static enum neph_status refuse(struct neph_diag *diag, const char *folder,
                                const struct neph_owned_kind *kind, const char *why)
 {
     neph_fail(diag, NEPH_ERR_USAGE,
-              "'%s' %s: neph will not keep its %s there, as it would replace and remove files",
+              "'%s' %s: neph does not use it for its %s, because it would replace and remove files",
               folder, why, kind->name);
     neph_hint(diag, "name another folder with -o, or move '%s' away", folder);
     return NEPH_ERR_USAGE;
@@ -58,14 +58,14 @@ static enum neph_status check_marker(const char *folder, const char *text,
     char name[32], why[128];
     int version;
     if (sscanf(text, "neph %31[a-z] %d", name, &version) != 2)
-        return refuse(diag, folder, kind, "has a marker (.neph-owned) that says nothing");
+        return refuse(diag, folder, kind, "has a damaged marker file (.neph-owned)");
     if (strcmp(name, kind->name) != 0) {
         snprintf(why, sizeof(why), "is neph's %s", name);
         return refuse(diag, folder, kind, why);
     }
     if (version >= 1 && version <= kind->version)
         return NEPH_OK;
-    snprintf(why, sizeof(why), "is a %s of form %d, which another version of neph made", name,
+    snprintf(why, sizeof(why), "is a %s of layout %d, made by another version of neph", name,
              version);
     return refuse(diag, folder, kind, why);
 }
@@ -101,7 +101,7 @@ static enum neph_status check(const char *folder, const struct neph_owned_kind *
         return status;
     if (contents == SOMETHING && kind->is_old && kind->is_old(folder))
         return NEPH_OK;
-    return refuse(diag, folder, kind, "holds files and was not made by neph");
+    return refuse(diag, folder, kind, "has files in it and was not made by neph");
 }
 
 enum neph_status neph_owned_check(const char *folder, const struct neph_owned_kind *kind,
@@ -115,11 +115,9 @@ static enum neph_status mark(const char *folder, const struct neph_owned_kind *k
                              struct neph_diag *diag)
 {
     char *path = neph_path_join(folder, marker_name);
-    char *text = neph_format(
-        "neph %s %d\n"
-        "Nephelometer made this folder. It replaces and removes what is in it; "
-        "keep nothing of yours here.\n",
-        kind->name, kind->version);
+    char *text = neph_format("neph %s %d\nNephelometer made this folder and replaces or removes "
+                             "its contents; keep no files of your own here.\n",
+                             kind->name, kind->version);
     const enum neph_status status = path && text ? neph_file_write(path, text, strlen(text), diag)
                                                  : neph_fail_memory(diag);
     free(path);

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-_Static_assert(NEPH_PATH_SIZE > PATH_MAX, "the system refuses what does not fit");
+_Static_assert(NEPH_PATH_SIZE > PATH_MAX, "the system refuses longer paths");
 
 struct neph_path neph_path_in(const char *folder, const char *name)
 {

@@ -147,7 +147,7 @@ static void read_rows(struct reader *reader, size_t row_bytes)
     png_set_interlace_handling(reader->png);
     png_read_update_info(reader->png, reader->info);
     if (png_get_rowbytes(reader->png, reader->info) != row_bytes)
-        png_error(reader->png, "its header contradicts itself");
+        png_error(reader->png, "its header is inconsistent");
     png_read_image(reader->png, reader->rows);
     png_read_end(reader->png, NULL); /* detects a file without its end */
 }
@@ -256,17 +256,17 @@ static void check_still(struct reader *reader)
     const bool is_first = find_chunk(reader, "fcTL", 26) != NULL;
     if (frame_count == 1 && is_first)
         return;
-    neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is an animated PNG: it holds %llu pictures",
+    neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is an animated PNG: it has %llu frames",
               reader->path, (unsigned long long)frame_count + !is_first);
-    neph_hint(reader->diag, "write each picture to a file of its own");
+    neph_hint(reader->diag, "write each frame to a separate file");
     escape_with(reader, NEPH_ERR_INPUT);
 }
 
 _Noreturn static void refuse_colour(struct reader *reader, const char *what)
 {
-    neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is not an sRGB picture: %s", reader->path, what);
-    neph_hint(reader->diag, "convert it to sRGB; if its values are sRGB in truth, write it again "
-                            "without colour chunks, or give the linear values as EXR");
+    neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is not an sRGB image: %s", reader->path, what);
+    neph_hint(reader->diag, "convert it to sRGB; if its values already are sRGB, write it again "
+                            "without colour chunks, or use an EXR file with linear values");
     escape_with(reader, NEPH_ERR_INPUT);
 }
 
@@ -309,7 +309,7 @@ static void check_colour_space(struct reader *reader)
     }
     const char *primaries = find_chunk(reader, "cHRM", 32);
     if (primaries && !is_srgb_primaries(primaries))
-        refuse_colour(reader, "its cHRM chunk names other primaries than those of Rec.709");
+        refuse_colour(reader, "its cHRM chunk has primaries other than Rec.709");
 }
 
 /* IEC 61966-2-1:1999, 5.2. */
@@ -329,8 +329,7 @@ static void check_opaque(struct reader *reader, size_t pixel_count, uint32_t cod
     for (size_t i = 0; i < pixel_count; i++)
         if (code_at(reader, 4 * i + 3, code_max) != code_max) {
             neph_fail(reader->diag, NEPH_ERR_INPUT,
-                      "'%s' is translucent (first at pixel (%zu, %zu)); what is behind it is "
-                      "unknown",
+                      "'%s' is translucent (first at pixel (%zu, %zu)); its background is unknown",
                       reader->path, i % (size_t)reader->width_px, i / (size_t)reader->width_px);
             neph_hint(reader->diag, "flatten it onto its background");
             escape_with(reader, NEPH_ERR_INPUT);
@@ -375,7 +374,7 @@ static void add_pixel_aspect(struct reader *reader)
 
 static void read_picture(struct reader *reader)
 {
-    /* Otherwise a damaged colour chunk would be dropped without an error, and the file read as
+    /* A damaged colour chunk is an error: libpng would drop it, and the file would be read as
      * sRGB. */
     png_set_crc_action(reader->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     read_size(reader);

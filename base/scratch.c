@@ -27,8 +27,8 @@ struct neph_scratch {
 
 static enum neph_status fail(const char *parent, struct neph_diag *diag)
 {
-    return neph_fail(diag, NEPH_ERR_IO, "cannot make a folder for work in progress in '%s': %s",
-                     parent, strerror(errno));
+    return neph_fail(diag, NEPH_ERR_IO, "cannot create a scratch folder in '%s': %s", parent,
+                     strerror(errno));
 }
 
 static enum neph_status name_scratch(const char *parent, const char *prefix,

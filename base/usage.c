@@ -135,9 +135,9 @@ static void remove_largest(const char *folder, struct neph_usage *usage)
 static void leave_note(const char *folder, const struct neph_usage *before)
 {
     char *path = neph_path_join(folder, note_name);
-    char *text = neph_format("This folder held %" PRId64 " MiB in %" PRId64
-                             " files and folders. Of a failed frame %d MiB and %d are kept; the "
-                             "folders in it and the largest files were removed.\n",
+    char *text = neph_format("This folder had %" PRId64 " MiB in %" PRId64
+                             " files and folders. Of a failed frame at most %d MiB and %d entries "
+                             "are kept; subfolders and the largest files were removed.\n",
                              before->bytes >> 20, before->entries, (int)(NEPH_KEPT_BYTES >> 20),
                              NEPH_KEPT_ENTRIES);
     if (path && text)

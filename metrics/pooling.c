@@ -387,7 +387,7 @@ static const char no_mean[] = "the mean of the reference over the mask is not po
 static const char below_noise[] = "not above the noise of the mask";
 const char neph_pool_no_error[] = "there is no error at all to take a ratio of";
 const char neph_pool_hidden_error[] =
-    "the images differ, but only by what the display does not show";
+    "the images differ, but only beyond the limits of the display";
 
 /* The tiles of a mask that have a value, with their columns and the totals of the columns. */
 struct table {

@@ -11,7 +11,7 @@
 /* Units as in base/image.h. */
 static const struct neph_quantity quantities[] = {
     {"radiance", "W m^-2 sr^-1", "radiance with everything, R G B jointly", NULL, 3, NEPH_RADIANCE},
-    {"volume", "W m^-2 sr^-1", "in-scattered radiance alone, R G B jointly", "volume", 3,
+    {"volume", "W m^-2 sr^-1", "only in-scattered radiance, R G B jointly", "volume", 3,
      NEPH_VOLUME},
     {"transmittance", "1", "camera to the first solid or to infinity, R G B jointly",
      "transmittance", 3, NEPH_TRANSMITTANCE},

@@ -166,7 +166,7 @@ static enum neph_status fail_negative(const struct neph_validity *validity, size
     }
     return neph_fail(diag, NEPH_ERR_GATE,
                      "%zu values in %d of %d channels are negative, %zu allowed; first '%s' at "
-                     "pixel (%d, %d), whose least value is %g",
+                     "pixel (%d, %d); minimum of that channel: %g",
                      validity->negative_count, bad_channel_count, validity->channel_count,
                      negative_allowed, first->name, first->first_negative.x_px,
                      first->first_negative.y_px, (double)first->min);

@@ -19,8 +19,8 @@ static enum neph_status check_file(const char *path, struct neph_diag *diag)
                            "the blue noise in '%s' is damaged, or of another version of neph",
                            path);
     if (status)
-        neph_hint(diag, "it comes with neph: install neph again, or set NEPH_DATA_DIR to the "
-                        "folder that holds scenes/, scripts/ and renderer/blue_noise.png");
+        neph_hint(diag, "it is a part of neph: install neph again, or set NEPH_DATA_DIR to the "
+                        "folder with scenes/, scripts/ and renderer/blue_noise.png");
     return status;
 }
 

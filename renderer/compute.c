@@ -120,7 +120,7 @@ enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan,
         return NEPH_OK;
     if (words > vulkan->limits.maxTexelBufferElements)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "a kernel would have to see %zu texels; the device allows %u", words,
+                         "a kernel needs %zu texels in one buffer; the device allows %u", words,
                          vulkan->limits.maxTexelBufferElements);
     for (int f = 0; f < NEPH_GPU_TEXEL_FORMATS; f++) {
         const VkBufferViewCreateInfo info = {
@@ -237,9 +237,10 @@ static enum neph_status record(struct neph_batch *batch, const struct neph_kerne
         return status;
     const uint32_t groups_max = batch->vulkan->limits.maxComputeWorkGroupCount[0];
     if (dispatch->group_count > groups_max)
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "the kernel '%s' needs %u work groups at once; the device allows %u",
-                         kernel->params.name, dispatch->group_count, groups_max);
+        return neph_fail(
+            diag, NEPH_ERR_UNSUPPORTED,
+            "the kernel '%s' needs %u work groups in one dispatch; the device allows %u",
+            kernel->params.name, dispatch->group_count, groups_max);
     VkDescriptorSet set;
     const struct neph_kernel_bound bound = bound_by(kernel, dispatch);
     const VkResult result = neph_kernel_sets_get(kernel, &bound, &set);

@@ -201,8 +201,8 @@ static enum neph_status plan(struct neph_diffused_light *light, const struct nep
     if (status || light->cut.steps == light->cut.step_count)
         return status;
     return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                     "diffused light: sunlight at the %d points of a cell takes more loop turns "
-                     "than a dispatch may hold; fewer sun_steps (now %d) take fewer",
+                     "diffused light: sunlight at the %d points of a cell exceeds the loop "
+                     "iterations of a dispatch; reduce sun_steps (now %d)",
                      POINTS, light->params.sun_steps);
 }
 

@@ -223,8 +223,8 @@ static enum neph_status create_solids(const struct neph_vulkan *vulkan, struct n
     const size_t bytes = sizeof(struct neph_gpu_solids);
     if (bytes > vulkan->limits.maxUniformBufferRange)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "room for solids takes a uniform buffer of %zu bytes; the device allows "
-                         "%u: NEPH_VULKAN_DEVICE chooses another",
+                         "the solids need a uniform buffer of %zu bytes; the device allows %u: "
+                         "NEPH_VULKAN_DEVICE selects another device",
                          bytes, vulkan->limits.maxUniformBufferRange);
     return neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, bytes, "scene solids", &gpu->buffers[1],
                               diag);
@@ -256,10 +256,10 @@ static enum neph_status upload_data(const struct neph_vulkan *vulkan,
     for (uint32_t m = 0; m < gpu->frame->medium_count; m++)
         count += data_count(media[m], data);
     if (count > UINT32_MAX / element_bytes)
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "the media of the scene hold %zu values for the buffer '%s'; a shader can "
-                         "address %zu",
-                         count, data_buffers[data].name, UINT32_MAX / element_bytes);
+        return neph_fail(
+            diag, NEPH_ERR_UNSUPPORTED,
+            "the media of the scene have %zu values for the buffer '%s'; a shader can address %zu",
+            count, data_buffers[data].name, UINT32_MAX / element_bytes);
     enum neph_status status = upload(vulkan, NULL, 0, element_bytes * (count > 0 ? count : 1),
                                      data_buffers[data].name, buffer, diag);
     for (uint32_t m = 0; m < gpu->frame->medium_count && !status; m++) {

@@ -28,7 +28,7 @@ enum neph_status neph_in_flight_home(const struct neph_vulkan *vulkan,
                                      struct neph_diag *diag)
 {
     if (flight->home == flight->sent)
-        return neph_fail(diag, NEPH_ERR_USAGE, "no frame is on its way");
+        return neph_fail(diag, NEPH_ERR_USAGE, "no frame is in flight");
     const int oldest = (int)(flight->home % NEPH_IN_FLIGHT_FRAMES);
     const enum neph_status status = neph_batches_wait(vulkan, flight->batches[oldest], what, diag);
     if (status)

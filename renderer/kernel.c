@@ -93,9 +93,9 @@ static void check_loops(struct neph_vulkan *vulkan, const char *name, const uint
         return;
     if (atomic_fetch_add(&vulkan->message_count, 1) == 0)
         snprintf(vulkan->first_message, sizeof(vulkan->first_message),
-                 "shader %s: value %%%u of a turn of the loop at %%%u is asked for after the loop, "
-                 "where lavapipe has lost it: carry it from turn to turn, or leave the loop at its "
-                 "start (renderer/spirv_loops.h)",
+                 "shader %s: value %%%u of the loop at %%%u is used after the loop, where lavapipe "
+                 "has lost it: carry it by a variable of the loop, or leave the loop at its start "
+                 "(renderer/spirv_loops.h)",
                  name, lost.value, lost.header);
 }
 

@@ -28,10 +28,10 @@ enum neph_status neph_lattice_check(const struct neph_bounds *box, const char *w
     const double volume_m3 = sides_m[0] * sides_m[1] * sides_m[2];
     if (isfinite(volume_m3) && volume_m3 > 0.0)
         return NEPH_OK;
-    return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                     "%s: a medium of the scene has no finite bounds for a lattice; give it "
-                     "bounds, or set %s",
-                     wants, without);
+    return neph_fail(
+        diag, NEPH_ERR_UNSUPPORTED,
+        "%s: a medium of the scene has no finite bounds for a grid; give it bounds, or set %s",
+        wants, without);
 }
 
 void neph_lattice_place(const struct neph_bounds *box, struct neph_vec3 camera_m,

@@ -72,9 +72,11 @@ static const char *find_obstacle_to_diffused(const struct neph_scene *scene)
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_rgb albedo = scene->media[i].albedo;
         if (neph_medium_is_coloured(&scene->media[i]))
-            return "extinction that differs between the channels: light diffuses in one for all";
+            return "extinction that differs between the channels: diffusion is solved once for all "
+                   "channels";
         if (albedo.r != albedo.g || albedo.g != albedo.b)
-            return "an albedo that differs between the channels: light diffuses in one for all";
+            return "an albedo that differs between the channels: diffusion is solved once for all "
+                   "channels";
     }
     return NULL;
 }
@@ -85,11 +87,12 @@ static const char *find_obstacle_to_slab(const struct neph_scene *scene)
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *own = &scene->media[i], *first = &scene->media[0];
         if (neph_medium_is_coloured(own))
-            return "extinction that differs between the channels: slabs have one depth for all";
+            return "extinction that differs between the channels: slabs have one optical depth for "
+                   "all channels";
         if (own->phase.kind != first->phase.kind || own->phase.g != first->phase.g ||
             own->albedo.r != first->albedo.r || own->albedo.g != first->albedo.g ||
             own->albedo.b != first->albedo.b)
-            return "media of unlike albedo or phase function: the table of slabs is of one";
+            return "media with different albedo or phase function: there is one table of slabs";
     }
     return NULL;
 }
@@ -102,13 +105,13 @@ static const char *find_obstacle(const struct neph_scene *scene, enum neph_march
     if (lighting == NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_MULTIPLE)
         return "multiple scattering";
     if (lighting != NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_SINGLE)
-        return "single scattering: this lighting stands for all orders";
+        return "single scattering: this lighting includes all orders";
     if (lighting != NEPH_MARCH_SINGLE && scene->light_count > 0)
         return neph_lights_reason;
     for (int i = 0; lighting == NEPH_MARCH_HORIZON && i < scene->medium_count; i++)
         if (scene->media[i].kind != NEPH_MEDIUM_HORIZON)
-            return "a medium without the heights and shapes of Horizon's clouds, which this "
-                   "lighting is made of";
+            return "a medium other than Horizon clouds: this lighting needs their heights and "
+                   "shapes";
     if (neph_scene_emits(scene) &&
         (lighting == NEPH_MARCH_HORIZON || scene->scattering == NEPH_SCATTERING_MULTIPLE))
         return neph_emission_reason;
@@ -139,11 +142,11 @@ static const char *find_obstacle_to_veils(const struct neph_scene *scene,
         return "an orthographic camera under sky=tables";
     if (veils.sky && veils.fog.is_look &&
         neph_fog_control_is_on(&scene->fog_look, NEPH_FOG_SKY_LIGHT))
-        return "fog_look.sky_light under sky=tables: it is a part of the background, which a sky "
-               "has none of; put it into inscattering_w_per_m2_sr";
+        return "fog_look.sky_light with sky=tables: it is a part of the background, which such a "
+               "scene does not have; add it to inscattering_w_per_m2_sr";
     if (lighting == NEPH_MARCH_HORIZON)
-        return veils.sky ? "the light of Horizon's clouds, which has no unit, under sky=tables"
-                         : "the light of Horizon's clouds, which has no unit, in the look of a fog";
+        return veils.sky ? "the lighting of Horizon clouds, which has no unit, with sky=tables"
+                         : "the lighting of Horizon clouds, which has no unit, with a fog model";
     return NULL;
 }
 
@@ -262,7 +265,7 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
     if ((uint64_t)params->steps * (uint64_t)(1 + neph_march_sun_steps(scene, params)) >
         UINT32_MAX / 2)
         return neph_fail(diag, NEPH_ERR_USAGE,
-                         "march: %d steps of %d sun steps each are more than a pixel can count",
+                         "march: %d steps of %d sun steps each exceed the counter of a pixel",
                          params->steps, params->sun_steps);
     status = neph_shortcuts_check(params, diag);
     if (!status && params->lighting == NEPH_MARCH_TRACED)

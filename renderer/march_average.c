@@ -79,7 +79,8 @@ enum neph_status neph_march_average(struct neph_march *march, const struct neph_
     double *sums = NULL;
     if (rays_per_px < 1 || rays_per_px > NEPH_MARCH_RAYS_PER_PX_MAX ||
         (rays_per_px & (rays_per_px - 1)) != 0)
-        return neph_fail(diag, NEPH_ERR_USAGE, "march: rays_per_px is %d, no power of two in 1..%d",
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "march: rays_per_px is %d; allowed are powers of two in 1..%d",
                          rays_per_px, NEPH_MARCH_RAYS_PER_PX_MAX);
     enum neph_status status = neph_march_frame(march, scene, frame, NULL, &made, &total, diag);
     if (!status && rays_per_px > 1 &&

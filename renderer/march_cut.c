@@ -113,7 +113,7 @@ struct turns {
     uint64_t sun;     /* of a sun ray through media */
 };
 
-/* Otherwise all optical depths are sums over steps. */
+/* Whether some optical depths have closed forms; otherwise all are sums over steps. */
 static bool has_closed_forms(const struct neph_march_params *params)
 {
     return params->transmittance == NEPH_MARCH_EXACT || params->sun == NEPH_MARCH_EXACT;
@@ -239,8 +239,8 @@ static enum neph_status refuse_step(const struct neph_vulkan *vulkan,
                                     struct neph_diag *diag)
 {
     return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                     "march: one step with %d sun steps, %d media and %d solids takes %llu "
-                     "loop turns; a dispatch has %llu",
+                     "march: one step with %d sun steps, %d media and %d solids takes %llu loop "
+                     "iterations; the limit of a dispatch is %llu",
                      neph_march_sun_steps(scene, params), scene->medium_count, scene->solid_count,
                      (unsigned long long)turns, (unsigned long long)thread_turns_max(vulkan));
 }

@@ -126,7 +126,8 @@ struct neph_march_fog {
 /* The fog model for the index of the option's choice. */
 struct neph_march_fog neph_fog_for_march(int choice);
 
-/* Media of the scene that the ray marcher does not march. */
+/* The veils of a scene: media that are not marched but rendered over the marched media, the air of
+ * a planet from tables and the height fog by a model. */
 struct neph_march_veils {
     bool sky; /* the air of a planet */
     struct neph_march_fog fog;

@@ -90,8 +90,8 @@ bool neph_float32_reaches(const struct neph_scene *scene, char *reason, size_t r
                 continue;
             snprintf(reason, reason_size,
                      "medium %d is too far for float32: extinction %.3g /m x distance %.3g m = "
-                     "%.2g, above %.0e, where places are off by a hundredth of a mean free path; "
-                     "exact and oracle reckon in double",
+                     "%.2g, above %.0e, where rounding of positions is a hundredth of a mean free "
+                     "path; exact and oracle compute in double",
                      m, extinction_per_m, reach / extinction_per_m, reach, reach_max);
             return false;
         }

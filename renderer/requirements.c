@@ -20,45 +20,45 @@ static const char install_driver[] = "apt-get install mesa-vulkan-drivers";
 
 static const struct neph_requirement rows[] = {
     {"apiVersion", NEPH_REQUIREMENT_VERSION, NEPH_REQUIRED, FACT(api_version), VK_API_VERSION_1_2,
-     "SPIR-V 1.5 and all that Vulkan 1.2 promises", NULL},
+     "SPIR-V 1.5 and the guaranteed features of Vulkan 1.2", NULL},
     {"VK_QUEUE_COMPUTE_BIT", NEPH_REQUIREMENT_LEAST, NEPH_REQUIRED, FACT(has_compute_queue), 1,
      "every kernel", NULL},
     {"uniformBufferStandardLayout", NEPH_REQUIREMENT_FEATURE, NEPH_REQUIRED,
      FACT(features_12.uniformBufferStandardLayout), 1,
-     "arrays of numbers in uniform buffers that lie as in C", NULL},
+     "arrays of numbers in uniform buffers with the layout of C", NULL},
     {"hostQueryReset", NEPH_REQUIREMENT_FEATURE, NEPH_REQUIRED, FACT(features_12.hostQueryReset), 1,
-     "clocks that the CPU sets back", NULL},
+     "timestamp queries reset by the CPU", NULL},
     {"shaderStorageBufferArrayDynamicIndexing", NEPH_REQUIREMENT_FEATURE, NEPH_REQUIRED,
      FACT(features.shaderStorageBufferArrayDynamicIndexing), 1,
-     "targets that a pass of realtime chooses by number", NULL},
+     "targets indexed dynamically by a pass of realtime", NULL},
     {"subgroupSupportedOperations", NEPH_REQUIREMENT_BITS, NEPH_REQUIRED,
      FACT(subgroup.supportedOperations), VK_SUBGROUP_FEATURE_VOTE_BIT,
-     "rays of a subgroup that march until one of them finds light", NULL},
+     "votes of a subgroup on the end of its rays", NULL},
     {"subgroupSupportedStages", NEPH_REQUIREMENT_BITS, NEPH_REQUIRED,
      FACT(subgroup.supportedStages), VK_SHADER_STAGE_COMPUTE_BIT, "the same", NULL},
     {"maxPerStageDescriptorStorageBuffers", NEPH_REQUIREMENT_LEAST, NEPH_REQUIRED,
      FACT(limits.maxPerStageDescriptorStorageBuffers), NEPH_KERNEL_STORAGE_MAX,
-     "the targets of realtime and the scene, bound at once", NULL},
+     "the targets of realtime and the scene in one kernel", NULL},
     {"maxDescriptorSetStorageBuffers", NEPH_REQUIREMENT_LEAST, NEPH_REQUIRED,
      FACT(limits.maxDescriptorSetStorageBuffers), NEPH_KERNEL_STORAGE_MAX, "the same", NULL},
     {"maxUniformBufferRange", NEPH_REQUIREMENT_LEAST, NEPH_REQUIRED,
      FACT(limits.maxUniformBufferRange), sizeof(struct neph_gpu_solids), "the solids of a scene",
      NULL},
     {"shaderInt64", NEPH_REQUIREMENT_FEATURE, NEPH_REQUIRED_OF_CPU, FACT(features.shaderInt64), 1,
-     "two words of a buffer that a CPU writes at once", NULL},
+     "writes of two words at once by a CPU", NULL},
     {"shaderStorageImageExtendedFormats", NEPH_REQUIREMENT_FEATURE, NEPH_REQUIRED_OF_CPU,
      FACT(features.shaderStorageImageExtendedFormats), 1, "pairs of words as texels", NULL},
     {"maxPerStageDescriptorStorageImages", NEPH_REQUIREMENT_LEAST, NEPH_REQUIRED_OF_CPU,
      FACT(limits.maxPerStageDescriptorStorageImages),
      RT_WORD_TARGET_COUNT + RT_PAIR_TARGET_COUNT + RT_TARGET_COUNT,
-     "the targets of realtime once more, as texels of one, two and four words", NULL},
+     "the targets of realtime also as texels of one, two and four words", NULL},
     {"timestampValidBits", NEPH_REQUIREMENT_LEAST, NEPH_OPTIONAL, FACT(timestamp_bits), 1,
-     "the time that a device takes",
-     "frames have no time of the device, and long marches are split by the count of their steps"},
+     "device times",
+     "frames have no device time, and long marches are split by their number of steps"},
     {"VK_FORMAT_R32_SFLOAT", NEPH_REQUIREMENT_BITS, NEPH_OPTIONAL, FACT(r32f_features),
      VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT,
-     "voxels from a texture of 32 bits (grid_format=r32f)",
-     "r32f is refused; grid_format=r16f, r8 and grid_sampling=exact are there"},
+     "voxels from a 32-bit texture (grid_format=r32f)",
+     "r32f is refused; grid_format=r16f, r8 and grid_sampling=exact are available"},
 };
 
 enum { ROWS = sizeof(rows) / sizeof(rows[0]) };
@@ -166,10 +166,10 @@ enum neph_status neph_requirements_check(const struct neph_device_facts *facts,
     neph_fail(diag, NEPH_ERR_UNAVAILABLE,
               "the Vulkan device '%.100s' cannot be used: its %s is %s, needed is %s, for %s%s",
               facts->device, answer.name, answer.value, answer.needed, answer.purpose, others);
-    neph_hint(diag,
-              "update its driver, or let NEPH_VULKAN_DEVICE name another device, such as llvmpipe: "
-              "%s",
-              install_driver);
+    neph_hint(
+        diag,
+        "update its driver, or set NEPH_VULKAN_DEVICE to another device, such as llvmpipe: %s",
+        install_driver);
     return NEPH_ERR_UNAVAILABLE;
 }
 

@@ -29,14 +29,14 @@ static enum neph_status check_growth(const char *name, double growth, int steps,
 {
     if (growth > 1.0 && growth < NEPH_STEP_GROWTH_LEAST)
         return neph_fail(diag, NEPH_ERR_USAGE,
-                         "march: %s is %.9g: 1 (equal steps), or at least %g, since "
-                         "nearer to 1 float32 cannot tell its steps apart",
+                         "march: %s is %.9g; allowed are 1 (equal steps) and values from %g on, "
+                         "because float32 cannot resolve smaller growth",
                          name, growth, NEPH_STEP_GROWTH_LEAST);
     if (growth <= 1.0 || pow(growth, steps - 1) <= NEPH_STEP_GROWTH_WHOLE_MAX)
         return NEPH_OK;
     return neph_fail(diag, NEPH_ERR_USAGE,
-                     "march: with %s=%g the last of %d steps is more than %g times as "
-                     "long as the first; at most %s=%.6g is of use",
+                     "march: with %s=%g the last of %d steps is more than %g times as long as the "
+                     "first; the limit is %s=%.6g",
                      name, growth, steps, NEPH_STEP_GROWTH_WHOLE_MAX, name,
                      pow(NEPH_STEP_GROWTH_WHOLE_MAX, 1.0 / (steps - 1)));
 }
@@ -54,17 +54,16 @@ static enum neph_status check_lighting(const struct neph_march_params *params,
     const struct neph_shortcuts *shortcuts = &params->shortcuts;
     if (scales_view(params->lighting) && shortcuts->early_out > 0.0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "march: early_out=%g: light of higher orders also comes from where the "
+                         "march: early_out=%g: multiple scattering also contributes where the "
                          "view's transmittance is small; set early_out=0",
                          shortcuts->early_out);
     if (params->lighting != NEPH_MARCH_HORIZON || !(shortcuts->sun_cache || shortcuts->skip))
         return NEPH_OK;
     return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                     shortcuts->skip
-                         ? "march: skip=majorant: the light of Horizon's clouds shines in clear "
-                           "air, too, and would be lost; set skip=off"
-                         : "march: sun_cache=grid: the light of Horizon's clouds asks for no "
-                           "optical depth towards the sun; set sun_cache=off");
+                     shortcuts->skip ? "march: skip=majorant: the lighting of Horizon clouds also "
+                                       "emits in clear air, which would be lost; set skip=off"
+                                     : "march: sun_cache=grid: the lighting of Horizon clouds uses "
+                                       "no optical depth towards the sun; set sun_cache=off");
 }
 
 static enum neph_status check_texture(const struct neph_march_params *params,
@@ -75,8 +74,8 @@ static enum neph_status check_texture(const struct neph_march_params *params,
         return NEPH_OK;
     return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                      "march: grid_sampling=texture: with transmittance=exact and sun=exact closed "
-                     "forms integrate the voxels themselves, and no sum over steps is left for the "
-                     "texture; set transmittance=marched, sun=marched, or both");
+                     "forms integrate the voxels, so no samples of the texture are needed; set "
+                     "transmittance=marched, sun=marched, or both");
 }
 
 enum neph_status neph_shortcuts_check(const struct neph_march_params *params,

@@ -163,9 +163,9 @@ static enum neph_status check_places(const struct neph_skip_cells *skip,
     if (largest_shift_m(skip, scene, box->min_m, skip->box_min_m) <= rounding_m)
         return NEPH_OK;
     return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                     "skip=majorant: wind carries some media and not others, or the noise of a "
-                     "Horizon cloud within its bounds, and empty cells do not stay empty; set "
-                     "skip=off, or give the cloud voxels");
+                     "skip=majorant: the wind moves only some of the media, or the noise of a "
+                     "Horizon cloud within its bounds, so empty cells do not stay empty; set "
+                     "skip=off, or convert the cloud to voxels");
 }
 
 enum neph_status neph_skip_cells_place(const struct neph_skip_cells *skip,

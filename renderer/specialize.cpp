@@ -106,12 +106,12 @@ std::string optimize(const uint32_t *words, size_t word_count, const Values &val
     if (!values.empty())
         optimizer.RegisterPass(spvtools::CreateSetSpecConstantDefaultValuePass(values));
     if (!optimizer.RegisterPassesFromFlags(passes))
-        return "it does not know a pass: " + said;
+        return "unknown pass: " + said;
     spvtools::OptimizerOptions options;
     options.set_run_validator(false); /* the build has validated it */
     if (optimizer.Run(words, word_count, optimized, options))
         return "";
-    return said.empty() ? "it gives no reason" : said;
+    return said.empty() ? "no message" : said;
 }
 
 std::string version()

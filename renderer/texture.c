@@ -44,7 +44,7 @@ static enum neph_status check(const struct neph_vulkan *vulkan,
         neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                   "grid_format=%s: the device '%s' does not interpolate 3D images of it",
                   neph_texel_formats[params->format], vulkan->description.device);
-        neph_hint(diag, "grid_format= has others; grid_sampling=exact needs none");
+        neph_hint(diag, "set another grid_format, or grid_sampling=exact, which needs no texture");
         return NEPH_ERR_UNSUPPORTED;
     }
     for (int axis = 0; axis < 3; axis++)

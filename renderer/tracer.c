@@ -547,8 +547,8 @@ static enum neph_status check_turns(const struct render *render, struct neph_dia
                            4 * neph_gpu_solid_turns(render->scene.frame->solid_count) + 64;
     if (turns > NEPH_KERNEL_LOOP_TURNS_MAX)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "tracer: the voxel grids are too fine together: a ray may take %llu turns "
-                         "through loops, a kernel at most %d",
+                         "tracer: the voxel grids are too fine: a ray may take %llu loop "
+                         "iterations, the limit of a kernel is %d",
                          (unsigned long long)turns, NEPH_KERNEL_LOOP_TURNS_MAX);
     return NEPH_OK;
 }

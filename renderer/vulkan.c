@@ -103,7 +103,7 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan,
     if (vkEnumerateInstanceVersion == NULL)
         return unavailable_driver(VK_ERROR_INCOMPATIBLE_DRIVER, "Vulkan 1.1 or later", diag);
     if (validation != NEPH_VALIDATION_OFF && !has_validation_layer()) {
-        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "validation is asked for but %s is not installed",
+        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "validation was requested but %s is not installed",
                   validation_layer);
         neph_hint(diag, "%s", install_validation);
         return NEPH_ERR_UNAVAILABLE;

@@ -37,7 +37,7 @@ static enum neph_status check_request(const struct neph_bounds *box, int resolut
         return NEPH_ERR_INPUT;
     }
     if (!(side_m.x > 0.0 && side_m.y > 0.0 && side_m.z > 0.0))
-        return neph_fail(diag, NEPH_ERR_INPUT, "the bounds leave nothing of the medium");
+        return neph_fail(diag, NEPH_ERR_INPUT, "the bounds exclude the whole medium");
     if (resolution < NEPH_BAKE_RESOLUTION_MIN || resolution > NEPH_GRID_SIDE_MAX)
         return neph_fail(diag, NEPH_ERR_INPUT, "resolution %d: it must be %d..%d", resolution,
                          NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX);

@@ -20,9 +20,9 @@ const struct neph_field neph_camera_key_fields[] = {
     {"frame", NEPH_NUMBER, CAMERA_KEY(frame), "", 0, NEPH_KEY_FRAME_MAX,
      .note = "of the keys, see Time", .hash_name = "camera_key"},
     {"position_m", NEPH_THREE, CAMERA_KEY(position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .note = "of the eye"},
+     .note = "of the camera"},
     {"look_at_m", NEPH_THREE, CAMERA_KEY(look_at_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .note = "in the middle of the picture"},
+     .note = "at the centre of the frame"},
     {"cut", NEPH_FLAG, CAMERA_KEY(cut), .note = "the camera stays at the key before and jumps",
      .standard = "`false`", .hashing = NEPH_HASHED_IF_SET},
     {0},
@@ -44,7 +44,7 @@ static const struct neph_field camera_fields[] = {
      .note = "from the lower edge to the upper", .standard = "needed, or `orthographic_height_m`",
      .hash_name = "vertical_fov_rad"},
     {"orthographic_height_m", NEPH_NUMBER, SCENE(orthographic_height_m), "m", 1e-3, NEPH_FAR_M,
-     .note = "in place of it: parallel rays, the picture's height at any distance",
+     .note = "in place of it: parallel rays, the frame's height at any distance",
      .standard = "none", .hashing = NEPH_HASHED_IF_SET},
     {0},
 };
@@ -79,9 +79,9 @@ static enum neph_status check_lens(const struct neph_reader *reader, const yaml_
         neph_reader_has(reader, node, "orthographic_height_m"))
         return neph_refuse(reader, "", "give either vertical_fov_deg or orthographic_height_m");
     if (scene->orthographic_height_m > 0.0 && scene->camera_key_count > 1)
-        return neph_refuse(reader, "keys",
-                           "an orthographic camera stands still: motion vectors know perspective "
-                           "cameras alone");
+        return neph_refuse(
+            reader, "keys",
+            "an orthographic camera is static: motion vectors support only perspective cameras");
     return NEPH_OK;
 }
 

@@ -69,7 +69,7 @@ static enum neph_status check_plain(const struct scan *scan, const yaml_event_t 
                       "write the value out where it is used");
     if (tag)
         return refuse(scan, event, diag, "tags (!name) are not allowed in a scene",
-                      "the keys alone say what a value is");
+                      "only its key defines the type of a value");
     return NEPH_OK;
 }
 
@@ -90,7 +90,7 @@ static enum neph_status check_event(struct scan *scan, const yaml_event_t *event
     case YAML_DOCUMENT_START_EVENT:
         if (++scan->documents > 1)
             return refuse(scan, event, diag, "a second document ('---') in one file",
-                          "one file holds one scene");
+                          "a file has one scene");
         return NEPH_OK;
     case YAML_ALIAS_EVENT:
         return refuse(scan, event, diag, "aliases (*name) are not allowed in a scene",
@@ -143,7 +143,7 @@ static enum neph_status scan_events(struct scan *scan, struct neph_diag *diag)
     }
     yaml_parser_delete(&parser);
     if (!status && !scan->documents) {
-        status = neph_fail(diag, NEPH_ERR_INPUT, "the file holds no scene: it is empty");
+        status = neph_fail(diag, NEPH_ERR_INPUT, "the file has no scene: it is empty");
         neph_hint(diag, "see scenes/README.md for the format, scenes/catalog/ for examples");
         neph_locate(diag, scan->file, 1, 1);
     }

@@ -15,45 +15,45 @@ const char *const neph_fog_model_words[] = {"unreal", "filament", NULL};
 static const struct neph_fog_control_row rows[NEPH_FOG_CONTROL_COUNT] = {
     [NEPH_FOG_SKY_LIGHT] = {"sky_light", "sky_light", "Sky Atmosphere Ambient Contribution",
                             "fogColorFromIbl",
-                            "the sky's light arrives everywhere as if there were no fog over it: "
-                            "right where the fog is a white furnace, too bright in its depth",
+                            "the sky's light is not attenuated by the fog above: correct in a "
+                            "white furnace, too bright deep in the fog",
                             LOOK(sky_light), 3, 0.0},
     [NEPH_FOG_START] = {"start_distance", "start_distance_m", "Start Distance", "distance",
-                        "a ball around the camera, and wherever it goes, has no fog: too much "
-                        "light comes through, none is scattered there",
+                        "a ball around the camera has no fog: its transmittance is too high, and "
+                        "no light is scattered there",
                         LOOK(start_distance_m), 1, 0.0},
-    [NEPH_FOG_END] = {"end_distance", "end_distance_m", "End Distance", NULL,
-                      "fog ends at a cylinder around the camera: what lies behind is seen too well",
-                      LOOK(end_distance_m), 1, 0.0},
+    [NEPH_FOG_END] =
+        {"end_distance", "end_distance_m", "End Distance", NULL,
+         "fog ends at a cylinder around the camera: the background has too much contrast",
+         LOOK(end_distance_m), 1, 0.0},
     [NEPH_FOG_CUTOFF] = {"cutoff_distance", "cutoff_distance_m", "Fog Cutoff Distance",
                          "cutOffDistance",
-                         "behind a ball around the camera there is no fog at all, also none "
-                         "before it: things pop as they cross it",
+                         "beyond a ball around the camera there is no fog, not even in front of "
+                         "it: objects jump as they cross it",
                          LOOK(cutoff_distance_m), 1, 0.0},
     [NEPH_FOG_MAX_OPACITY] = {"max_opacity", "max_opacity", "Fog Max Opacity", "maximumOpacity",
-                              "no depth of fog is opaque: what it hides shines through, and its "
-                              "own light is dimmed as much",
+                              "no depth of fog is opaque: the background remains visible, and the "
+                              "fog's own light is reduced by the same part",
                               LOOK(max_opacity), 1, 1.0},
-    [NEPH_FOG_HAND_OVER] = {"volumetric_fog_distance", "volumetric_fog_distance_m",
-                            "Volumetric Fog View Distance", NULL,
-                            "nearer fog is another renderer's: physics in the froxels of "
-                            "realtime, missing in engine fog_look; a march without froxels "
-                            "begins the look at the camera",
-                            LOOK(volumetric_fog_distance_m), 1, 0.0},
+    [NEPH_FOG_HAND_OVER] =
+        {"volumetric_fog_distance", "volumetric_fog_distance_m", "Volumetric Fog View Distance",
+         NULL,
+         "nearer fog belongs to another renderer: physical in the froxels of realtime, absent in "
+         "engine fog_look; a march without froxels starts the non-physical fog at the camera",
+         LOOK(volumetric_fog_distance_m), 1, 0.0},
     [NEPH_FOG_OBSERVER] = {"observer_height_max", "observer_height_max_m",
                            "(fixed: 65536 cm above the fog)", NULL,
-                           "a camera above it looks from a lower place, into denser fog, and "
-                           "along other rays",
+                           "a camera above is moved down, into denser fog and along other rays",
                            LOOK(observer_height_max_m), 1, NEPH_FOG_NO_OBSERVER_M},
-    [NEPH_FOG_DIRECTIONAL] = {"directional", "directional_w_per_m2_sr",
-                              "Directional Inscattering Color", "(the light's own colour)",
-                              "a glow around the sun that is added: cos^e over the sphere is "
-                              "2 pi / (e + 1) and not 1, no light is taken for it, no shadow "
-                              "falls on it, max_opacity does not dim it",
-                              LOOK(directional_w_per_m2_sr), 3, 0.0},
+    [NEPH_FOG_DIRECTIONAL] =
+        {"directional", "directional_w_per_m2_sr", "Directional Inscattering Color",
+         "(the light's own colour)",
+         "a glow around the sun is added: cos^e integrates to 2 pi / (e + 1) instead of 1, its "
+         "energy is not subtracted, it has no shadows, max_opacity does not reduce it",
+         LOOK(directional_w_per_m2_sr), 3, 0.0},
     [NEPH_FOG_DIRECTIONAL_START] = {"directional_start", "directional_start_m",
                                     "Directional Inscattering Start Distance", "inScatteringStart",
-                                    "that glow begins later than the fog, with a kink",
+                                    "the glow starts farther away than the fog, with a kink",
                                     LOOK(directional_start_m), 1, 0.0},
 };
 

@@ -60,9 +60,9 @@ static bool has_ends(const struct neph_bounds *bounds)
 static const char *find_obstacle_in_fog(const struct neph_medium *fog, enum neph_fog_model model)
 {
     if (has_ends(&fog->bounds))
-        return "fog that has bounds: a look fills all space";
+        return "fog with bounds: non-physical fog fills all space";
     if (neph_medium_is_coloured(fog))
-        return "extinction that differs between the channels: a look has one opacity";
+        return "extinction that differs between the channels: non-physical fog has one opacity";
     if (model == NEPH_FOG_FILAMENT && fog->layer_count > 1)
         return "a second layer of fog: Filament has one";
     return NULL;
@@ -74,11 +74,11 @@ static const char *find_obstacle(const struct neph_scene *scene, enum neph_fog_m
 {
     const struct neph_medium *fog = neph_fog_look_medium(scene);
     if (!scene->fog_look.present)
-        return "a scene without a look of its fog: fog_look says what it is";
+        return "a scene without the key fog_look, which has the controls of non-physical fog";
     if (scene->light_count > 0)
-        return "lights: a look knows the sun alone";
+        return "lights: non-physical fog supports only the sun";
     if (scene->orthographic_height_m > 0.0)
-        return "an orthographic camera: a look has one observer, whom all distances are from";
+        return "an orthographic camera: distances of non-physical fog need one camera position";
     return fog ? find_obstacle_in_fog(fog, model) : NULL;
 }
 
@@ -99,8 +99,8 @@ bool neph_fog_look_is_of(const struct neph_scene *scene, enum neph_fog_model mod
                          size_t reason_size)
 {
     const char *beside = scene->fog_look.present && scene->medium_count > 1
-                             ? "media beside the fog, which this engine has no eyes for: march and "
-                               "realtime show them with fog=unreal or fog=filament"
+                             ? "media beside the fog, which this engine does not render: use march "
+                               "or realtime with fog=unreal or fog=filament"
                              : NULL;
     return !says(beside, reason, reason_size) &&
            neph_fog_look_is_among(scene, model, reason, reason_size);

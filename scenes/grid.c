@@ -61,7 +61,7 @@ static enum neph_status check_place(const int size[3], struct neph_vec3 origin_m
         return NEPH_OK;
     return neph_fail(diag, NEPH_ERR_INPUT,
                      "a grid with origin (%g, %g, %g) m and spacing (%g, %g, %g) m: both must be "
-                     "finite, the spacing above 0 and not lost beside the origin",
+                     "finite, the spacing above 0 and not lost to rounding at the origin",
                      origin_m.x, origin_m.y, origin_m.z, spacing_m.x, spacing_m.y, spacing_m.z);
 }
 

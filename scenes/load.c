@@ -51,10 +51,11 @@ static enum neph_status finish_texts(struct neph_reader *reader, struct neph_wri
     if (neph_has_control(scene->title, ""))
         status = neph_refuse(reader, "title", "a title is one line without control characters");
     if (written->old_description && scene->description)
-        return neph_also(reader, status,
-                         neph_refuse(reader, "physics",
-                                     "physics is the older name of description, which is given, "
-                                     "too; leave physics out"));
+        return neph_also(
+            reader, status,
+            neph_refuse(
+                reader, "physics",
+                "physics is the older name of description, and both are given; leave physics out"));
     if (written->old_description) {
         const yaml_node_t *node = neph_document_find(reader->document, "physics");
         scene->description = written->old_description;

@@ -19,10 +19,10 @@ const struct neph_scene_display *neph_scene_display(const struct neph_scene *sce
 
 static const struct neph_field display_fields[] = {
     {"exposure_ev", NEPH_NUMBER, DISPLAY(exposure_ev), "EV", -40, 40,
-     .note = "pictures show radiance times 2^ev; numbers do not", .standard = "0"},
+     .note = "displayed images are radiance times 2^ev; measured values are not", .standard = "0"},
     {"chain", NEPH_TEXT, DISPLAY(chain),
-     .note = "a file, from the scene's folder on: what `neph render` shows its frames by, "
-             "docs/post.md; no frame depends on it",
+     .note = "a file, relative to the scene's folder: the post-processing chain with which `neph "
+             "render` displays frames, docs/post.md; no frame depends on it",
      .least = 1, .most = 1000, .standard = "none"},
     {0},
 };

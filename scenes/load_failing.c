@@ -54,8 +54,8 @@ static const struct neph_record limit_record = {
 static const struct neph_field axis_fields[] = {
     {"name", NEPH_TEXT, AXIS(name), .note = "of results: pitch_m", .least = 1, .most = 40},
     {"set", NEPH_TEXT, AXIS(paths),
-     .note = "paths of numbers of this file, parted by spaces: solids[0].fence.pitch_m", .least = 1,
-     .most = PATHS_MAX},
+     .note = "paths of numbers of this file, separated by spaces: solids[0].fence.pitch_m",
+     .least = 1, .most = PATHS_MAX},
     {"to", NEPH_NUMBERS, AXIS(to), "", -VALUE_MAX, VALUE_MAX, .note = "in place of the numbers",
      .least = 1, .most = NEPH_FAILING_VALUES_MAX, .count_at = AXIS(to_count),
      .standard = "needed, or `by`"},
@@ -108,7 +108,7 @@ static enum neph_status read_axis(struct neph_reader *reader, const yaml_node_t 
     if ((axis->to_count > 0) == (axis->by_count > 0))
         return neph_refuse(reader, "", "give either to or by");
     if (!neph_is_identifier(axis->name))
-        return neph_refuse(reader, "name", "a name is of a-z, 0-9 and _ alone");
+        return neph_refuse(reader, "name", "a name has only a-z, 0-9 and _");
     return check_paths(reader, axis);
 }
 
@@ -118,29 +118,29 @@ static const struct neph_record axis_record = {
 /* --- The stress test --- */
 
 static const struct neph_field failing_fields[] = {
-    {"fails", NEPH_TEXT, FAILING(fails), .note = "what fails and why", .least = 1,
+    {"fails", NEPH_TEXT, FAILING(fails), .note = "the failure and its cause", .least = 1,
      .most = TEXT_MAX},
-    {"known", NEPH_TEXT, FAILING(known), .note = "who is known to fail", .least = 1,
+    {"known", NEPH_TEXT, FAILING(known), .note = "renderers that are known to fail", .least = 1,
      .most = TEXT_MAX},
-    {"symptom", NEPH_TEXT, FAILING(symptom), .note = "what is seen of it", .least = 1,
+    {"symptom", NEPH_TEXT, FAILING(symptom), .note = "the visible symptom", .least = 1,
      .most = TEXT_MAX},
     {"presets", NEPH_TEXT, FAILING(presets),
-     .note = "of `realtime`, parted by spaces; `none`: the scenario is of engines alone",
-     .least = 1, .most = 200, .standard = "all"},
+     .note = "of `realtime`, separated by spaces; `none`: only engines are tested", .least = 1,
+     .most = 200, .standard = "all"},
     {"width_px", NEPH_WHOLE, FAILING(width_px), "", 16, SIDE_MAX_PX, .standard = "96"},
     {"height_px", NEPH_WHOLE, FAILING(height_px), "", 9, SIDE_MAX_PX, .standard = "54"},
     {"frames", NEPH_WHOLE, FAILING(frame_count), "", 4, 4096, .note = "that are measured",
      .standard = "32"},
     {"steps", NEPH_WHOLE, FAILING(steps), "", 1, 1024, .note = "of every ray", .standard = "8"},
     {"event_frame", NEPH_WHOLE, FAILING(event_frame), "", 1, 4095,
-     .note = "the first picture after what lags are measured from", .standard = "none"},
+     .note = "the first frame after the event from which lags are measured", .standard = "none"},
     {"truth", NEPH_WORD, FAILING(truth),
-     .note = "the march of the same moment with the same steps, 16 rays a pixel; or engine `exact` "
+     .note = "the march of the same frame with the same steps, 16 rays a pixel; or engine `exact` "
              "through centres of pixels",
      .words = neph_failing_truth_words, .standard = "`march`"},
     {"quick", NEPH_FLAG, FAILING(quick), .note = "one of the quick tier", .standard = "`false`"},
     {"engines", NEPH_FLAG, FAILING(engines),
-     .note = "also of engines that make each picture anew, against engine `exact`",
+     .note = "also tests engines without history, with engine `exact` as reference",
      .standard = "`false`"},
     {"measures", NEPH_LIST, FAILING(limits), .least = 1, .most = LIMITS_MAX,
      .count_at = FAILING(limit_count), .record = &limit_record},

@@ -16,28 +16,29 @@ _Static_assert((int)NEPH_FOG_NO_OBSERVER_M == (int)NEPH_FAR_M, "as the table say
 
 static const struct neph_field fields[] = {
     {"inscattering_w_per_m2_sr", NEPH_THREE, LOOK(inscattering_w_per_m2_sr), "W/m2/sr", 0, 1e9,
-     .note = "Fog Inscattering Color: the radiance of fog that nothing is seen through"},
+     .note = "Fog Inscattering Color: the radiance of opaque fog"},
     {"sky_light", NEPH_THREE, LOOK(sky_light), "", 0, 100,
-     .note = "so much of the background's radiance is added to it", .standard = "[0, 0, 0]"},
+     .note = "factor of the background's radiance that is added to it", .standard = "[0, 0, 0]"},
     {"start_distance_m", NEPH_NUMBER, LOOK(start_distance_m), "m", 0, NEPH_FAR_M,
-     .note = "fog nearer than this is left out", .standard = "0"},
+     .note = "nearer fog is left out", .standard = "0"},
     {"end_distance_m", NEPH_NUMBER, LOOK(end_distance_m), "m", 0, NEPH_FAR_M,
-     .note = "fog beyond, over ground, is left out; 0: none is", .standard = "0"},
+     .note = "fog beyond this horizontal distance is left out; 0: none is", .standard = "0"},
     {"cutoff_distance_m", NEPH_NUMBER, LOOK(cutoff_distance_m), "m", 0, NEPH_FAR_M,
-     .note = "what lies beyond is seen without any fog; 0: nothing is", .standard = "0"},
+     .note = "objects beyond are seen without fog; 0: none are", .standard = "0"},
     {"max_opacity", NEPH_NUMBER, LOOK(max_opacity), "", 0, 1, .standard = "1"},
     {"volumetric_fog_distance_m", NEPH_NUMBER, LOOK(volumetric_fog_distance_m), "m", 0, NEPH_FAR_M,
      .note = "nearer fog is left to froxels, by depth", .standard = "0"},
     {"observer_height_max_m", NEPH_NUMBER, LOOK(observer_height_max_m), "m", -1e5, NEPH_FAR_M,
-     .note = "a camera above it is taken to be there; Unreal has 655.36 m above the fog's height",
+     .note =
+         "a camera above is treated as at this height; Unreal has 655.36 m above the fog's height",
      .standard = "1e6"},
     {"directional_w_per_m2_sr", NEPH_THREE, LOOK(directional_w_per_m2_sr), "W/m2/sr", 0, 1e9,
-     .note = "Directional Inscattering Color: added where one looks into the sun",
+     .note = "Directional Inscattering Color: added in the direction of the sun",
      .standard = "[0, 0, 0]"},
     {"directional_exponent", NEPH_NUMBER, LOOK(directional_exponent), "", 0, NEPH_FOG_EXPONENT_MAX,
      .note = "of the cosine between view and sun", .standard = "4"},
     {"directional_start_m", NEPH_NUMBER, LOOK(directional_start_m), "m", 0, NEPH_FAR_M,
-     .note = "that glow begins so far behind the start of the fog", .standard = "0"},
+     .note = "start of the glow, from the start of the fog", .standard = "0"},
     {0},
 };
 
@@ -60,7 +61,7 @@ static enum neph_status read_look(struct neph_reader *reader, const yaml_node_t 
     const double start_m = fmax(look->start_distance_m, look->volumetric_fog_distance_m);
     if (look->end_distance_m > 0.0 && look->end_distance_m <= start_m)
         return neph_refuse(reader, "end_distance_m",
-                           "%g is not beyond %g, where the fog starts; 0: it does not end",
+                           "%g is not beyond the start of the fog, %g; 0: it does not end",
                            look->end_distance_m, start_m);
     return NEPH_OK;
 }
@@ -77,5 +78,5 @@ enum neph_status neph_check_fog_look(const struct neph_reader *reader,
     if (!scene->fog_look.present || fogs == 1)
         return NEPH_OK;
     return neph_refuse(reader, "fog_look",
-                       "it is the look of a height fog, and the scene has %d; give it one", fogs);
+                       "it controls a height fog, and the scene has %d; give it one", fogs);
 }

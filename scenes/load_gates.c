@@ -23,7 +23,7 @@ static const struct neph_field gate_fields[] = {
     {"engine", NEPH_TEXT, GATE(engine), .least = 1, .most = 64},
     {"quantity", NEPH_WORD, GATE(quantity), .words = neph_gate_quantity_words},
     {"metric", NEPH_TEXT, GATE(metric), .least = 1, .most = 64,
-     .note = "one that `neph metrics` lists for single pictures"},
+     .note = "one that `neph metrics` lists for single frames"},
     {"mask", NEPH_TEXT, GATE(mask), .words = mask_words, .standard = "`all`"},
     {"maximum", NEPH_NUMBER, GATE(maximum), "", 0, 1e9, .note = "of the absolute value"},
     {"reason", NEPH_TEXT, GATE(reason), .least = 1, .most = 1000},

@@ -20,12 +20,12 @@
 
 enum { FRAME_MAX = 100000, MARGIN_MAX_PX = 4096, LIST_MAX = 64 };
 
-static const char picture_note[] = "of the pictures";
+static const char picture_note[] = "not of the keys";
 
 static const struct neph_field history_fields[] = {
     {"frame", NEPH_WHOLE, HISTORY(frame), "", 0, FRAME_MAX, .note = picture_note},
     {"value", NEPH_WORD, HISTORY(value), .words = neph_injected_value_words},
-    {"first", NEPH_FLAG, HISTORY(first), .note = "and the picture has no past, as the first one",
+    {"first", NEPH_FLAG, HISTORY(first), .note = "and the frame has no history, like the first one",
      .standard = "`false`"},
     {0},
 };
@@ -49,7 +49,7 @@ static const struct neph_field view_fields[] = {
      .standard = "0"},
     {"right_px", NEPH_WHOLE, VIEW(right_px), "px", 0, MARGIN_MAX_PX, .standard = "0"},
     {"bottom_px", NEPH_WHOLE, VIEW(bottom_px), "px", 0, MARGIN_MAX_PX, .standard = "0"},
-    {"value", NEPH_WORD, VIEW(value), .note = "of all that is not the picture's",
+    {"value", NEPH_WORD, VIEW(value), .note = "of all texels outside the view",
      .words = neph_injected_value_words},
     {0},
 };
@@ -88,26 +88,25 @@ static const struct neph_record mirror_record = {.size = sizeof(struct neph_inje
 
 static const struct neph_field size_fields[] = {
     {"frame", NEPH_WHOLE, SIZE(frame), "", 0, FRAME_MAX, .note = picture_note},
-    {"scale", NEPH_NUMBER, SIZE(scale), "", 0.05, 4, .note = "of the picture's size"},
+    {"scale", NEPH_NUMBER, SIZE(scale), "", 0.05, 4, .note = "factor of the frame's size"},
     {0},
 };
 static const struct neph_record size_record = {.size = sizeof(struct neph_injected_size),
                                                .fields = size_fields};
 
 static const struct neph_field origin_fields[] = {
-    {"frame", NEPH_WHOLE, ORIGIN(frame), "", 0, FRAME_MAX, .note = "the first picture of it"},
+    {"frame", NEPH_WHOLE, ORIGIN(frame), "", 0, FRAME_MAX, .note = "the first frame with it"},
     {"by_m", NEPH_THREE, ORIGIN(by_m), "m", -1e7, 1e7,
-     .note = "how far the world, the camera included, lies from where the file has it"},
+     .note = "displacement of the world, with the camera, from its place in the file"},
     {0},
 };
 static const struct neph_record origin_record = {.size = sizeof(struct neph_injected_origin),
                                                  .fields = origin_fields};
 
 static const struct neph_field exposure_fields[] = {
-    {"frame", NEPH_WHOLE, EXPOSURE(frame), "", 0, FRAME_MAX, .note = "the first picture of it"},
+    {"frame", NEPH_WHOLE, EXPOSURE(frame), "", 0, FRAME_MAX, .note = "the first frame with it"},
     {"factor", NEPH_NUMBER, EXPOSURE(factor), "", 1e-4, 1e4,
-     .note = "by which the camera multiplies light before it is kept; pictures come out as "
-             "radiance all the same"},
+     .note = "factor of the camera on light before it is stored; output frames are still radiance"},
     {0},
 };
 static const struct neph_record exposure_record = {.size = sizeof(struct neph_injected_exposure),
@@ -115,21 +114,21 @@ static const struct neph_record exposure_record = {.size = sizeof(struct neph_in
 
 static const struct neph_field injection_fields[] = {
     {"history", NEPH_LIST, ALL(histories),
-     .note = "all that a picture takes for its past: histories, their ages and depths",
-     .is_ascending = true, .least = 1, .most = LIST_MAX, .count_at = ALL(history_count),
-     .record = &history_record, .standard = "none"},
-    {"rays", NEPH_LIST, ALL(rays), .note = "what the march of a picture has found",
-     .is_ascending = true, .least = 1, .most = LIST_MAX, .count_at = ALL(ray_count),
-     .record = &ray_record, .standard = "none"},
+     .note = "the history of a frame: colours, ages and depths", .is_ascending = true, .least = 1,
+     .most = LIST_MAX, .count_at = ALL(history_count), .record = &history_record,
+     .standard = "none"},
+    {"rays", NEPH_LIST, ALL(rays), .note = "rays of a frame's march", .is_ascending = true,
+     .least = 1, .most = LIST_MAX, .count_at = ALL(ray_count), .record = &ray_record,
+     .standard = "none"},
     {"sizes", NEPH_LIST, ALL(sizes),
-     .note = "before a picture one of another size, and back to its own", .is_ascending = true,
+     .note = "before a frame one of another size, then back to its own", .is_ascending = true,
      .least = 1, .most = LIST_MAX, .count_at = ALL(size_count), .record = &size_record,
      .standard = "none"},
-    {"view", NEPH_RECORD, ALL(view), .note = "the picture is a rectangle of larger buffers",
+    {"view", NEPH_RECORD, ALL(view), .note = "the frame is a rectangle of larger buffers",
      .record = &view_record, .standard = "none"},
     {"mirror", NEPH_RECORD, ALL(mirror),
-     .note = "before each picture that of a second camera, mirrored at a height, with one history "
-             "for both",
+     .note = "before each frame the view of a second camera, mirrored at a height, with one "
+             "history for both",
      .record = &mirror_record, .standard = "none"},
     {"origin", NEPH_LIST, ALL(origins), .note = "the world's origin moves", .is_ascending = true,
      .least = 1, .most = LIST_MAX, .count_at = ALL(origin_count), .record = &origin_record,
@@ -149,12 +148,12 @@ enum neph_status neph_check_injections(const struct neph_reader *reader,
     const struct neph_injections *injections = scene->injections;
     if (injections->mirror.count > 0 && scene->orthographic_height_m > 0.0)
         return neph_refuse(reader, "inject.mirror",
-                           "an orthographic camera has no mirrored one: motion vectors know "
-                           "perspective cameras alone");
+                           "an orthographic camera cannot be mirrored: motion vectors support only "
+                           "perspective cameras");
     for (int i = 0; i < scene->medium_count && injections->origin_count > 0; i++)
         if (!neph_medium_can_shift(&scene->media[i]))
             return neph_refuse(reader, "inject.origin",
-                               "media[%d], a %s, is bound to its place and cannot lie elsewhere", i,
+                               "media[%d], a %s, has a fixed place and cannot be moved", i,
                                neph_medium_facts(scene->media[i].kind)->name);
     return NEPH_OK;
 }

@@ -14,9 +14,9 @@ static const struct neph_field cone_fields[] = {
     {"axis", NEPH_THREE, LIGHT(axis), "", -1e6, 1e6,
      .note = "from the light; its length does not matter"},
     {"inner_deg", NEPH_NUMBER, LIGHT(inner_cosine), "degrees", 0, 179,
-     .note = "from the axis; in full up to here", .hash_name = "inner_cosine"},
+     .note = "from the axis; full intensity up to here", .hash_name = "inner_cosine"},
     {"outer_deg", NEPH_NUMBER, LIGHT(outer_cosine), "degrees", 0.1, 179.9,
-     .note = "nothing from here on; smoothstep of the cosine between", .hash_name = "outer_cosine"},
+     .note = "0 from here on; smoothstep of the cosine between", .hash_name = "outer_cosine"},
     {0},
 };
 
@@ -50,7 +50,7 @@ static const struct neph_field light_fields[] = {
     {"position_m", NEPH_THREE, LIGHT(position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "of a point: lights have no size", .hash_name = "light_position_m"},
     {"intensity_w_per_sr", NEPH_THREE, LIGHT(intensity_w_per_sr), "W/sr", 0, 1e9,
-     .note = "the same into all directions, or within the inner angle"},
+     .note = "in all directions, or within the inner angle"},
     {"cone", NEPH_RECORD, .record = &cone_record, .standard = "all around",
      .hashing = NEPH_HASHED_IF_SET},
     {0},

@@ -24,11 +24,10 @@ enum {
 static const struct neph_field common_fields[] = {
     {"extinction_color", NEPH_THREE, AT(extinction_color), "", 0, 1e3,
      .note = "extinction per channel, in parts of extinction_per_m", .standard = "[1, 1, 1]"},
-    {"albedo", NEPH_THREE, AT(albedo), "", 0, 1,
-     .note = "an albedo above 1 would make light out of nothing"},
+    {"albedo", NEPH_THREE, AT(albedo), "", 0, 1, .note = "an albedo above 1 would create energy"},
     {"emission_w_per_m2_sr", NEPH_THREE, AT(emission_w_per_m2_sr), "W/m2/sr", 0, 1e6,
-     .note = "of the black body that it were, opaque and without scattering: emitted per metre is "
-             "(1 - albedo) * extinction * emission, seen always, scattered with `multiple`",
+     .note = "radiance of the medium as a black body, opaque and without scattering: it emits (1 - "
+             "albedo) * extinction * emission per metre, always visible, scattered with `multiple`",
      .standard = "[0, 0, 0]", .hashing = NEPH_HASHED_IF_SET},
     {"phase", NEPH_WORD, AT(phase.kind), .words = neph_phase_words, .standard = "`isotropic`"},
     {"asymmetry_g", NEPH_NUMBER, AT(phase.g), "", -0.999, 0.999,
@@ -117,7 +116,7 @@ static enum neph_status check_optics(const struct neph_reader *reader, const yam
                            "only phase: " NEPH_PHASES_WITH_ASYMMETRY " has an asymmetry");
     if (color.r + color.g + color.b == 0.0)
         return neph_refuse(reader, "extinction_color",
-                           "a medium that no channel sees; leave it out instead");
+                           "a medium without extinction in any channel; leave it out instead");
     return NEPH_OK;
 }
 

@@ -27,9 +27,9 @@
 
 static const struct neph_field pause_fields[] = {
     {"frame", NEPH_WHOLE, offsetof(struct neph_pause, frame), "", 0, NEPH_KEY_FRAME_MAX,
-     .note = "of the keys, not of the pictures", .hash_name = "pause"},
+     .note = "of the keys, not of the sequence", .hash_name = "pause"},
     {"count", NEPH_WHOLE, offsetof(struct neph_pause, count), "frames", 1, 10000,
-     .note = "so many pictures more show it"},
+     .note = "number of additional frames that show it"},
     {0},
 };
 static const struct neph_record pause_record = {.size = sizeof(struct neph_pause),
@@ -47,9 +47,9 @@ static const struct neph_record clear_record = {.size = sizeof(struct neph_clear
 
 static const struct neph_field size_fields[] = {
     {"frame", NEPH_WHOLE, offsetof(struct neph_frame_scale, frame), "", 0, NEPH_KEY_FRAME_MAX,
-     .note = "the first picture of this size", .hash_name = "frame_scale"},
+     .note = "the first frame of this size", .hash_name = "frame_scale"},
     {"scale", NEPH_NUMBER, offsetof(struct neph_frame_scale, scale), "", 0.05, 4,
-     .note = "of the size that was asked for"},
+     .note = "factor of the requested size"},
     {0},
 };
 static const struct neph_record size_record = {.size = sizeof(struct neph_frame_scale),
@@ -64,7 +64,7 @@ static const struct neph_field frames_fields[] = {
      .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(pause_count), .record = &pause_record,
      .standard = "none"},
     {"advance", NEPH_NUMBERS, SCENE(advances), "frames", 0, 1000,
-     .note = "of the keys from picture to picture, by turns: pictures at uneven times", .least = 1,
+     .note = "of the keys from frame to frame, in turn: frames at uneven times", .least = 1,
      .most = NEPH_SCENE_ADVANCES_MAX, .count_at = SCENE(advance_count), .standard = "[1]",
      .hash_name = "advance"},
     {"clear", NEPH_LIST, SCENE(clears), .note = "there are no media", .is_ascending = true,
@@ -86,7 +86,7 @@ static const struct neph_field sun_key_fields[] = {
     {"direction", NEPH_THREE, SUN_KEY(direction), "", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "towards the sun"},
     {"irradiance_w_per_m2", NEPH_THREE, SUN_KEY(irradiance_w_per_m2), "W/m2", 0, BRIGHT,
-     .note = "on a plane across the direction"},
+     .note = "on a plane perpendicular to the direction"},
     {0},
 };
 static const struct neph_record sun_key_record = {.size = sizeof(struct neph_sun_key),
@@ -97,8 +97,8 @@ static const struct neph_field sun_fields[] = {
      .note = "towards the sun; any length but 0", .standard = "needed, or `keys`",
      .hashing = NEPH_HASHED_AS_MADE},
     {"irradiance_w_per_m2", NEPH_THREE, WRITTEN(sun.irradiance_w_per_m2), "W/m2", 0, BRIGHT,
-     .note = "on a plane across the direction, per channel", .standard = "needed, or `keys`",
-     .hashing = NEPH_HASHED_AS_MADE},
+     .note = "on a plane perpendicular to the direction, per channel",
+     .standard = "needed, or `keys`", .hashing = NEPH_HASHED_AS_MADE},
     {"keys", NEPH_LIST, SCENE(sun_keys),
      .note = "in place of both, by ascending frames; directions go along the great circle, so "
              "neighbours may not be opposite",
@@ -120,8 +120,8 @@ static enum neph_status check_sun_key(const struct neph_reader *reader,
     if (neph_vec3_length(sum) >= SUN_SINE_MIN)
         return NEPH_OK;
     return neph_refuse(reader, path.text,
-                       "at frame %g the sun is opposite to where it is at frame %g (sun.keys[%d]); "
-                       "give a key between them that says which way it goes",
+                       "at frame %g the sun is opposite to its place at frame %g (sun.keys[%d]); "
+                       "give a key between them, which defines its path",
                        key->frame, key[-1].frame, index - 1);
 }
 
@@ -179,7 +179,7 @@ static const struct neph_field wind_key_fields[] = {
     {"frame", NEPH_NUMBER, WIND_KEY(frame), "", 0, NEPH_KEY_FRAME_MAX,
      .note = "of the keys, see Time", .hash_name = "wind_key"},
     {"velocity_m_per_s", NEPH_THREE, WIND_KEY(velocity_m_per_s), "m/s", -FAST_M_PER_S, FAST_M_PER_S,
-     .note = "of what drifts, see Time"},
+     .note = "of media that drift, see Time"},
     {0},
 };
 static const struct neph_record wind_key_record = {.size = sizeof(struct neph_wind_key),
@@ -282,7 +282,7 @@ enum neph_status neph_check_wind(const struct neph_reader *reader, const struct 
         if (way_m > DRIFT_MAX_M)
             return neph_refuse(
                 reader, "wind",
-                "at frame %d it has carried the media %g m far; at most %g m are allowed", frame,
+                "at frame %d it has moved the media by %g m; at most %g m are allowed", frame,
                 way_m, DRIFT_MAX_M);
     }
     return NEPH_OK;

@@ -40,7 +40,7 @@ _Static_assert(offsetof(struct neph_written_solid, solid) == 0, "a solid comes f
 #define MOVER(member) offsetof(struct neph_mover, member)
 #define KEY(member) offsetof(struct neph_solid_key, member)
 
-static const char albedo_note[] = "an albedo above 1 would make light out of nothing";
+static const char albedo_note[] = "an albedo above 1 would create energy";
 
 /* --- Surfaces --- */
 
@@ -70,7 +70,8 @@ static const struct neph_record texture_record = {.fields = texture_fields};
          "",                                                                                       \
          0,                                                                                        \
          1,                                                                                        \
-         .note = "so much of its light a metal of that colour reflects, the rest is Lambertian",   \
+         .note = "part of the reflection that is a metal of that colour; the other part is "       \
+                 "Lambertian",                                                                     \
          .standard = "0",                                                                          \
          .hashing = NEPH_HASHED_IF_SET},                                                           \
     {                                                                                              \
@@ -152,7 +153,7 @@ static const struct neph_field rails_fields[] = {
      .count_at = FENCE(rail_count)},
     {"width_m", NEPH_NUMBER, FENCE(rail_width_m), "m", 1e-4, 1e3, .note = "along Y"},
     {"depth_m", NEPH_NUMBER, FENCE(rail_depth_m), "m", 1e-4, 1e3,
-     .note = "along Z, less than that of the bars"},
+     .note = "along Z, less than bar_depth_m"},
     {0},
 };
 static const struct neph_record rails_record = {.fields = rails_fields};
@@ -374,12 +375,11 @@ static enum neph_status check_metals(const struct neph_reader *reader,
         const struct neph_solid *solid = &written->solids[i].solid;
         const char *kind = solid->kind == NEPH_SOLID_BOX ? "box" : "sphere";
         if (solid->surface.metalness > 0.0)
-            status = neph_also(
-                reader, status,
-                neph_refuse(reader, neph_at("solids[%d].%s.metalness", i, kind).text,
-                            "a metal shows the light of other surfaces, and scattering is %s: say "
-                            "scattering: multiple",
-                            neph_scattering_name(written->scene.scattering)));
+            status = neph_also(reader, status,
+                               neph_refuse(reader, neph_at("solids[%d].%s.metalness", i, kind).text,
+                                           "a metal reflects other surfaces, and scattering is %s: "
+                                           "set scattering: multiple",
+                                           neph_scattering_name(written->scene.scattering)));
     }
     return status;
 }

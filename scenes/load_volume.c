@@ -49,9 +49,9 @@ const struct neph_field neph_volume_fields[] = {
      .note = "its name in a .vdb; `density[1]` is the second of several `density`", .least = 1,
      .most = 64, .standard = "the only one, or `density`"},
     {"placement", NEPH_WORD, VOLUME(placement), .words = placements,
-     .note = "`file`: as large and where the file says (.vdb); `fit`: as large and where "
-             "`center_m` and a side say",
-     .standard = "`fit` where one of its keys is given, else `file`"},
+     .note = "`file`: size and place from the file (.vdb); `fit`: size and place from `center_m` "
+             "and a side",
+     .standard = "`fit` if one of its keys is given, else `file`"},
     {"up", NEPH_WORD, VOLUME(up), .words = ups,
      .note = "the file's axis that points up; z: (x, y, z) of the file becomes (x, z, -y)",
      .standard = "y"},
@@ -61,14 +61,13 @@ const struct neph_field neph_volume_fields[] = {
     {"center_m", NEPH_THREE, VOLUME(center_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "of the block of voxels", .standard = "needed by `placement: fit`"},
     {"longest_side_m", NEPH_NUMBER, VOLUME(longest_side_m), "m", 1e-3, NEPH_FAR_M,
-     .note = "of the block of voxels, which keep the shape that the file gives them; those of a "
-             ".df3 are cubes",
+     .note = "of the block of voxels, which keep the file's proportions; those of a .df3 are cubes",
      .standard = "needed by `placement: fit`, or `size_m`"},
     {"size_m", NEPH_THREE, VOLUME(size_m), "m", 1e-3, NEPH_FAR_M,
      .note = "of the block of voxels, along the world's x, y, z",
      .standard = "needed by `placement: fit`, or `longest_side_m`"},
     {"fit_to", NEPH_WORD, VOLUME(fit_to), .words = fits,
-     .note = "which voxels of a .vdb are the block: those that are not 0, or all active ones",
+     .note = "the voxels of a .vdb that are the block: all that are not 0, or all active ones",
      .standard = "values"},
     {"origin_m", NEPH_THREE, VOLUME(origin_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "`placement: file` puts the file's origin there", .standard = "[0, 0, 0]"},
@@ -151,7 +150,7 @@ static enum neph_status check_fit(const struct neph_reader *reader, const yaml_n
     if (!has_transform)
         return refuse(reader, "fit_to", "all nodes of a .df3 are its block", "leave the key out");
     if (neph_reader_has(reader, node, "index_box"))
-        return refuse(reader, "fit_to", "index_box already says which voxels are the block",
+        return refuse(reader, "fit_to", "index_box already defines the block of voxels",
                       "leave one of the two out");
     return NEPH_OK;
 }
@@ -166,7 +165,7 @@ static enum neph_status choose_placement(const struct neph_reader *reader, const
     if (!neph_reader_has(reader, node, "placement"))
         volume->placement = fit_key || !has_transform ? PLACEMENT_FIT : PLACEMENT_FILE;
     if (volume->placement == PLACEMENT_FILE && !has_transform)
-        return refuse(reader, "placement", "a .df3 does not say how large or where it is",
+        return refuse(reader, "placement", "a .df3 has no size and place",
                       "placement: fit, with center_m, and longest_side_m or size_m");
     if (volume->placement == PLACEMENT_FILE && fit_key)
         return refuse(reader, fit_key, "placement: file takes size and place from the file",

@@ -102,7 +102,7 @@ enum neph_status neph_majorants_create(const struct neph_medium *medium,
                              neph_medium_facts(medium->kind)->name);
         if (!(extent_m[axis] > 0.0))
             return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                             "the bounds of a %s leave nothing of it: no majorant grid",
+                             "the bounds of a %s exclude all of it: no majorant grid",
                              neph_medium_facts(medium->kind)->name);
     }
     struct neph_majorants *made = calloc(1, sizeof(*made));

@@ -150,9 +150,8 @@ static const struct neph_field grid_fields[] = {
     {"values", NEPH_NUMBERS, GRID(values), "", 0, 1e6, .note = "x fastest, then y, then z",
      .least = 1, .most = VALUES_MAX, .count_at = GRID(value_count)},
     {"repeat", NEPH_WHOLES, GRID(repeat), "", 0, NEPH_GRID_SIDE_MAX,
-     .note =
-         "so many copies side by side along x, y, z, the last node beside the first of the next; "
-         "0: without end, as far as there is a world",
+     .note = "number of copies side by side along x, y, z, the last node beside the first of the "
+             "next; 0: without end, over the whole world",
      .standard = "[1, 1, 1]"},
     {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at value 1"},
     {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
@@ -215,9 +214,10 @@ static const struct neph_field sheet_fields[] = {
      .note = "its middle"},
     {"side_m", NEPH_NUMBER, SHEET(sheet.side_m), "m", 1e-2, NEPH_FAR_M, .note = "along x and z"},
     {"thickness_m", NEPH_NUMBER, SHEET(sheet.thickness_m), "m", 1e-3, 1e5,
-     .note = "between the faces, where the density is 0; it is largest in the middle"},
+     .note = "between the faces, where the density is 0; it is largest at the middle"},
     {"planet_radius_m", NEPH_NUMBER, SHEET(sheet.planet_radius_m), "m", 0, 1e9,
-     .note = "it goes around a planet whose ground is at y = 0 under its middle; 0: level",
+     .note =
+         "radius of a planet that it follows, whose ground is at y = 0 below its middle; 0: level",
      .standard = "0"},
     {"optical_depth", NEPH_NUMBER, SHEET(optical_depth), "", 0, 1e3,
      .note = "straight up through it, where the pattern is 1"},
@@ -229,11 +229,11 @@ static const struct neph_field sheet_fields[] = {
     {"wisp_m", NEPH_NUMBER, SHEET(sheet.wisp_m), "m", 1e-2, NEPH_FAR_M,
      .note = "between wisps, across them", .standard = "1000"},
     {"stretch", NEPH_NUMBER, SHEET(sheet.stretch), "", 1, 100,
-     .note = "a wisp's length is so many times that", .standard = "6"},
+     .note = "length of a wisp over its width", .standard = "6"},
     {"along", NEPH_THREE, SHEET(sheet.along), "", -1e6, 1e6,
-     .note = "the wisps: a direction of which x and z count", .standard = "[1, 0, 0]"},
+     .note = "direction of the wisps; only x and z are used", .standard = "[1, 0, 0]"},
     {"coverage", NEPH_NUMBER, SHEET(sheet.coverage), "", 0, 1,
-     .note = "how much of the pattern is not clear", .standard = "0.5"},
+     .note = "part of the pattern that is not clear", .standard = "0.5"},
     {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
     {0},
 };

@@ -91,10 +91,9 @@ static const struct neph_field fields[] = {
     {"detail_repeats", NEPH_NUMBER, HORIZON(params.detail_repeats), "", 1e-2, 1e4,
      .standard = "60"},
     {"wind_m", NEPH_THREE, HORIZON(params.wind_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .note = "so far the patterns have moved", .standard = "[0, 0, 0]"},
+     .note = "displacement of the patterns", .standard = "[0, 0, 0]"},
     {"bounds", NEPH_RECORD, AT(bounds),
-     .note =
-         "a cloud layer needs finite bounds: trackers and other engines must know where it ends",
+     .note = "a cloud layer needs finite bounds, for trackers and other engines",
      .record = &neph_bounds_record},
     {0},
 };

@@ -42,10 +42,11 @@ static enum neph_status check(const struct neph_scene *scene, const struct neph_
 {
     const char *obstacle = find_obstacle(scene, light);
     if (obstacle)
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s cannot be lit anew: %s", scene->name,
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s cannot be relit: %s", scene->name,
                          obstacle);
     if (is_outside(light->sun_elevation_rad, -0.5 * M_PI, 0.5 * M_PI))
-        return neph_fail(diag, NEPH_ERR_USAGE, "a sun %g degrees above the horizon is none",
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "a sun %g degrees above the horizon, outside the range",
                          light->sun_elevation_rad / NEPH_RAD_PER_DEG);
     if (!(light->sun_sinks_rad >= 0.0 && light->sun_sinks_rad <= 0.5))
         return neph_fail(diag, NEPH_ERR_USAGE, "a sun that sinks by %g radians, outside 0..0.5",

@@ -223,12 +223,11 @@ static const struct neph_field fields[] = {
     {"center_m", NEPH_THREE, AT(shell.center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
      .note = "of the ball"},
     {"radius_m", NEPH_NUMBER, AT(shell.radius_m), "m", 1, 1e8,
-     .note = "of the ground: there is nothing below it"},
+     .note = "of the ground: no medium below it"},
     {"scale_height_m", NEPH_NUMBER, AT(shell.scale_height_m), "m", 1e-2, 1e7,
      .note = "in which the density falls to 1/e"},
     {"bounds", NEPH_RECORD, AT(bounds),
-     .note =
-         "an atmosphere needs finite bounds: trackers and other engines must know where it ends",
+     .note = "an atmosphere needs finite bounds, for trackers and other engines",
      .record = &neph_planet_bounds_record},
     {0},
 };

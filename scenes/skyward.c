@@ -18,10 +18,11 @@ static enum neph_status check(const struct neph_scene *scene, const struct neph_
     if (!scene->sun.present || scene->solid_count == 0 ||
         scene->solids[0].kind != NEPH_SOLID_SPHERE)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "%s is no planet: it wants a sun, and a sphere as its first solid",
+                         "%s is no planet: it needs a sun, and a sphere as its first solid",
                          scene->name);
     if (!(fabs(view->sun_elevation_rad) <= M_PI / 2.0))
-        return neph_fail(diag, NEPH_ERR_USAGE, "a sun %g degrees above the horizon is none",
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "a sun %g degrees above the horizon, outside the range",
                          view->sun_elevation_rad / NEPH_RAD_PER_DEG);
     if (!(view->altitude_m > 0.0 && view->altitude_m <= 1e8))
         return neph_fail(diag, NEPH_ERR_USAGE, "an altitude of %g m, outside 0..1e8",

@@ -146,7 +146,7 @@ static const struct neph_field fields[] = {
      .note = "of the ground, from which altitudes count"},
     {"altitude_m", NEPH_NUMBER, AT(tent.altitude_m), "m", 1e-2, 1e7, .note = "of the peak"},
     {"half_width_m", NEPH_NUMBER, AT(tent.half_width_m), "m", 1e-2, 1e7,
-     .note = "from the peak to where nothing is left; no more than altitude_m"},
+     .note = "from the peak to the end of the layer; no more than altitude_m"},
     {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_planet_bounds_record,
      .standard = "unbounded"},
     {0},

@@ -38,7 +38,8 @@ static const struct {
     const char *(*obstacle)(const struct neph_scene *scene);
 } kinds[NEPH_VARIANT_KIND_COUNT] = {
     [NEPH_VARIANT_SUN_STEP] = {"sun_step", "its sun four times as bright from frame", sun_obstacle},
-    [NEPH_VARIANT_SUN_SINE] = {"sun_sine", "its sun up and down at periods of 16, 32 and 64 frames",
+    [NEPH_VARIANT_SUN_SINE] = {"sun_sine",
+                               "its sun oscillates with periods of 16, 32 and 64 frames",
                                sun_obstacle},
     [NEPH_VARIANT_CAMERA_CUT] = {"camera_cut", "its camera turned at once at frame",
                                  camera_obstacle},
@@ -52,7 +53,7 @@ const char *neph_variant_name(enum neph_variant_kind kind)
 const char *neph_variant_obstacle(const struct neph_scene *scene, enum neph_variant_kind kind)
 {
     if (scene->advance_count > 0)
-        return "its time goes on unevenly (frames.advance), and its light with it";
+        return "its time is uneven (frames.advance), and so is its light";
     if (scene->pause_count > 0)
         return "its time stands still in pauses (frames.pauses), and its light with it";
     return kinds[kind].obstacle(scene);

@@ -40,13 +40,13 @@ static enum neph_status read_header(const struct neph_volume_source *source, str
         size[axis] = bytes[2 * axis] << 8 | bytes[2 * axis + 1];
     const uint64_t nodes = (uint64_t)size[0] * (uint64_t)size[1] * (uint64_t)size[2];
     if (nodes == 0)
-        return neph_fail(diag, NEPH_ERR_INPUT, "its header says %d x %d x %d nodes, which is none",
+        return neph_fail(diag, NEPH_ERR_INPUT, "its header has %d x %d x %d nodes, an empty block",
                          size[0], size[1], size[2]);
     const uint64_t body = source->size_bytes - HEADER_BYTES;
     const uint64_t width = body / nodes;
     if (body % nodes != 0 || (width != 1 && width != 2 && width != 4))
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "its header says %d x %d x %d nodes, but the %llu bytes after it are "
+                         "its header has %d x %d x %d nodes, but the %llu bytes after it are "
                          "neither 1, 2 nor 4 for each: truncated, or not a .df3",
                          size[0], size[1], size[2], (unsigned long long)body);
     header->width_bytes = (int)width;

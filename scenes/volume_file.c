@@ -47,7 +47,7 @@ static const struct format *find_format(const char *path)
 
 static enum neph_status refuse_format(const char *shown, struct neph_diag *diag)
 {
-    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is no volume file that neph knows", shown);
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not a volume file that neph supports", shown);
     neph_hint(diag, "its name must end in .vdb or .df3");
     return NEPH_ERR_INPUT;
 }

@@ -57,8 +57,7 @@ static enum neph_status check_grid(const char *path, const struct neph_grid *gri
     const struct neph_bounds box = neph_grid_support(grid);
     const double *low_m = &box.min_m.x, *high_m = &box.max_m.x;
     if (!(grid->maximum > 0.0F))
-        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is 0 everywhere: there is nothing to see",
-                         path);
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is 0 everywhere: the volume is empty", path);
     for (int axis = 0; axis < 3; axis++)
         if (low_m[axis] < -0.1 * NEPH_FAR_M || high_m[axis] > 0.1 * NEPH_FAR_M) {
             neph_fail(diag, NEPH_ERR_INPUT,
@@ -108,7 +107,7 @@ static char *format(const char *name, const char *written, const struct neph_gri
         "title: \"%.80s in the sun\"\n"
         "\n"
         "# The file spans %.6g x %.6g x %.6g m (%d x %d x %d voxels), if its unit is the metre.\n"
-        "# The camera stands where the whole of it is in the frame.\n"
+        "# The whole volume is in the frame.\n"
         "camera:\n"
         "  position_m: [%.6g, %.6g, %.6g]\n"
         "  look_at_m: [%.6g, %.6g, %.6g]\n"
@@ -118,8 +117,9 @@ static char *format(const char *name, const char *written, const struct neph_gri
         "sun: {direction: [0.7, 0.5, 0.5], irradiance_w_per_m2: [10, 9.6, 9]}\n"
         "background_w_per_m2_sr: [0.1, 0.2, 0.4] # the sky behind; it does not light the medium\n"
         "\n"
-        "# single: sunlight is scattered once, which engine `exact` computes to the last digit.\n"
-        "# multiple: all orders of scattering, as in a photograph; the path tracer is the truth.\n"
+        "# single: sunlight is scattered once, which engine `exact` computes exactly.\n"
+        "# multiple: all orders of scattering, as in a photograph; the path tracer is the "
+        "reference.\n"
         "scattering: single\n"
         "\n"
         "media:\n"
@@ -127,8 +127,8 @@ static char *format(const char *name, const char *written, const struct neph_gri
         "      file: \"%s\" # from the folder of this file on, or absolute\n"
         "      # unit_m: 0.01 # if the file is in centimetres\n"
         "      # grid: density # if the file has several\n"
-        "      # Of density 1. The file does not say it: this value gives the densest vertical\n"
-        "      # column an optical depth of %g. Write the value of your renderer.\n"
+        "      # For density 1. The file has no such value: this one gives the densest vertical\n"
+        "      # column an optical depth of %g. Replace it by the value of your renderer.\n"
         "      extinction_per_m: %.6g\n"
         "      albedo: [1, 1, 1] # of what is lost to extinction, the part that is scattered\n"
         "      phase: henyey_greenstein\n"

@@ -47,10 +47,10 @@ enum neph_status neph_volume_find_openvdb(char **program, struct neph_diag *diag
         *program = path;
         return NEPH_OK;
     }
-    neph_fail(diag, NEPH_ERR_UNAVAILABLE,
-              "there is no program '%s', which alone knows OpenVDB files", path);
-    neph_hint(diag, "it is built together with neph; copy it into the folder of neph, or let the "
-                    "variable NEPH_VDB name it");
+    neph_fail(diag, NEPH_ERR_UNAVAILABLE, "the program '%s', which reads OpenVDB files, is missing",
+              path);
+    neph_hint(diag, "it is built together with neph; copy it into the folder of neph, or set the "
+                    "variable NEPH_VDB to its path");
     free(path);
     return NEPH_ERR_UNAVAILABLE;
 }
@@ -116,8 +116,8 @@ static enum neph_status explain(const struct neph_child_result *result, int log_
     last_line(log_fd, reason.text);
     find_hint(&reason);
     if (result->signal == SIGXCPU)
-        return neph_fail(diag, NEPH_ERR_INPUT,
-                         "damaged: OpenVDB took %.0f s without coming to an end", result->cpu_s);
+        return neph_fail(diag, NEPH_ERR_INPUT, "damaged: OpenVDB did not end within %.0f s",
+                         result->cpu_s);
     if (result->signal)
         return neph_fail(diag, NEPH_ERR_INPUT, "damaged: OpenVDB crashed on it (signal %d)",
                          result->signal);
@@ -297,7 +297,7 @@ static enum neph_status take_grid(const struct neph_volume_request *request, str
     struct neph_vdb_placement placement;
     struct neph_turned_block turned;
     if (!take(voxels, &placement, sizeof(placement)))
-        return neph_fail(diag, NEPH_ERR_INPUT, "damaged: OpenVDB gave up on it without a word");
+        return neph_fail(diag, NEPH_ERR_INPUT, "damaged: OpenVDB failed without a message");
     struct neph_grid *made = NULL;
     enum neph_status status = create_grid(request, &placement, &turned, &made, diag);
     while (!status && voxels->used < voxels->size)

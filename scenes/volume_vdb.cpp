@@ -159,7 +159,7 @@ class archive : openvdb::io::Archive
         of_the_file.readMeta(stream);
         const int32_t count = readGridCount(stream);
         if (count < 0 || count > grids_max)
-            throw bad_file(words("it says that it holds %d grids", count));
+            throw bad_file(words("it declares %d grids", count));
         std::vector<entry> entries(static_cast<size_t>(count));
         for (entry &each : entries) {
             each.grid = each.descriptor.read(stream);
@@ -205,7 +205,7 @@ std::string list_names(const std::vector<entry *> &entries)
 entry &choose(std::vector<entry> &entries, const char *wanted)
 {
     if (entries.empty())
-        throw bad_file("it holds no grid");
+        throw bad_file("it has no grid");
     if (!wanted && entries.size() == 1)
         return entries[0];
     const std::string name = wanted ? wanted : "density";
@@ -239,8 +239,8 @@ void check_kind(const entry &chosen)
                              "density",
                              name.c_str(), grid.type().c_str()));
     if (chosen.descriptor.isInstance())
-        throw bad_file(words("grid '%.60s' only repeats grid '%.60s' in another place",
-                             name.c_str(), chosen.descriptor.instanceParentName().c_str()));
+        throw bad_file(words("grid '%.60s' is an instance of grid '%.60s'", name.c_str(),
+                             chosen.descriptor.instanceParentName().c_str()));
 }
 
 /* Checks the class of the grid, which is known after its metadata were read. */
@@ -541,8 +541,7 @@ void check_voxel_count(const entry &chosen, const FloatTree &tree)
     const auto promised = chosen.grid->getMetadata<openvdb::Int64Metadata>("file_voxel_count");
     const auto found = static_cast<int64_t>(tree.activeVoxelCount());
     if (promised && promised->value() != found)
-        throw bad_file(words("damaged: it says that grid '%.60s' has %lld active voxels, and %lld "
-                             "are there",
+        throw bad_file(words("damaged: grid '%.60s' declares %lld active voxels, and has %lld",
                              chosen.name().c_str(), static_cast<long long>(promised->value()),
                              static_cast<long long>(found)));
 }
@@ -745,7 +744,7 @@ int run_read(int argc, char **argv)
     } catch (const std::exception &error) {
         fprintf(stderr, "OpenVDB says: %s\n", error.what());
     } catch (...) {
-        fprintf(stderr, "OpenVDB failed without a word\n");
+        fprintf(stderr, "OpenVDB failed without a message\n");
     }
     return EX_DATAERR;
 }
@@ -827,7 +826,7 @@ int run_write(char **argv)
     } catch (const std::exception &error) {
         fprintf(stderr, "%s\n", error.what());
     } catch (...) {
-        fprintf(stderr, "OpenVDB failed without a word\n");
+        fprintf(stderr, "OpenVDB failed without a message\n");
     }
     return EX_IOERR;
 }

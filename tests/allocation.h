@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Every allocation of an operation fails once, and the operation must say so, clean up and change
- * nothing. Included once by each test_allocation_*.c, which is linked with --wrap for the functions
- * below: that catches the calls in our own objects. What libpng, OpenEXR, libyaml and the
- * C++ library allocate within themselves is not made to fail. Of those that are reached by the same
- * calls (in a loop) only the first and the last fail. Leaks are seen by the run under
- * AddressSanitizer.
+ * Every allocation of an operation fails once, and the operation must report it, clean up and
+ * change nothing. Included once by each test_allocation_*.c, which is linked with --wrap for the
+ * functions below: this intercepts calls in the project's own objects, not allocations inside
+ * libpng, OpenEXR, libyaml and the C++ library. Of several allocations that are reached by the same
+ * calls (in a loop) only the first and the last fail. The run under AddressSanitizer detects leaks.
  */
 #ifndef NEPH_TESTS_ALLOCATION_H
 #define NEPH_TESTS_ALLOCATION_H
@@ -18,12 +17,13 @@
 
 enum { ALLOCATIONS_MAX = 4096, CALLS_MAX = 32 };
 
-/* Which allocation fails, counted from 0 over all threads, and whether all later ones do, too. */
+/* The index of the failing allocation, counted from 0 over all threads, and whether all later ones
+ * fail, too. */
 struct allocation_plan {
     atomic_int done;
     int fail_at; /* -1: none */
     bool for_good;
-    uint64_t calls[ALLOCATIONS_MAX]; /* digests of those that led to each when none failed */
+    uint64_t calls[ALLOCATIONS_MAX]; /* digests of the calls that led to each when none failed */
 };
 
 static struct allocation_plan *allocation_plan(void)
@@ -97,7 +97,7 @@ int __wrap_vasprintf(char **text, const char *format, va_list arguments)
     return allocation_fails() ? -1 : __real_vasprintf(text, format, arguments);
 }
 
-/* Does its work and frees all of it. */
+/* Does its work and frees everything. */
 typedef enum neph_status allocation_user(void *context, struct neph_diag *diag);
 
 static enum neph_status run_failing(allocation_user *work, void *context, int fail_at,
@@ -112,8 +112,8 @@ static enum neph_status run_failing(allocation_user *work, void *context, int fa
     return status;
 }
 
-/* Work on one processor from here on: a loop over rows that has no memory for more threads runs on
- * one, without a failure, and that is no business of these tests. */
+/* Restricts the process to one processor: without memory for more threads, a loop over rows runs on
+ * one thread without an error, which these tests do not examine. */
 static void stay_on_one_processor(void)
 {
     cpu_set_t allowed, one;
@@ -125,7 +125,7 @@ static void stay_on_one_processor(void)
     assert_int_equal(sched_setaffinity(0, sizeof(one), &one), 0);
 }
 
-/* Whether allocations before and after it, of `count`, are reached by the same calls. */
+/* Whether the allocations before and after it, of `count`, are reached by the same calls. */
 static bool is_repeated(int index, int count)
 {
     const uint64_t *calls = allocation_plan()->calls;

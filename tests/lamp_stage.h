@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * A stage with lights that all transports are held against.
+ * A scene with lights for comparing all transports.
  */
 #ifndef NEPH_TESTS_LAMP_STAGE_H
 #define NEPH_TESTS_LAMP_STAGE_H
 
 #include "tests/scene_builders.h"
 
-/* Two lights, one a spot, in three media of unlike kinds and colours, with a ball and boxes. */
+/* Two lights, one of them a spot light, in three media of different kinds and colours, with a ball
+ * and boxes. */
 static inline struct test_scene *lamp_stage(struct test_scene *test)
 {
     test_scene_init(test);
@@ -44,13 +45,13 @@ static inline struct neph_vec3 lamp_direction(int i)
         (struct neph_vec3){-0.45 + 0.13 * (i % 8), 0.2 - 0.11 * (i / 8), -1.0});
 }
 
-/* A box of fog before a camera whose middle ray goes along -z, and lights so near to the camera or
- * to that ray that 1 / d^2 has no digits left in plain float32. */
+/* A box of fog in front of a camera whose middle ray is along -z, and lights so near to the camera
+ * or to this ray that 1 / d^2 has no correct digits in plain float32. */
 struct near_lamp {
     const char *name;
     struct neph_vec3 light_m;
-    double second_box_m; /* the far side of a second box behind a gap; 0: there is none */
-    double other_lamp;   /* intensity of a second light beside the box */
+    double second_box_m; /* the far side of a second box behind a gap; 0: none */
+    double other_lamp;   /* intensity of a second light next to the box */
 };
 
 static const struct near_lamp near_lamps[] = {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The main() of a test: all cases of its file, as the build lists them (tests/CMakeLists.txt).
- * Included at the end of the file.
+ * The main() of a test: all cases of its file, from the list that the build makes
+ * (tests/CMakeLists.txt). Included at the end of the file.
  */
 int main(void)
 {

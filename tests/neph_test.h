@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What all tests share: cmocka with its required includes, and comparisons that print both values.
+ * Common parts of all tests: cmocka with its required includes, and comparisons that print both
+ * values.
  */
 #ifndef NEPH_TESTS_NEPH_TEST_H
 #define NEPH_TESTS_NEPH_TEST_H
@@ -21,11 +22,11 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
-/* Before the declaration of a local variable: it ends with its block, as test_end_KIND() ends it. A
- * test that fails does not get there. */
+/* Written before the declaration of a local variable: test_end_KIND() ends it with its block. A
+ * failing test does not get there. */
 #define OWNED(kind) __attribute__((cleanup(test_end_##kind)))
 
-/* A kind: what malloc() and its kin gave. */
+/* A kind: memory from malloc() and similar functions. */
 static inline void test_end_memory(void *pointer)
 {
     free(*(void **)pointer);
@@ -47,8 +48,8 @@ static inline void neph_assert_close_at(double actual, double expected, double r
     _fail(file, line);
 }
 
-/* minimum <= value <= maximum. cmocka's assert_in_range() is deprecated from 2.0 on, and what takes
- * its place is not in 1.1. */
+/* minimum <= value <= maximum. cmocka's assert_in_range() is deprecated from 2.0 on, and its
+ * replacement is not in 1.1. */
 #define neph_assert_in_range(value, minimum, maximum)                                              \
     neph_assert_in_range_at((intmax_t)(value), (intmax_t)(minimum), (intmax_t)(maximum), #value,   \
                             __FILE__, __LINE__)
@@ -74,16 +75,16 @@ static inline void neph_assert_ok_at(enum neph_status status, const struct neph_
     _fail(file, line);
 }
 
-/* Files with tests that run other people's programs keep these in a second group, for `main` to
- * choose: ctest runs it as engine/<file>, without sanitizers. */
+/* Files with tests that run external programs have these tests in a second group, which `main`
+ * selects: ctest runs it as engine/<file>, without sanitizers. */
 static inline bool neph_test_wants_engines(int argc, char **argv)
 {
     return argc == 2 && strcmp(argv[1], "--engines") == 0;
 }
 
-/* A day has ten minutes for tests, a night has hours (`scripts/test --night`, which sets this).
- * What waits for the night: a case that guards once more what a quicker one guards, and the rest
- * of a table whose entries differ in numbers alone. */
+/* The tests of a day have ten minutes, the tests of a night have hours (`scripts/test --night` sets
+ * this variable). Night tests are cases that repeat the guarantee of a faster case, and the
+ * remaining part of a table whose entries differ only in numbers. */
 static inline bool neph_test_is_night(void)
 {
     return getenv("NEPH_TEST_NIGHT") != NULL;
@@ -94,26 +95,26 @@ static inline int neph_test_by_day(int day, int night)
     return neph_test_is_night() ? night : day;
 }
 
-/* At the head of a case of the night. */
+/* At the start of a night case. */
 static inline void neph_test_waits_for_the_night(void)
 {
     if (!neph_test_is_night())
         skip();
 }
 
-/* Under the sanitizers tests draw an 11th of the paths, photons or trials, and take every 11th of
- * a table of cases that differ in their numbers alone (11 has no factor in common with the 2, 3, 4,
- * 5 that tests cycle through): what sanitizers find shows in any of them. Whether the numbers are
- * right is for the release build to say, by day with a third of the paths, by night with all.
- * Tolerances in standard errors of the estimate follow by themselves; a bound on those errors is
- * for all paths, and neph_test_noise() is what it is for these. */
+/* Under the sanitizers tests draw an 11th of the paths, photons or trials, and use every 11th of a
+ * table of cases that differ only in their numbers (11 has no factor in common with the 2, 3, 4, 5
+ * that tests cycle through): any of them is enough for the sanitizers. The release build checks the
+ * numbers, by day with a third of the paths, by night with all. Tolerances in standard errors of
+ * the estimate adapt automatically; a bound on these errors is stated for all paths, and
+ * neph_test_noise() converts it. */
 #ifdef NEPH_SANITIZED
 enum { NEPH_TEST_EVERY = 11 };
 #else
 enum { NEPH_TEST_EVERY = 1 };
 #endif
 
-/* One of so many paths is drawn. */
+/* One of this number of paths is drawn. */
 static inline int neph_test_path_step(void)
 {
     return NEPH_TEST_EVERY > 1 ? NEPH_TEST_EVERY : neph_test_by_day(3, 1);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A table that stands in a README and is printed by what it is about: held against that, or written
- * anew by `test_... --write`.
+ * A table in a README that a test prints from the program's own tables: compared with the file, or
+ * written by `test_... --write`.
  */
 #ifndef NEPH_TESTS_PRINTED_TABLE_H
 #define NEPH_TESTS_PRINTED_TABLE_H
@@ -27,7 +27,7 @@ static inline char *printed(void (*print)(FILE *out))
     return text;
 }
 
-/* README.md as it should be; for the caller to free. */
+/* The expected README.md; for the caller to free. */
 static inline char *wanted_readme(const struct printed_table *table, const char *text)
 {
     const char *start = strstr(text, table->before);

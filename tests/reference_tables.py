@@ -3,8 +3,7 @@
 """reference_tables.py DATA.json TABLES.h: the numbers of a reference as C, for tests to include.
 
 DATA.json is {"declaration of an array in C": [row, ...]}. Lists become braces, objects become
-designated initialisers, floats keep their bits, texts in capitals are names of C.
-"""
+designated initialisers, floats keep their bits, texts in capitals are names in C."""
 import json
 import math
 import pathlib
@@ -24,7 +23,7 @@ def c_value(value):
 
 
 def write(path, tables):
-    """A DATA.json, a row a line."""
+    """Writes a DATA.json with one row per line."""
     path.write_text("{%s\n}\n" % ",".join(
         "\n%s: [\n%s\n]" % (json.dumps(name), ",\n".join(json.dumps(row) for row in rows))
         for name, rows in tables.items()), encoding="utf-8")

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scenes that tests make in memory. Media are white, isotropic and without end unless said
- * otherwise; `extinction_per_m` is the largest.
+ * Scenes that tests create in memory. By default media are white, isotropic and infinite;
+ * `extinction_per_m` is the largest.
  */
 #ifndef NEPH_TESTS_SCENE_BUILDERS_H
 #define NEPH_TESTS_SCENE_BUILDERS_H
@@ -23,7 +23,7 @@ static inline struct neph_rgb make_grey(double value)
     return (struct neph_rgb){value, value, value};
 }
 
-/* ---- at random ------------------------------------------------------------------------------- */
+/* ---- random ---------------------------------------------------------------------------------- */
 
 static inline struct neph_vec3 random_direction(uint64_t *seed)
 {
@@ -47,7 +47,8 @@ static inline struct neph_vec3 random_place_in(const struct neph_bounds *box, ui
                               neph_test_uniform(seed, box->min_m.z, box->max_m.z)};
 }
 
-/* None of `count` places in a box is denser than its bound; the densest over that. */
+/* No density at `count` positions in a box exceeds its bound; returns the largest ratio to the
+ * bound. */
 static inline double assert_bound(const struct neph_medium *medium, const struct neph_bounds *box,
                                   int count, uint64_t *seed)
 {
@@ -62,7 +63,7 @@ static inline double assert_bound(const struct neph_medium *medium, const struct
     return bound_per_m > 0.0 ? densest_per_m / bound_per_m : 0.0;
 }
 
-/* Nodes from `low` to 1, those below 0 empty. For neph_grid_destroy(). */
+/* Nodes from `low` to 1; negative ones are empty. For neph_grid_destroy(). */
 static inline struct neph_grid *random_lattice(const int size[3], struct neph_vec3 origin_m,
                                                struct neph_vec3 spacing_m, double low,
                                                uint64_t *seed)
@@ -87,7 +88,7 @@ static inline struct neph_medium make_medium(enum neph_medium_kind kind, double 
                                 .extinction_per_m = extinction_per_m};
 }
 
-/* Falling with height from y = 0 on. */
+/* Decreasing with height from y = 0 on. */
 static inline struct neph_medium make_height_fog(double extinction_per_m, double falloff_per_m)
 {
     struct neph_medium fog = make_medium(NEPH_MEDIUM_HEIGHT_FOG, 0.0);
@@ -128,7 +129,7 @@ static inline struct neph_medium make_tent(double extinction_per_m, struct neph_
     return medium;
 }
 
-/* The grid is the caller's to destroy. */
+/* The caller destroys the grid. */
 static inline struct neph_medium make_voxels(double extinction_per_m, struct neph_grid *grid)
 {
     struct neph_medium medium = make_medium(NEPH_MEDIUM_GRID, extinction_per_m);
@@ -148,7 +149,7 @@ static inline struct neph_horizon_params make_cumulus(void)
     return params;
 }
 
-/* Within the layer, 0 at the bottom, 1 at the top, clamped; the ph of the article. */
+/* The height within the layer, 0 at the bottom, 1 at the top, clamped; the article's ph. */
 static inline double horizon_height(const struct neph_horizon *horizon, struct neph_vec3 point_m)
 {
     const double altitude_m = neph_horizon_altitude_m(&horizon->params, point_m);
@@ -178,14 +179,14 @@ static inline struct neph_scene make_sunny(struct neph_medium medium, struct nep
                                .media = {medium}};
 }
 
-/* A scene with room for its solids and one camera key; keep it alive while `scene` is used. */
+/* A scene with storage for its solids and one camera key; it must outlive `scene`. */
 struct test_scene {
     struct neph_scene scene;
     struct neph_camera_key key;
     struct neph_solid solids[16];
 };
 
-/* No media, no solids; the camera at 1.6 m looks down -Z; sun at 40 degrees, ahead and right. */
+/* No media, no solids; the camera at 1.6 m looks along -Z; sun at 40 degrees, ahead and right. */
 static inline void test_scene_init(struct test_scene *test)
 {
     memset(test, 0, sizeof(*test));
@@ -206,7 +207,7 @@ static inline void test_scene_init(struct test_scene *test)
     scene->solids = test->solids;
 }
 
-/* What `build` adds to that. */
+/* The same scene with the additions of `build`. */
 static inline void test_scene_build(struct test_scene *test, void (*build)(struct test_scene *test))
 {
     test_scene_init(test);
@@ -220,7 +221,7 @@ static inline struct neph_medium *test_add(struct test_scene *test, struct neph_
     return added;
 }
 
-/* Reddish, and scattering forward. */
+/* Reddish, forward scattering. */
 static inline struct neph_medium *
 test_add_cloud(struct test_scene *test, enum neph_medium_kind kind, double extinction_per_m)
 {

@@ -350,8 +350,8 @@ static const char *find_obstacle(const struct neph_scene *scene)
     if (scene->medium_count > 0)
         return "media: this is light between solids in clear air";
     if ((scene->sun.present || scene->light_count > 0) && (balls > 0 || mirrors > 1))
-        return "sun or lights in a mirrored ball or in several mirrors, whose light on others no "
-               "path finds: give them a roughness";
+        return "sun or lights with a mirrored sphere or several mirrors: no path finds their "
+               "reflected light; give them a roughness";
     return NULL;
 }
 

@@ -567,7 +567,7 @@ static bool has_closed_forms(const struct neph_scene *scene)
 bool neph_transport_is_exact(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
     if (!has_closed_forms(scene)) {
-        snprintf(reason, reason_size, "clouds whose optical depth is itself quadrature");
+        snprintf(reason, reason_size, "clouds with an optical depth that needs quadrature itself");
         return false;
     }
     const char *cannot = neph_metal_obstacle(scene);

@@ -45,19 +45,18 @@ static const struct neph_cli_operands operands = {
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
-    .doc = "Write a medium of a scene as a file of voxels, FILE.vdb (OpenVDB) or FILE.df3 "
-           "(POV-Ray), and say what that costs: the grid is "
-           "held against the medium at random places, and along random chords by their exact "
-           "optical depths. So the error of a renderer that is given the file can be told from "
-           "the error of the file.\v"
-           "Densities have no unit: extinction [1/m] = density * the extinction of density 1, "
-           "which is printed. A .vdb holds the nodes in metres and world axes. A .df3 holds "
-           "density / largest density in 32 bits with a layer of zeros around it; POV-Ray puts it "
-           "in place with `interpolate 1`, `scale (size + 2) * spacing` and `translate origin - "
-           "spacing`.\n\n"
-           "Examples:\n"
-           "  neph bake gaussian_blob blob.vdb\n"
-           "  neph bake my_clouds.yaml clouds.df3 --medium 2 --resolution 256 --json",
+    .doc =
+        "Write a medium of a scene as a voxel file, FILE.vdb (OpenVDB) or FILE.df3 (POV-Ray), and "
+        "print its error: the grid is compared with the medium at random points, and along random "
+        "chords by their exact optical depths. So the error of a renderer that reads the file can "
+        "be separated from the error of the file.\v"
+        "Densities have no unit: extinction [1/m] = density * the extinction of density 1, which "
+        "is printed. A .vdb has the nodes in metres and world axes. A .df3 has density / largest "
+        "density in 32 bits with a layer of zeros around it; POV-Ray puts it in place with "
+        "`interpolate 1`, `scale (size + 2) * spacing` and `translate origin - spacing`.\n\n"
+        "Examples:\n"
+        "  neph bake gaussian_blob blob.vdb\n"
+        "  neph bake my_clouds.yaml clouds.df3 --medium 2 --resolution 256 --json",
 };
 
 struct result {

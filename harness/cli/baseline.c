@@ -22,11 +22,11 @@ struct request {
 };
 
 static const struct neph_cli_option options[] = {
-    {"why", 0, "TEXT", "accept: the reason, for who asks later", NEPH_CLI_WORD,
+    {"why", 0, "TEXT", "accept: the reason, recorded with the acceptance", NEPH_CLI_WORD,
      .at = offsetof(struct request, why)},
-    {"who", 0, "NAME", "accept: who says so (default: the user and the machine)", NEPH_CLI_WORD,
-     .at = offsetof(struct request, who)},
-    {"night", 0, "N", "accept: the night (default: the last)", NEPH_CLI_INTEGER,
+    {"who", 0, "NAME", "accept: name of the person who accepts (default: the user and the machine)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, who)},
+    {"night", 0, "N", "accept: number of the nightly run (default: the last)", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, night), .minimum = 1, .maximum = 1e9},
     {.name = "output", .help = "Folder of the store", .otherwise = "out/nightly"},
     {.name = "json"},
@@ -45,7 +45,7 @@ static void check_request(const void *request_, const struct argp_state *state)
     if (!accepts(request) && strcmp(request->shared.operands[0], "list") != 0)
         argp_error(state, "there is no 'baseline %s': accept or list", request->shared.operands[0]);
     if (!accepts(request) && request->shared.operand_count > 1)
-        argp_error(state, "list takes nothing more");
+        argp_error(state, "list has no further operands");
     if (accepts(request) && (!request->why || request->why[strspn(request->why, " ")] == '\0'))
         argp_error(state, "why is it accepted? --why \"the new phase function is right: see ...\"");
 }
@@ -60,11 +60,10 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check_request,
-    .doc = "Which nights the others are compared with, and who said so.\v"
-           "accept makes a night the baseline of all series, or of SERIES alone, as nightly.json "
-           "names them. SERIES that the night has lost is accepted as lost: later nights do not "
-           "expect "
-           "it. Acceptances are added and never changed: the last one counts, and its "
+    .doc = "Accept a nightly run as the baseline of later runs, or list the acceptances.\v"
+           "accept makes a nightly run the baseline of all series, or only of SERIES, a name in "
+           "nightly.json. A SERIES that the run has lost is accepted as lost: later runs do not "
+           "expect it. Acceptances are added and never changed: the last one counts, and its "
            "frames are kept by `neph store gc`.\n\n"
            "Examples:\n"
            "  neph baseline accept --why \"first night, looked at\"\n"
@@ -94,14 +93,14 @@ static enum neph_status accept(const struct request *request, struct neph_store 
             index, &night, diag, "SELECT coalesce(max(id), 0) FROM nights WHERE ended_utc != ''",
             "");
     if (!status && night < 1) {
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "no night is over yet");
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "no nightly run has ended yet");
         neph_hint(diag, "`neph nightly` runs one");
     }
     if (!status)
         status = neph_history_accept(index, neph_store_folder(store), series, night,
                                      request->who ? request->who : who, request->why, diag);
     if (!status && !request->shared.json)
-        printf("night %lld is the baseline of %s\n", (long long)night,
+        printf("nightly run %lld is the baseline of %s\n", (long long)night,
                strcmp(series, "*") == 0 ? "all series" : series);
     return status;
 }

@@ -60,13 +60,13 @@ static const struct neph_cli_option options[] = {
      "tracer and the Cycles of each Blender)",
      NEPH_CLI_NAMES, .at = offsetof(struct request, engines)},
     {"repeat", 0, NULL,
-     "How often a frame of march*, realtime and screen is timed, in 10 s at most (default: 200)",
+     "Number of timed frames of march*, realtime and screen, within 10 s (default: 200)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, repeat), .minimum = 1,
      .maximum = NEPH_BENCHMARK_FRAMES_MAX},
     {"preset", 0, NULL, "Engines realtime and screen: a set of settings by name, before any --set",
      NEPH_CLI_ONE, .at = offsetof(struct request, preset)},
     {"chain", 0, NULL,
-     "Time this picture chain behind their pictures, in place of the scene's; off: none",
+     "Time this post-processing chain after their frames, in place of the scene's; off: none",
      NEPH_CLI_WORD, .at = offsetof(struct request, chain)},
     {.name = "size", .otherwise = "192x108"},
     {"seconds", 0, "S",
@@ -84,11 +84,11 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_INTEGER, .at = offsetof(struct request, resolution),
      .minimum = NEPH_BAKE_RESOLUTION_MIN, .maximum = NEPH_GRID_SIDE_MAX},
     {"no-ceilings", 0, NULL,
-     "Do not measure what the device can do at most, which takes a GPU 15 s: no shares of it",
+     "Do not measure the limits of the device, which takes 15 s on a GPU: no shares of them",
      NEPH_CLI_FLAG, .at = offsetof(struct request, without_ceilings)},
     {.name = "blender"},
     {.name = "output", .help = "Folder for scratch files", .otherwise = "out/benchmark"},
-    {.name = "all", .help = "All rungs, passes and shares of what the device can do"},
+    {.name = "all", .help = "All measurements, passes and shares of the device's limits"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
@@ -97,32 +97,32 @@ static const struct neph_cli_option options[] = {
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &neph_cli_one_scene,
-    .doc =
-        "Measure how long engines take, and say which is faster and by how much.\v"
-        "Engines with noise (tracer, oracle, cycles): the time to the same noise, on the same "
-        "cores "
-        "in one run, and how many times as long the others take as the first. Noise is measured "
-        "between two seeds; error is measured against two independent references of the tracer, "
-        "so that the noise of the references cancels. Time is rendering only: the start of an "
-        "engine (kernels compiled, grids read) is a number of its own, and starting Blender is in "
-        "neither. Intervals are 95 %, from the scatter of the four rungs: keep the machine quiet. "
-        "The time to a stated error, bias included, is interpolated between rungs. With --error "
-        "each engine gets more samples until it reaches that error, however long that takes.\n\n"
-        "Engines march*, realtime and screen: frames in flight one after the other (screen waits "
-        "for each), without reading them back, after a second of warm-up: median, 10 % and 90 % of "
-        "the time of a frame and of its passes on the device; the error (rel_rmse against the ray "
-        "marcher with the same lighting at its defaults); and the share of the device's limits "
-        "that each pass reaches: bytes copied, or voxel grid samples from a buffer or from the "
-        "texture unit, measured in the same run. With a picture chain (display.chain of the scene, "
-        "or --chain) --size is the size of the display, and each stage has a line in --all.\n\n"
-        "Examples:\n"
-        "  neph benchmark slab_multiple_thin\n"
-        "  neph benchmark gaussian_blob --resolution 64 --seconds 10\n"
-        "  neph benchmark grid_cloud_multiple --error 0.01 --size 48x27\n"
-        "  neph benchmark voxel_grid -e tracer,oracle --json\n"
-        "  neph benchmark height_fog_up --set cycles:step=0.1\n"
-        "  neph benchmark cloud_below -e march_octaves,realtime -p ours --all\n"
-        "  neph benchmark surface_rough -e screen -p fast --size 640x360",
+    .doc = "Measure how long engines take, and say which is faster and by how much.\v"
+           "Engines with noise (tracer, oracle, cycles): the time to the same noise, on the same "
+           "cores in one run, and how many times as long the others take as the first. Noise is "
+           "measured between two seeds; error is measured against two independent references of "
+           "the tracer, so that the noise of the references cancels. Time is rendering only: the "
+           "start of an engine (kernels compiled, grids read) is a number of its own, and starting "
+           "Blender is in neither. Intervals are 95 %, from the scatter of the four rungs: keep "
+           "the machine quiet. The time to a stated error, bias included, is interpolated between "
+           "rungs. With --error each engine gets more samples until it reaches that error, however "
+           "long that takes.\n\n"
+           "Engines march*, realtime and screen: frames in flight one after the other (screen "
+           "waits for each), without reading them back, after a second of warm-up: median, 10 % "
+           "and 90 % of the time of a frame and of its passes on the device; the error (rel_rmse "
+           "against the ray marcher with the same lighting at its defaults); and the share of the "
+           "device's limits that each pass reaches: bytes copied, or voxel grid samples from a "
+           "buffer or from the texture unit, measured in the same run. With a post-processing "
+           "chain (display.chain of the scene, or --chain) --size is the size of the display, and "
+           "each stage has a line in --all.\n\n"
+           "Examples:\n"
+           "  neph benchmark slab_multiple_thin\n"
+           "  neph benchmark gaussian_blob --resolution 64 --seconds 10\n"
+           "  neph benchmark grid_cloud_multiple --error 0.01 --size 48x27\n"
+           "  neph benchmark voxel_grid -e tracer,oracle --json\n"
+           "  neph benchmark height_fog_up --set cycles:step=0.1\n"
+           "  neph benchmark cloud_below -e march_octaves,realtime -p ours --all\n"
+           "  neph benchmark surface_rough -e screen -p fast --size 640x360",
 };
 
 /* --- the scene ---------------------------------------------------------------------------- */
@@ -185,7 +185,7 @@ static enum neph_status add_engine(const char *name, const struct request *reque
     const int most = flies ? NEPH_BENCHMARK_FRAMES_ENGINES_MAX : NEPH_BENCHMARK_ENGINES_MAX;
     if (*count == most)
         return neph_fail(diag, NEPH_ERR_USAGE, "more than %d engines %s", most,
-                         flies ? "whose pictures can be in flight" : "with noise");
+                         flies ? "with frames in flight" : "with noise");
     const int e = (*count)++;
     struct neph_job *job = flies ? &both->frames.engines[e].job : &both->noise.engines[e].job;
     fill_job(engine, request, device, flies ? &both->frame_infos[e] : &both->noise_infos[e], job);
@@ -271,7 +271,7 @@ static enum neph_status find_chain(const struct request *request, struct neph_di
         return NEPH_OK;
     if (both->frames.engine_count == 0)
         return neph_fail(diag, NEPH_ERR_USAGE,
-                         "--chain=%s: none of the engines' pictures can be in flight", path);
+                         "--chain=%s: none of the engines can have frames in flight", path);
     both->showing.scene = request->scene;
     both->frames.showing = &both->showing;
     enum neph_status status = neph_showing_load(&both->showing, path, diag);
@@ -467,22 +467,22 @@ static void print_chain(const struct neph_post_params *params,
 static void print_steady(const struct neph_benchmark_frames_engine *engine, FILE *out)
 {
     if (engine->steady_from == 0)
-        fprintf(out, "  the scene rests, and that was known: these are steady pictures\n");
+        fprintf(out, "  the scene was known to be static: these are frames with reused results\n");
     else if (engine->steady_from > 0)
-        fprintf(
-            out,
-            "  of two kinds: steady from picture %d on, when it was known that the scene rests\n",
-            engine->steady_from + 1);
+        fprintf(out,
+                "  of two kinds: results are reused from frame %d on, when the scene was known to "
+                "be static\n",
+                engine->steady_from + 1);
 }
 
 static void print_flight(const struct neph_benchmark_frames *benchmark,
                          const struct neph_benchmark_frames_engine *engine, FILE *out)
 {
-    fprintf(out, "%s: %d pictures, %.4g a second with an error of %.3g %% of %s\n",
+    fprintf(out, "%s: %d frames, %.4g a second with an error of %.3g %% of %s\n",
             engine->job.engine->name, engine->frame_count, 1.0 / engine->mean_s,
             100.0 * engine->error, engine->reference->name);
     fprintf(out, "  %-20s %10s %10s %10s\n", "[ms]", "median", "10 %", "90 %");
-    print_times("picture to picture", engine->frame_s, "\n", out);
+    print_times("frame to frame", engine->frame_s, "\n", out);
     print_times("on the device", engine->gpu_s, "\n", out);
     print_times("until it is sent", engine->cpu_s, "\n", out);
     for (int p = 0; p < engine->pass_count; p++)
@@ -490,7 +490,7 @@ static void print_flight(const struct neph_benchmark_frames *benchmark,
     if (benchmark->showing)
         print_chain(&benchmark->showing->params, engine, out);
     print_steady(engine, out);
-    fprintf(out, "  first picture after %.3g s; %.4g MB of the device's memory; ", engine->first_s,
+    fprintf(out, "  first frame after %.3g s; %.4g MB of the device's memory; ", engine->first_s,
             1e-6 * (double)engine->device_bytes);
     print_settings(&engine->job, engine->preset, out);
 }
@@ -589,8 +589,7 @@ static void warn_of_idle(const struct request *request, const struct both *both)
         neph_progress_warn("--%s has no effect: none of the engines has noise",
                            isnan(request->error) ? "seconds" : "error");
     if (both->frames.engine_count == 0 && request->repeat > 0)
-        neph_progress_warn("--repeat has no effect: none of the engines' pictures can be in "
-                           "flight");
+        neph_progress_warn("--repeat has no effect: none of the engines can have frames in flight");
 }
 
 static enum neph_status measure(const struct request *request, struct neph_diag *diag)

@@ -50,17 +50,17 @@ static const struct neph_cli_option options[] = {
      .argument = "EXTRACTOR:KEY=VALUE",
      .help = "A setting of an extractor, such as lag:step_frame=40; may be given several times"},
     {"mask", 0, "NAME|FILE",
-     "Only this mask: a name (all, sky, depth_edge, ...; `neph metrics --masks`), or a picture "
-     "that is above 0.5 inside",
+     "Only this mask: a name (all, sky, depth_edge, ...; `neph metrics --masks`), or an image that "
+     "is above 0.5 inside",
      NEPH_CLI_WORD, AT(mask)},
     {"layer", .kind = NEPH_CLI_WORD, AT(layer)},
     {"rings", 0, NULL,
-     "Also the masks of rings at depth edges, by distance and side (flicker always takes them, and "
+     "Also the ring masks at depth edges, by distance and side (flicker always measures them, and "
      "shows them with this)",
      NEPH_CLI_FLAG, AT(rings)},
     {"second-reference", 0, "FILES",
-     "The reference by another seed: takes the reference's own noise out of squared errors; or, "
-     "with lag:old=second, the same scene without its step",
+     "The reference with another seed: removes the reference's noise from squared errors; or, with "
+     "lag:old=second, the same scene without its step",
      NEPH_CLI_WORD, AT(second)},
     {"versus", 0, "FILES",
      "Another test of the same frames, as BEFORE: both values and their difference, test - other, "
@@ -115,22 +115,20 @@ static const struct neph_cli_operands flicker_operands = {.shown = "[BEFORE] TES
 static const struct neph_cli_syntax compare_syntax = {
     .options = options,
     .operands = &compare_operands,
-    .doc =
-        "Measure the error of TEST against a reference: EXR frames on linear data, or PNG "
-        "pictures.\v"
-        "-r names the reference; without it, the first operand is the reference. With it, two "
-        "operands are BEFORE and TEST: is TEST better? Each is " NEPH_SEQUENCE_HELP ". Values that "
-        "are not finite, or negative, are an error before anything else. The sign is test - "
-        "reference. PNG pictures are decoded from sRGB. Frames are files: pipes, and so <(COMMAND) "
-        "of a shell, are refused.\n"
-        "\n"
-        "Examples:\n"
-        "  neph compare exact.exr march.exr\n"
-        "  neph compare -r ref.png before.png after.png\n"
-        "  neph compare -r full/ before/ after/ --page out/compare\n"
-        "  neph compare exact.exr march.exr --json --mask depth_edge\n"
-        "  neph compare old.png new.png -m flip --maps out/maps --fail-above flip_mean=0.05\n"
-        "  neph compare -r reference.exr 'night/frame.*.exr' --csv errors.csv",
+    .doc = "Measure the error of TEST against a reference: EXR frames with linear data, or PNG "
+           "images.\v"
+           "-r names the reference; without it, the first operand is the reference. With it, two "
+           "operands are BEFORE and TEST: is TEST better? Each is " NEPH_SEQUENCE_HELP
+           ". Values that are not finite, or negative, are an error before anything else. The sign "
+           "is test - reference. PNG images are decoded from sRGB. Frames are files: pipes, and so "
+           "<(COMMAND) of a shell, are refused.\n\n"
+           "Examples:\n"
+           "  neph compare exact.exr march.exr\n"
+           "  neph compare -r ref.png before.png after.png\n"
+           "  neph compare -r full/ before/ after/ --page out/compare\n"
+           "  neph compare exact.exr march.exr --json --mask depth_edge\n"
+           "  neph compare old.png new.png -m flip --maps out/maps --fail-above flip_mean=0.05\n"
+           "  neph compare -r reference.exr 'night/frame.*.exr' --csv errors.csv",
 };
 
 static const struct neph_cli_syntax flicker_syntax = {
@@ -143,11 +141,12 @@ static const struct neph_cli_syntax flicker_syntax = {
         "(with light that goes up and down), ghosts behind moving edges (with motion vectors).\v"
         "Two sequences are BEFORE and TEST: does TEST flicker less? Without a reference (-r) they "
         "are compared with each other, and change of the scene itself counts as flicker. Each "
-        "is " NEPH_SEQUENCE_HELP ". Frames are counted from the first after --warm-up; only "
-        "whole cycles of four are measured, and 128 frames make good intervals. Flicker without "
-        "the lag beside it says little: a picture that never changes does not flicker; `neph "
-        "scenes NAME --variant sun_step` makes scenes to measure it with. "
-        "Exit code 1 when frames are frozen, 2 when they are too few.\n\n"
+        "is " NEPH_SEQUENCE_HELP
+        ". Frames are counted from the first after --warm-up; only whole cycles of four are "
+        "measured, and 128 frames make good intervals. Flicker without the lag beside it says "
+        "little: a frame that never changes does not flicker; `neph scenes NAME --variant "
+        "sun_step` makes scenes to measure it with. Exit code 1 when frames are frozen, 2 when "
+        "they are too few.\n\n"
         "Examples:\n"
         "  neph flicker before/ after/\n"
         "  neph flicker -r full/ before/ after/ --page out/flicker\n"

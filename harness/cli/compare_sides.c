@@ -246,7 +246,7 @@ enum neph_status neph_sides_check(const struct neph_sides *sides,
     if (!status &&
         !neph_image_attribute(test, "encoding") != !neph_image_attribute(other, "encoding"))
         status = neph_fail(diag, NEPH_ERR_INPUT,
-                           "of '%s' and '%s' one is a picture for a display, one linear data: they "
+                           "one of '%s' and '%s' has display values, the other linear data: they "
                            "have no common scale",
                            comparison->test.paths[first], path);
     neph_image_destroy(test);

@@ -32,7 +32,7 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, pictures), .otherwise = "6", .minimum = 1, .maximum = 1000},
     {"samples", 0, "N", "Paths per pixel of tracer", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, samples), .otherwise = "16", .minimum = 2, .maximum = 1000000},
-    {.name = "output", .help = "Folder of what is kept", .otherwise = "out/conform"},
+    {.name = "output", .help = "Folder for the results", .otherwise = "out/conform"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
@@ -55,15 +55,14 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc = "Render every scene at a real size with every engine of ours that runs on a Vulkan "
-           "device, and count what is not finite or below zero: exit 1 if anything is. Or hold two "
-           "such folders, of two devices, against each other: exit 1 if a picture is further apart "
-           "than float32 and each engine's own decisions explain; --only and --engine compare a "
-           "part.\v"
-           "DIR gets SCENE.json with counts, means and hashes of whole pictures, and 48x27 pixels "
-           "of each as EXR: small enough to carry from one machine to another. Scenes may be "
-           "rendered by several runs into one folder. The device is lavapipe unless "
-           "NEPH_VULKAN_DEVICE names part of another's name.\n\n"
+    .doc = "Render every scene at a real size with every built-in Vulkan engine, and count values "
+           "that are not finite or below zero: exit 1 if there are any. Or compare two such "
+           "folders, of two devices: exit 1 if a frame differs by more than float32 and each "
+           "engine's own decisions explain; --only and --engine compare a part.\v"
+           "DIR gets SCENE.json with counts, means and hashes of whole frames, and 48x27 pixels of "
+           "each as EXR: small enough to carry from one machine to another. Scenes may be rendered "
+           "by several runs into one folder. The device is lavapipe unless NEPH_VULKAN_DEVICE "
+           "names part of another's name.\n\n"
            "Examples:\n"
            "  NEPH_VULKAN_DEVICE=nvidia neph conform -o gpu\n"
            "  NEPH_VULKAN_DEVICE=nvidia neph conform --size 3840x2160 --only cloud_below -o gpu4k\n"
@@ -140,7 +139,7 @@ static enum neph_status render(const struct request *request, const struct neph_
     neph_conform_count(publication->json, &expected, &sound);
     if (publication->text) {
         print_wrong(publication->json, publication->text);
-        fprintf(publication->text, "%d of %d pictures are finite and nowhere negative\n", sound,
+        fprintf(publication->text, "%d of %d frames are finite and nowhere negative\n", sound,
                 expected);
     }
     if (expected == 0)
@@ -148,8 +147,8 @@ static enum neph_status render(const struct request *request, const struct neph_
                                          "no engine could render any of these scenes");
     else if (sound < expected)
         publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
-                                         "%d of %d pictures are not as they should be",
-                                         expected - sound, expected);
+                                         "%d of %d frames have invalid values", expected - sound,
+                                         expected);
     return NEPH_OK;
 }
 
@@ -166,7 +165,7 @@ static void print_comparison(const json_t *report, FILE *out)
             fprintf(out, "%s: %s\n", neph_json_text(picture, "picture"),
                     neph_json_text(picture, "because"));
     }
-    fprintf(out, "%lld of %lld pictures agree between %s and %s\n",
+    fprintf(out, "%lld of %lld frames agree between %s and %s\n",
             (long long)json_integer_value(json_object_get(report, "agreeing")),
             (long long)json_integer_value(json_object_get(report, "expected")),
             json_string_value(json_array_get(devices, 0)),
@@ -192,7 +191,7 @@ static enum neph_status compare(const struct request *request, struct neph_publi
                                          "there is nothing to compare in these folders");
     else if (agreeing < expected)
         publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
-                                         "%lld of %lld pictures differ", expected - agreeing,
+                                         "%lld of %lld frames differ", expected - agreeing,
                                          expected);
     return NEPH_OK;
 }

@@ -60,7 +60,7 @@ static const struct {
      has_openvdb,
      "OpenVDB files, and voxels in cycles",
      {NULL},
-     "copy it from the build folder into that of neph, or let NEPH_VDB name it"},
+     "copy it from the build folder into neph's folder, or set NEPH_VDB to its path"},
     {"node",
      neph_child_program_exists,
      "static charts in the report",
@@ -73,7 +73,7 @@ static const struct {
      ""},
     {"sbatch",
      neph_child_program_exists,
-     "nights by Slurm",
+     "nightly runs by Slurm",
      {"slurm-client", "slurm", "slurm-llnl"},
      ""},
     {"confine",
@@ -142,8 +142,8 @@ static json_t *check_requirements(const struct neph_shared_device *device, bool 
         neph_json_add(&list, requirement_json(&rows[i]));
     }
     if (prints && count > 0)
-        printf("ok       %-10s has %d of %d features and limits that are asked for\n", "vulkan",
-               met, count);
+        printf("ok       %-10s has %d of %d of the wanted features and limits\n", "vulkan", met,
+               count);
     for (int i = 0; i < count && prints; i++)
         if (!rows[i].is_met)
             printf("         %s is %s, not %s: %s\n", rows[i].name, rows[i].value, rows[i].needed,
@@ -153,9 +153,10 @@ static json_t *check_requirements(const struct neph_shared_device *device, bool 
 
 static const struct neph_cli_syntax syntax = {
     .options = options,
-    .doc = "What is installed, on which device, and how to get what is missing.\v"
-           "Exit code 69 when an engine is missing, 3 when one is installed and does not "
-           "work.\n\nExample:\n  neph doctor",
+    .doc = "List the installed engines, the device, and install commands for missing programs.\v"
+           "Exit code 69 when an engine is missing, 3 when one is installed and does not work.\n\n"
+           "Example:\n"
+           "  neph doctor",
 };
 
 enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)

@@ -78,16 +78,18 @@ static void print_engine(const struct neph_engine *engine, const struct neph_eng
     print_passes(engine);
     if (!engine->describe_pass)
         return;
-    printf("    from a frame to the display, by display.chain of a scene or --chain FILE: what is "
-           "on, the last of it writes the picture\n");
+    printf("    post-processing from a frame to the display, by display.chain of a scene or "
+           "--chain FILE: the enabled stages; the last one writes the image\n");
     neph_cli_post_print_stages("      ");
 }
 
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &neph_cli_one_name_or_none,
-    .doc = "List the engines with their rung of truth, version and settings.\v"
-           "Examples:\n  neph engines\n  neph engines march --json",
+    .doc = "List the engines with their level in the reference hierarchy, version and settings.\v"
+           "Examples:\n"
+           "  neph engines\n"
+           "  neph engines march --json",
 };
 
 enum neph_status neph_cli_engines(int argc, char **argv, struct neph_diag *diag)

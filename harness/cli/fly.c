@@ -34,32 +34,32 @@ static const struct neph_cli_option options[] = {
     {"keys", 0, "KEYS",
      "Press these keys, one after the other: KEY or KEY*FRAMES, such as \"w*60 x .*8 p\", . for "
      "none. The camera then moves by the scene's frame rate and not by the clock: the same flight "
-     "again, to compare times and pictures",
+     "each time, to compare times and frames",
      NEPH_CLI_WORD, .at = offsetof(struct request, keys)},
     {"seed", 0, NULL, "Random seed (default: one of the scene's own)", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, seed), .minimum = 0, .maximum = INT_MAX},
-    {.name = "output", .help = "Folder for pictures and recorded paths", .otherwise = "out/fly"},
+    {.name = "output", .help = "Folder for screenshots and recorded paths", .otherwise = "out/fly"},
     {.name = "json"},
-    {.name = "quiet", .help = "No name of each picture and path as it is written"},
+    {.name = "quiet", .help = "Do not print the names of written files"},
     {.name = NULL},
 };
 
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &neph_cli_one_scene,
-    .doc =
-        "Fly through a scene in a window: presets of realtime and march at a key, their error and "
-        "their flicker as maps, times of all passes.\v"
-        "W A S D, Q and E fly, the right button looks around, the wheel changes the speed. 0 to 9 "
-        "are presets, R and M realtime and march, C a line to drag between the two, X the error "
-        "against march, F the flicker at rest, [ and ] the exposure, space stops sun and wind, T "
-        "shows the time of each pass, H all keys. P writes DIR/SCENE_fly.exr and .png, K records "
-        "the way as DIR/SCENE_path.yaml, a scene for every engine; no file is replaced. Needs SDL "
-        "2 and a display. At the end come the number of frames and the median of their times.\n\n"
-        "Examples:\n"
-        "  neph fly fence_backlit\n"
-        "  neph fly cloud_below --size 640x360 --preset unity -s lighting=octaves\n"
-        "  neph fly fence_backlit --frames 300 --keys \"w*60 d*60\" --json",
+    .doc = "Fly through a scene in a window: presets of realtime and march at a key, their error "
+           "and their flicker as maps, times of all passes.\v"
+           "W A S D, Q and E fly, the right button looks around, the wheel changes the speed. 0 to "
+           "9 are presets, R and M realtime and march, C a line to drag between the two, X the "
+           "error against march, F the flicker of a static camera, [ and ] the exposure, space "
+           "stops sun and wind, T shows the time of each pass, H all keys. P writes "
+           "DIR/SCENE_fly.exr and .png, K records the way as DIR/SCENE_path.yaml, a scene for "
+           "every engine; no file is replaced. Needs SDL 2 and a display. At the end come the "
+           "number of frames and the median of their times.\n\n"
+           "Examples:\n"
+           "  neph fly fence_backlit\n"
+           "  neph fly cloud_below --size 640x360 --preset unity -s lighting=octaves\n"
+           "  neph fly fence_backlit --frames 300 --keys \"w*60 d*60\" --json",
 };
 
 /* Print a median time; nothing if too few frames were shown for one. */

@@ -26,18 +26,18 @@ static const struct {
     {"validate", NULL, &neph_experiment_validate,
      "run scenes over all engines, gate the errors, write a report"},
     {"study", neph_cli_study, NULL,
-     "what takes longer: steps against their limit, flicker of presets"},
+     "longer measurements: steps against their limit, flicker of presets"},
     {"ablate", NULL, &neph_experiment_ablation,
-     "what each part of the real-time renderer buys, and costs"},
+     "quality and cost of each part of the real-time renderer"},
     {"render", neph_cli_render, NULL, "render a scene with one engine"},
     {"fly", neph_cli_fly, NULL, "fly through a scene in a window: presets, errors, flicker, times"},
     {"export", neph_cli_export, NULL, "leave a scene as files for Blender or POV-Ray"},
-    {"bake", neph_cli_bake, NULL, "a medium of a scene as a volume file, with what that costs"},
+    {"bake", neph_cli_bake, NULL, "a medium of a scene as a volume file, with its error"},
     {"benchmark", neph_cli_benchmark, NULL, "how long engines take for the same noise"},
     {"sweep", NULL, &neph_experiment_sweep,
      "speed against accuracy of engines and settings over a scene"},
     {"scaling", NULL, &neph_experiment_scaling,
-     "how cost grows with pixels, steps, voxels, density, pictures"},
+     "how cost grows with pixels, steps, voxels, density, frames"},
     {"pick", NULL, &neph_experiment_pick,
      "the cheapest configuration of a scene that is good enough"},
     {"compare", neph_cli_compare, NULL,
@@ -49,16 +49,15 @@ static const struct {
     {"post", neph_cli_post, NULL, "frames of any renderer through tone mapping and upscalers"},
     {"conform", neph_cli_conform, NULL,
      "whether a device renders real sizes right, and as another does"},
-    {"metrics", neph_cli_metrics, NULL, "list what can be measured, with definitions and sources"},
+    {"metrics", neph_cli_metrics, NULL, "list metrics and masks, with definitions and sources"},
     {"nightly", neph_cli_nightly, NULL,
-     "measure, compare with the accepted night, say what changed"},
+     "nightly run: measure, compare with the accepted run, report changes"},
     {"baseline", neph_cli_baseline, NULL,
-     "which nights the others are compared with, and who said so"},
-    {"store", neph_cli_store, NULL,
-     "keep the store: is it whole, room in it, what it knows as JSON"},
+     "accept a nightly run as the baseline, or list acceptances"},
+    {"store", neph_cli_store, NULL, "check, shrink or export the store of frames"},
     {"scenes", neph_cli_scenes, NULL, "list the catalogue, or show and check one scene"},
     {"engines", neph_cli_engines, NULL, "list the engines, or explain the settings of one"},
-    {"doctor", neph_cli_doctor, NULL, "what is installed, what is missing and how to get it"},
+    {"doctor", neph_cli_doctor, NULL, "installed and missing programs, and how to install them"},
 };
 enum { VERB_COUNT = sizeof(verbs) / sizeof(verbs[0]) };
 
@@ -70,9 +69,10 @@ static void print_help(FILE *out)
         fprintf(out, "  %-9s %s\n", verbs[i].name, verbs[i].help);
     fprintf(
         out,
-        "\n`neph VERB --help` teaches each with examples.\n\n"
+        "\n"
+        "`neph VERB --help` teaches each with examples.\n\n"
         "Exit codes: 0 done; 1 a gate failed or a difference is too large; 2 the engine cannot\n"
-        "model the scene, or the images lack what was asked for; 3 an engine failed; 64 wrong\n"
+        "model the scene, or the images lack the requested layers; 3 an engine failed; 64 wrong\n"
         "usage; 65 wrong input; 66 no such file; 69 engine or driver missing; 70 a bug in neph;\n"
         "71 out of memory; 74 reading or writing failed; 124 time limit; 130 interrupted.\n");
 }

@@ -27,9 +27,12 @@ static const struct neph_cli_option options[] = {
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &neph_cli_one_name_or_none,
-    .doc = "List what can be measured, with definition, unit, range and source; or explain one "
-           "extractor with its settings.\v"
-           "Examples:\n  neph metrics\n  neph metrics flip\n  neph metrics a4_p95\n"
+    .doc = "List metrics with definition, unit, range and source; or explain one extractor with "
+           "its settings.\v"
+           "Examples:\n"
+           "  neph metrics\n"
+           "  neph metrics flip\n"
+           "  neph metrics a4_p95\n"
            "  neph metrics --masks",
 };
 
@@ -82,7 +85,7 @@ static void print_extractor(const struct neph_extractor *extractor, bool fully)
 {
     printf("%s: %s%s%s\n", extractor->name, extractor->help,
            extractor->temporal ? " (sequences)" : "",
-           extractor->costly ? " (only when asked for)" : "");
+           extractor->costly ? " (only on request)" : "");
     printf("    source: %s\n", extractor->source);
     if (fully) {
         print_details(extractor->details);

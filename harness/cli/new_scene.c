@@ -36,7 +36,7 @@ static enum neph_status check_path(const struct neph_new_scene *request, struct 
         neph_fail(diag, NEPH_ERR_USAGE,
                   "'%s' is no name of a scene file: 1 to 64 of a-z, 0-9 and _, then .yaml",
                   request->path);
-        neph_hint(diag, "the scene is called like its file: my_fog.yaml holds my_fog");
+        neph_hint(diag, "the scene has the name of its file: my_fog.yaml has the scene my_fog");
         return NEPH_ERR_USAGE;
     }
     if (neph_path_exists(request->path) && !request->may_overwrite) {

@@ -38,23 +38,25 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, only)},
     {"minutes", 0, "M", "No step begins that does not fit into so many (default: all steps)",
      NEPH_CLI_REAL, .at = offsetof(struct request, minutes), .minimum = 0.01, .maximum = 1e5},
-    {"revision", 0, "TEXT", "What the sources are called; scripts/nightly asks git", NEPH_CLI_WORD,
-     .at = offsetof(struct request, revision)},
-    {"against", 0, "N", "Compare with night N (default: the last that was accepted)",
+    {"revision", 0, "TEXT", "Version of the sources; scripts/nightly takes it from git",
+     NEPH_CLI_WORD, .at = offsetof(struct request, revision)},
+    {"against", 0, "N", "Compare with nightly run N (default: the last accepted one)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, against), .minimum = 1, .maximum = 1e9},
     {"seed", 0, NULL, "The S-th seed of engines that draw paths, in the catalogue (default: 1)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, seed), .minimum = 1, .maximum = 1000000},
     {"once", 0, NULL, "Run no step a second time", NEPH_CLI_FLAG,
      .at = offsetof(struct request, once)},
-    {"executor", 0, "NAME", "Who runs the steps: local, one after the other, or slurm, as its jobs",
-     NEPH_CLI_WORD, .at = offsetof(struct request, executor), .otherwise = "local"},
+    {"executor", 0, "NAME",
+     "Executor of the steps: local, one after the other, or slurm, as its jobs", NEPH_CLI_WORD,
+     .at = offsetof(struct request, executor), .otherwise = "local"},
     {"slurm", 0, "KEY=VALUE",
-     "What Slurm is told: timing or gpu=FEATURE of the hosts that are for durations or have a GPU, "
+     "Settings of Slurm: timing or gpu=FEATURE of the hosts that are for durations or have a GPU, "
      "partition=NAME, at_once=COUNT, arguments=\"WORDS for sbatch\"",
      NEPH_CLI_WORDS, .at = offsetof(struct request, slurm)},
-    {"step", 0, "NAME", "What a job of an executor does: run this step alone and leave its numbers",
+    {"step", 0, "NAME", "For jobs of an executor: run only this step and leave its numbers",
      NEPH_CLI_WORD, .at = offsetof(struct request, step)},
-    {"report", 0, NULL, "What the last of its jobs does: end the night with what the others left",
+    {"report", 0, NULL,
+     "For the last job of an executor: end the run with the numbers of the other jobs",
      NEPH_CLI_FLAG, .at = offsetof(struct request, reports)},
     {"list", 0, NULL, "Print the steps and run none", NEPH_CLI_FLAG,
      .at = offsetof(struct request, lists)},
@@ -89,17 +91,16 @@ static void check(const void *given, const struct argp_state *state)
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .check = check,
-    .doc = "A night: measure, compare with the night that was accepted, say what changed.\v"
-           "Steps run one after the other, those first that give the most numbers a second; what "
-           "was not run for want of time comes first the next night. A night that was killed goes "
-           "on where it stopped. Results are printed as one paragraph, and written to "
+    .doc = "A nightly run: measure, compare with the accepted run, report changes.\v"
+           "Steps run one after the other, first those that give the most numbers per second; "
+           "steps that the time limit has left out come first in the next run. A killed run "
+           "continues where it stopped. Results are printed as one paragraph, and written to "
            "DIR/nightly: summary.txt, nightly.json, junit.xml, and a log for each step.\n\n"
            "A number is worse when the change is more than chance and large enough to matter. "
-           "Durations count when three nights in a row say the same. Exit code 1: something is "
-           "worse, missing or blank, a scene was edited, a series of the accepted night is lost, a "
-           "step failed, or nothing was compared, as in the first "
-           "night: `neph baseline accept` makes it the baseline. docs/nightly.md is for who runs "
-           "this.\n\n"
+           "Durations count when three runs in a row agree. Exit code 1: something is worse, "
+           "missing or blank, a scene was edited, a series of the accepted run is lost, a step "
+           "failed, or nothing was compared, as in the first run: `neph baseline accept` makes it "
+           "the baseline. docs/nightly.md describes operation.\n\n"
            "Examples:\n"
            "  neph nightly\n"
            "  neph nightly --tier full --minutes 240 -o nights\n"
@@ -147,7 +148,7 @@ static enum neph_status tell(const struct request *request, const struct neph_ni
         neph_cli_say_where("nightly", neph_path_in(output, "nightly").text);
     if (status || night->comparison.passes)
         return status;
-    return neph_fail(diag, NEPH_ERR_GATE, "the night %s; %s/nightly has all of it",
+    return neph_fail(diag, NEPH_ERR_GATE, "the nightly run %s; details are in %s/nightly",
                      neph_night_verdict(&night->comparison).verb, output);
 }
 
@@ -196,9 +197,10 @@ static enum neph_status read_report(const char *output, int64_t night, json_t **
         return NEPH_OK;
     }
     json_decref(read);
-    return neph_fail(diag, NEPH_ERR_IO,
-                     "night %lld is over and in the store, and its report was not written",
-                     (long long)night);
+    return neph_fail(
+        diag, NEPH_ERR_IO,
+        "nightly run %lld has ended and is in the store, but its report was not written",
+        (long long)night);
 }
 
 static enum neph_status send(const struct request *request, const struct neph_night_params *params,
@@ -218,7 +220,8 @@ static enum neph_status send(const struct request *request, const struct neph_ni
         status = print_file(params->output, request->shared.json ? "nightly.json" : "summary.txt",
                             diag);
     if (!status && !json_is_true(json_object_get(report, "passes")))
-        status = neph_fail(diag, NEPH_ERR_GATE, "the night does not pass; %s/nightly has all of it",
+        status = neph_fail(diag, NEPH_ERR_GATE,
+                           "the nightly run does not pass; details are in %s/nightly",
                            params->output);
     json_decref(report);
     return status;

@@ -46,26 +46,27 @@ static const struct neph_cli_option options[] = {
     {"chain", 0, "FILE",
      "Order, settings and volumes of the chain; --set goes on top of its settings", NEPH_CLI_WORD,
      AT(chain)},
-    {"scene", 0, "SCENE", "Whose camera is in the chain's volumes, at the number of each frame",
-     NEPH_CLI_WORD, AT(scene)},
+    {"scene", 0, "SCENE",
+     "Scene with the camera for the chain's volumes, at the number of each frame", NEPH_CLI_WORD,
+     AT(scene)},
     {.name = "set",
      .argument = "KEY=VALUE",
      .help = "A setting of the chain; may be given several times"},
     {"layer", 0, "NAME", "Radiance is the channels NAME.R and so on (Blender: ViewLayer.Combined)",
      NEPH_CLI_WORD, AT(layer)},
     {"seed", 0, NULL, "Seed of the grain", NEPH_CLI_INTEGER, AT(seed), "0", 0, INT_MAX},
-    {"fps", 0, NULL, "Frames a second, for auto_exposure (default: what they say, else 60)",
+    {"fps", 0, NULL, "Frames a second, for auto_exposure (default: the frames' attribute, else 60)",
      NEPH_CLI_REAL, AT(rate_hz), .minimum = 1e-3, .maximum = 1e4},
     {"png", 0, NULL, "A PNG beside each EXR", NEPH_CLI_FLAG, AT(png)},
     {"bits", 0, "N", "Of a channel of the PNG, 8 to 16 (default: 8, for an HDR display 10)",
      NEPH_CLI_INTEGER, AT(bits), .minimum = 8, .maximum = 16},
-    {"stats", 0, NULL, "The device's time of each stage, and what the eye is adapted to",
-     NEPH_CLI_FLAG, AT(stats)},
+    {"stats", 0, NULL, "The device time of each stage, and the adapted exposure", NEPH_CLI_FLAG,
+     AT(stats)},
     {"repeat", 0, "N",
      "Times that each frame goes through the chain; --stats has median, 10 and 90 % and least of "
      "them, after a second of warm-up",
      NEPH_CLI_INTEGER, AT(repeat), "1", 1, NEPH_CHAIN_REPEATS_MAX},
-    {.name = "output", .help = "Folder of the pictures", .otherwise = "out/post"},
+    {.name = "output", .help = "Folder for the output images", .otherwise = "out/post"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
@@ -80,7 +81,7 @@ static void check(const void *request_, const struct argp_state *state)
     if (!request->list && request->shared.operand_count == 0)
         argp_error(state, "which frames?");
     if (request->list && request->shared.operand_count > 0)
-        argp_error(state, "--list takes no frames");
+        argp_error(state, "--list has no operands");
     if (request->chain && strcmp(request->preset, "off") != 0)
         argp_error(state, "a chain names its preset itself: no --preset with --chain");
     if (request->scene && !request->chain)
@@ -92,12 +93,11 @@ static const struct neph_cli_syntax syntax = {
     .operands = &operands,
     .check = check,
     .doc =
-        "Frames of any renderer through the picture chain: what stands between a frame and the "
-        "display.\v"
-        "FRAMES: " NEPH_SEQUENCE_HELP ". R G B are scene-linear radiance. DIR gets an EXR of each "
-        "by its own name: the linear light that the display makes of the picture, 1 being its "
-        "white, or with encode=pq peak_nits, which `neph compare`, `flicker` and `view` know as a "
-        "display's. --reference puts a reference "
+        "Apply a post-processing chain to frames of any renderer, as they are shown on a display.\v"
+        "FRAMES: " NEPH_SEQUENCE_HELP
+        ". R G B are scene-linear radiance. DIR gets an EXR with the name of each frame: the "
+        "linear light of the display, where 1 is its white, or peak_nits with encode=pq; `neph "
+        "compare`, `flicker` and `view` treat it as display values. --reference puts a reference "
         "through the same chain. Without tone mapping it is still radiance.\n\n"
         "The device is lavapipe unless NEPH_VULKAN_DEVICE names part of another's name.\n\n"
         "Examples:\n"
@@ -118,7 +118,7 @@ static const char *size_of(const struct neph_post_stage *stage)
         [NEPH_POST_MAKES_TABLE] = "a table",
         [NEPH_POST_MAKES_HISTOGRAM] = "a histogram",
         [NEPH_POST_MAKES_EXPOSURE] = "an exposure",
-        [NEPH_POST_MAKES_PYRAMID] = "a pyramid of pictures",
+        [NEPH_POST_MAKES_PYRAMID] = "an image pyramid",
         [NEPH_POST_MAKES_BLOOM] = "the size that it gets",
     };
     return sizes[stage->makes];
@@ -229,7 +229,7 @@ static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
     const struct request *request = work->request;
     struct neph_settings *settings = &work->showing.settings;
     const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
-    static const char owner[] = "the picture chain";
+    static const char owner[] = "the post-processing chain";
     enum neph_status status = NEPH_OK;
     if (!request->chain)
         status = neph_options_preset(neph_post_options, owner, neph_post_presets, request->preset,
@@ -377,8 +377,7 @@ static enum neph_status check_radiance(const char *path, const struct neph_image
 {
     const char *space = neph_image_attribute(frame, "colour_space");
     if (neph_image_attribute(frame, "encoding"))
-        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a display's picture, and no radiance",
-                         path);
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' has display values, not radiance", path);
     if (!space)
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not in linear Rec.709: it says that it is in %s", path,
@@ -458,7 +457,7 @@ static enum neph_status make_pictures(struct work *work, const char *const *word
         status = neph_vulkan_open(&work->vulkan, diag);
     for (int i = 0; i < work->frames.count && !status; i++) {
         if (neph_interrupted())
-            return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted after %d of %d pictures", i,
+            return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted after %d of %d frames", i,
                              work->frames.count);
         neph_progress_begin(&progress, work->frames.paths[i]);
         status = make(work, i, diag);

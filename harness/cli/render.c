@@ -55,8 +55,8 @@ static const struct neph_cli_option options[] = {
      "and --preset, before any --set",
      NEPH_CLI_WORD, AT(config)},
     {"scattering", 0, "ORDERS",
-     "As if the scene had none, single or multiple scattering: what an engine leaves out that has "
-     "no more",
+     "Treat the scene as if it had none, single or multiple scattering: measures the effect of "
+     "missing orders",
      NEPH_CLI_WORD, AT(scattering)},
     {.name = "set"},
     {.name = "size", .otherwise = "320x180"},
@@ -69,28 +69,27 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_INTEGER, AT(seed), .minimum = 0, .maximum = INT_MAX},
     {.name = "time-limit", .otherwise = "3600"},
     {"checkpoint", 0, "FILE",
-     "Engines oracle and tracer: go on from what FILE holds, if it is there, and leave all paths "
-     "in it: an interrupted render loses seconds (oracle) or the batch in work (tracer), and a "
-     "finished one can be given more samples",
+     "Engines oracle and tracer: continue from FILE, if it exists, and save all paths in it: an "
+     "interrupted render loses seconds (oracle) or the current batch (tracer), and a finished one "
+     "can be continued with more samples",
      NEPH_CLI_FILE, AT(checkpoint)},
     {"scene-layers", 0, NULL,
-     "Add what the scene knows for `neph compare` and `neph flicker`: masks of clouds, fog, thin "
+     "Add layers of the scene for `neph compare` and `neph flicker`: masks of clouds, fog, thin "
      "objects and the sun, and motion vectors of solids and sky before a camera that moves",
      NEPH_CLI_FLAG, AT(scene_layers)},
     {"depth", 0, "FILES",
      "Engine realtime: Z [m along the camera's axis; inf: sky] of these EXR files in place of the "
-     "scene's solids, which still shade the media, and R G B, which is what is behind the media "
-     "(without: black). "
-     "FILES: " NEPH_SEQUENCE_HELP "; one file serves all frames",
+     "scene's solids, which still shade the media, and R G B, which is the background of the media "
+     "(without: black). FILES: " NEPH_SEQUENCE_HELP "; one file serves all frames",
      NEPH_CLI_WORD, AT(depth)},
     {"stats", 0, NULL,
-     "What each frame has cost: density evaluations, rays, steps, bytes, device time per pass "
-     "(engines that count them). A GPU that has rested makes its first pictures two to four times "
-     "slower: neph benchmark warms it first",
+     "Cost of each frame: density evaluations, rays, steps, bytes, device time per pass (engines "
+     "that count them). The first frames of an idle GPU are two to four times slower: neph "
+     "benchmark warms it first",
      NEPH_CLI_FLAG, AT(stats)},
     {"chain", 0, "FILE",
-     "Show the frames by this picture chain, in place of the scene's; off: by none", NEPH_CLI_WORD,
-     AT(chain)},
+     "Show the frames by this post-processing chain, in place of the scene's; off: none",
+     NEPH_CLI_WORD, AT(chain)},
     {"noise", 0, NULL,
      "Engine cycles: render every frame with a second seed, too, for its noise; other engines by "
      "chance know theirs",
@@ -118,9 +117,9 @@ static const struct neph_cli_syntax render_syntax = {
     .doc = "Render a scene (a file, or a name of the catalogue) with one engine.\v"
            "Writes DIR/SCENE_ENGINE_FRAME.exr: R G B, volume.*, transmittance.* and Z, 32-bit "
            "float, with the settings as attributes. Frames that are finished when an engine fails "
-           "or Ctrl-C comes stay. With a picture chain (display.chain of the scene, or --chain) "
-           "DIR/shown gets what a display makes of each, as EXR and PNG; --size is then that of "
-           "the display, and frames are smaller by what the chain enlarges.\n\n"
+           "or at Ctrl-C are kept. With a post-processing chain (display.chain of the scene, or "
+           "--chain) DIR/shown gets the displayed image of each frame, as EXR and PNG; --size is "
+           "then the size of the display, and frames are smaller by the upscaling of the chain.\n\n"
            "Examples:\n"
            "  neph render height_fog_level\n"
            "  neph render my_fog.yaml -e cycles -s samples=256 --size 640x360\n"
@@ -133,9 +132,9 @@ static const struct neph_cli_syntax export_syntax = {
     .options = options,
     .more = export_defaults,
     .operands = &neph_cli_one_scene,
-    .doc = "Leave a scene as files that open in Blender or render with POV-Ray by hand.\v"
-           "Prints the one-line command to run inside DIR, which is a new or empty folder, or that "
-           "of an export before, whose files are replaced.\n\n"
+    .doc = "Export a scene as files that open in Blender or render with POV-Ray by hand.\v"
+           "Prints the one-line command to run inside DIR, which is a new or empty folder, or the "
+           "folder of an earlier export, which is replaced.\n\n"
            "Examples:\n"
            "  neph export fence_backlit --engine povray -o fence_pov\n"
            "  neph export fence_backlit --engine cycles -o fence_blend",
@@ -378,10 +377,10 @@ static enum neph_status find_depths(const struct request *request, struct neph_s
         return NEPH_OK;
     const enum neph_status status = neph_sequence_find(1, &request->depth, false, depths, diag);
     if (!status && depths->count != 1 && depths->count != request->frame_count)
-        return neph_fail(diag, NEPH_ERR_USAGE,
-                         "--depth gives %d files and --frames asks for %d; give one file for all "
-                         "frames or one for each",
-                         depths->count, request->frame_count);
+        return neph_fail(
+            diag, NEPH_ERR_USAGE,
+            "--depth names %d files, --frames is %d; name one file for all frames, or one for each",
+            depths->count, request->frame_count);
     return status;
 }
 

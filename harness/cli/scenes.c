@@ -33,7 +33,7 @@ struct request {
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {.name = "json"},
-    {.name = "quiet", .help = "Not a word on what the file of a variant has to be called"},
+    {.name = "quiet", .help = "Do not print the required file name of a variant"},
     {"new", 0, "KIND",
      "Write a commented scene file to begin with: fog (a fence in fog, with shafts), cloud (a "
      "procedural cumulus), grid (voxels written in the file), vdb (around the medium of a .vdb)",
@@ -119,14 +119,15 @@ static const char *lost_in_looks(const struct neph_scene *scene, const struct ne
         bool is_there;
         const char *words;
     } rows[] = {
-        {has_ends(fog), "bounds: a look fills all space"},
-        {neph_medium_is_coloured(fog), "extinction_color: a look has one opacity"},
-        {scatters, "sunlight lost on its way, and shadows in the fog: a look is as bright at all "
-                   "depths and places"},
+        {has_ends(fog), "bounds: the fog model fills all space"},
+        {neph_medium_is_coloured(fog), "extinction_color: the fog model has one opacity"},
+        {scatters, "attenuation of sunlight, and shadows in the fog: the fog model is equally "
+                   "bright everywhere"},
         {scatters && fog->phase.kind != NEPH_PHASE_ISOTROPIC,
-         "the phase function: a look has a lobe cos^e around the sun, and nothing behind"},
+         "the phase function: the fog model has a lobe cos^e around the sun, and no "
+         "backscattering"},
         {scene->scattering == NEPH_SCATTERING_MULTIPLE,
-         "light scattered more than once: a look has the colour that it is given"},
+         "multiple scattering: the fog model has a given colour"},
     };
     for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]); i++)
         if (rows[i].is_there && index-- == 0)
@@ -206,7 +207,7 @@ static void print_look(const struct neph_scene *scene, const struct neph_fog_loo
 
 static void print_departures(const struct neph_fog_look *look)
 {
-    printf("  of the look no medium has:\n");
+    printf("  controls of the fog model without a counterpart in the medium:\n");
     for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++)
         if (neph_fog_control_is_on(look, (enum neph_fog_control)c))
             printf("    %s (%s): %s\n", neph_fog_controls()[c].name, neph_fog_controls()[c].unreal,
@@ -228,7 +229,7 @@ static void print_fog(const struct neph_scene *scene)
         print_departures(&scene->fog_look);
     }
     if (lost_in_looks(scene, fog, 0))
-        printf("  of the medium no look has:\n");
+        printf("  properties of the medium without a counterpart in the fog model:\n");
     for (int i = 0; lost_in_looks(scene, fog, i); i++)
         printf("    %s\n", lost_in_looks(scene, fog, i));
 }

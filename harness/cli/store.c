@@ -20,12 +20,12 @@ struct request {
 };
 
 static const struct neph_cli_option options[] = {
-    {.name = "output", .help = "Folder of the verb whose store it is, such as out/validate"},
+    {.name = "output", .help = "Folder of a verb with a store, such as out/validate"},
     {"repair", 0, NULL,
-     "check: remove damaged frames, which the next run renders anew; write torn acceptances anew "
-     "from their copies; make a damaged database again",
+     "check: remove damaged frames, which the next run renders again; restore damaged acceptances "
+     "from their copies; rebuild a damaged database",
      NEPH_CLI_FLAG, .at = offsetof(struct request, repairs)},
-    {"limit", 0, "SIZE", "gc: what all frames may take, such as 500M, 20G", NEPH_CLI_WORD,
+    {"limit", 0, "SIZE", "gc: size limit of all frames, such as 500M, 20G", NEPH_CLI_WORD,
      .at = offsetof(struct request, limit)},
     {"spare-hours", 0, "H", "gc: frames that were used within so many hours stay", NEPH_CLI_REAL,
      .at = offsetof(struct request, spare_hours), .otherwise = "1", .minimum = 0, .maximum = 1e6},
@@ -42,9 +42,9 @@ static void check_request(const void *request_, const struct argp_state *state)
     if (!is_gc && strcmp(verb, "check") != 0 && strcmp(verb, "export") != 0)
         argp_error(state, "there is no 'store %s': check, gc or export", verb);
     if (!request->shared.output)
-        argp_error(state, "whose store? -o names the folder of a verb, such as out/validate");
+        argp_error(state, "which store? -o names the folder of a verb, such as out/validate");
     if (is_gc && !request->limit)
-        argp_error(state, "how much may the frames take? --limit 20G");
+        argp_error(state, "which size limit? --limit 20G");
     if (!is_gc && request->limit)
         argp_error(state, "--limit is for gc");
     if (request->repairs && strcmp(verb, "check") != 0)
@@ -61,16 +61,15 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check_request,
-    .doc = "Keep the store of a folder: is it whole, room in it, and what it knows as JSON.\v"
-           "check reads every frame and holds it against its record, and the database against the "
-           "frames, the finished nights and the acceptances; exit code 1 when anything is damaged. "
-           "A database that "
-           "cannot even be opened is set aside and made again of the files beside it, whichever "
-           "verb opens the store.\n\n"
-           "gc removes frames, the longest unused first, until the rest fits into --limit. What an "
-           "accepted night has used stays, whatever its age: exit code 1 when the limit cannot be "
-           "kept for that.\n\n"
-           "export prints environments, jobs, nights and acceptances as JSON.\n\n"
+    .doc = "Check, shrink or export the store of a folder.\v"
+           "check compares every frame with its record, and the database with the frames, the "
+           "finished nightly runs and the acceptances; exit code 1 when anything is damaged. A "
+           "database that cannot even be opened is set aside and rebuilt from the files beside it, "
+           "by any verb that opens the store.\n\n"
+           "gc removes frames, the longest unused first, until the store fits into --limit. Frames "
+           "of an accepted nightly run stay, whatever their age: exit code 1 if the limit cannot "
+           "be met because of them.\n\n"
+           "export prints environments, jobs, nightly runs and acceptances as JSON.\n\n"
            "Examples:\n"
            "  neph store check -o out/validate\n"
            "  neph store gc -o out/nightly --limit 20G\n"
@@ -88,9 +87,9 @@ static void tell_fault(const struct neph_store_fault *fault, void *context)
                                 "of_baseline", fault->of_baseline, "removed", fault->removed));
     else
         printf("%s  %s%s%s\n", fault->key[0] ? fault->key : "database", fault->why,
-               fault->of_baseline ? "; an accepted night has used it" : "",
+               fault->of_baseline ? "; used by an accepted nightly run" : "",
                !fault->removed      ? ""
-               : fault->is_document ? "; written anew"
+               : fault->is_document ? "; restored"
                : fault->key[0]      ? "; removed"
                                     : "; made again");
 }
@@ -128,9 +127,8 @@ static enum neph_status run_check(const struct request *request, struct neph_sto
         return status;
     neph_fail(diag, NEPH_ERR_GATE, "damaged: %lld; the lines above name them", (long long)sums.bad);
     if (!request->repairs)
-        neph_hint(diag, "--repair removes damaged frames, which the next run that wants them "
-                        "renders anew, writes torn acceptances anew, and makes a damaged database "
-                        "again");
+        neph_hint(diag, "--repair removes damaged frames, which the next run renders again, "
+                        "restores damaged acceptances, and rebuilds a damaged database");
     return NEPH_ERR_GATE;
 }
 
@@ -181,7 +179,8 @@ static enum neph_status run_gc(const struct request *request, struct neph_store 
         neph_hint(diag, "%lld frames could not be removed; the lines above say why",
                   (long long)gc.frames_that_stayed);
     else
-        neph_hint(diag, "accepted nights and what was used within --spare-hours stay");
+        neph_hint(diag,
+                  "frames of accepted nightly runs and frames used within --spare-hours stay");
     return NEPH_ERR_GATE;
 }
 

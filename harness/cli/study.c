@@ -24,13 +24,12 @@ static const struct {
     {"sky", &neph_experiment_sky,
      "how far models of a planet's atmosphere are from all orders of scattering, and where"},
     {"fog", &neph_experiment_fog,
-     "what the controls of a fog's look give, take and break, each alone, against exact"},
+     "model error of each control of a non-physical fog model, against exact"},
     {"screen", &neph_experiment_screen,
      "how far occlusion, reflections and indirect light on a screen are from the truth, and why"},
     {"convergence", &neph_experiment_convergence,
      "after how many frames a preset of the real-time renderer is as good as it gets"},
-    {"post", &neph_experiment_post,
-     "what each stage between a frame and the display makes of error and flicker"},
+    {"post", &neph_experiment_post, "effect of each post-processing stage on error and flicker"},
 };
 enum { KIND_COUNT = sizeof(kinds) / sizeof(kinds[0]) };
 

@@ -55,10 +55,11 @@ static const struct neph_cli_option options[] = {
      AT(view.display.display), .group = VIEWING},
     {"view", 0, "NAME", "Of that display (default: its own)", NEPH_CLI_WORD, AT(view.display.view),
      .group = VIEWING},
-    {"space", 0, "NAME", "What linear Rec.709 is called there (default: the role scene_linear)",
+    {"space", 0, "NAME", "Name of linear Rec.709 in the config (default: the role scene_linear)",
      NEPH_CLI_WORD, AT(view.display.space), .group = VIEWING},
-    {"fps", 0, NULL, "How fast frames are played (default: what they say, else 60)", NEPH_CLI_REAL,
-     AT(view.viewing.frame_rate_hz), .minimum = 0.1, .maximum = 1000, .group = VIEWING},
+    {"fps", 0, NULL, "Frames a second of playback (default: the frames' attribute, else 60)",
+     NEPH_CLI_REAL, AT(view.viewing.frame_rate_hz), .minimum = 0.1, .maximum = 1000,
+     .group = VIEWING},
     {"ppd", 0, NULL, "Pixels per degree of the display, on which maps depend (default: 67.02)",
      NEPH_CLI_REAL, AT(view.viewing.pixels_per_degree), .minimum = 1, .maximum = 1000,
      .group = VIEWING},
@@ -91,20 +92,18 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc =
-        "Lay frames of any renderer over each other in a page that opens from disk: EXR frames or "
-        "PNG pictures, of one size.\v"
-        "Each operand is a set: " NEPH_SEQUENCE_HELP ". Differences and maps are against the "
-        "reference, else the first. In the page: zoom and pan down to pixels, values as they are "
-        "in the files, wipe, "
-        "flip, differences on a fixed scale, exposure, maps of the metrics, and time; ? lists the "
-        "keys. Its address holds what is looked at: copy it to show somebody.\n"
-        "\n"
-        "Examples:\n"
-        "  neph view exact.exr march.exr -o page\n"
-        "  neph view -r reference.exr 'a/frame.*.exr' 'b/frame.*.exr' --quantity radiance\n"
-        "  neph view old.png new.png --overlay flip\n"
-        "  neph view a.exr b.exr --ocio config.ocio --view Filmic",
+    .doc = "Make a page that opens from disk and overlays frames of any renderer: EXR frames or "
+           "PNG images, of one size.\v"
+           "Each operand is a set: " NEPH_SEQUENCE_HELP
+           ". Differences and maps are against the reference, else the first. In the page: zoom "
+           "and pan down to pixels, values as they are in the files, wipe, flip, differences on a "
+           "fixed scale, exposure, maps of the metrics, and time; ? lists the keys. Its address "
+           "contains the current view: copy it to share the view.\n\n"
+           "Examples:\n"
+           "  neph view exact.exr march.exr -o page\n"
+           "  neph view -r reference.exr 'a/frame.*.exr' 'b/frame.*.exr' --quantity radiance\n"
+           "  neph view old.png new.png --overlay flip\n"
+           "  neph view a.exr b.exr --ocio config.ocio --view Filmic",
 };
 
 /* ---- the inputs ------------------------------------------------------------------------------ */

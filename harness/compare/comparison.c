@@ -408,7 +408,7 @@ static enum neph_status give_map(struct work *work, const struct neph_quantity *
     return status;
 }
 
-/* Output the maps of the current frame, or those of the sequence (frame < 0). */
+/* Output the maps of the current frame, or of the sequence (frame < 0). */
 static enum neph_status give_maps(struct work *work, int frame, struct neph_diag *diag)
 {
     const bool is_wanted = work->asked->maps_directory || work->asked->take_map;

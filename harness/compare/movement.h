@@ -12,7 +12,7 @@
 enum { NEPH_MOVEMENT_CYCLE = 4 };
 
 /* Covers the frames of complete cycles of four; frames after the last complete cycle have no value.
- * d is the display luma of the test minus that of the reference, as in `neph flicker`. Start from
+ * d is the display luma of the test minus the reference's, as in `neph flicker`. Start from
  * {0} and set the gain; free with neph_movement_finish(). */
 struct neph_movement {
     double gain; /* display value of radiance 1 */

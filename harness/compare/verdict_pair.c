@@ -11,7 +11,7 @@
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 _Static_assert(NEPH_DIRECTION_COUNT == 3, "a new kind");
 
-/* Error probability of both tests of a difference, equal to that of its 95 % interval. */
+/* Error probability of both tests of a difference, as of its 95 % interval. */
 static const double level = 0.05;
 
 /* Six whole cycles: with five the smallest p-value of the sign test is 2 / 2^5 = 0.0625, above the

@@ -33,12 +33,13 @@ enum { WARM_UP };
     }
 
 static const struct neph_option options[] = {
-    [WARM_UP] = {.name = "warm_up",
-                 .kind = NEPH_OPTION_INTEGER,
-                 .minimum = 0,
-                 .maximum = 1024,
-                 .help = "pictures before the first, for what remembers: the program renders them, "
-                         "and nobody looks"},
+    [WARM_UP] =
+        {.name = "warm_up",
+         .kind = NEPH_OPTION_INTEGER,
+         .minimum = 0,
+         .maximum = 1024,
+         .help =
+             "frames rendered before the first one, to fill the program's history; not measured"},
     PARAMETER("a"),
     PARAMETER("b"),
     PARAMETER("c"),
@@ -221,8 +222,8 @@ static enum neph_status check_file(const struct neph_image *image, const struct 
     for (size_t i = 0; i < sizeof(unusual) / sizeof(unusual[0]); i++)
         if (neph_image_attribute(image, unusual[i]))
             return neph_fail(diag, NEPH_ERR_ENGINE,
-                             "frame.exr has %s %s; a whole picture of square pixels in linear "
-                             "Rec.709 is asked for",
+                             "frame.exr has %s %s; expected is a whole image with square pixels in "
+                             "linear Rec.709",
                              unusual[i], neph_image_attribute(image, unusual[i]));
     if (image->width_px != shot->width_px || image->height_px != shot->height_px)
         return neph_fail(diag, NEPH_ERR_ENGINE, "frame.exr is %d x %d pixels, not %d x %d",
@@ -281,7 +282,7 @@ static enum neph_status next_picture(void *opened, const struct neph_shot *shot,
     free_files(&files);
     if (status == NEPH_ERR_ENGINE || status == NEPH_ERR_TIMEOUT) {
         sequence->keeps = true;
-        neph_hint(diag, "what it got, wrote and said is in '%s'", sequence->folder);
+        neph_hint(diag, "its input, output and log are in '%s'", sequence->folder);
     }
     return status;
 }
@@ -369,7 +370,7 @@ const struct neph_engine neph_engine_command = {
     .summary = "a renderer of your own: the program that NEPH_COMMAND names",
     .rung = NEPH_RUNG_MODEL,
     .typical_s = 5.0,
-    .bias = "yours to tell",
+    .bias = "unknown: the program is yours",
     .options = options,
     .sequence = &sequence_of,
     .remembers = true,

@@ -64,12 +64,12 @@ static const struct neph_option options[] = {
      .default_value = 0,
      .minimum = 0,
      .maximum = 1e6,
-     .help = "their layer ao: what is farther hides nothing [m]; 0: no limit"},
+     .help = "layer ao of surfaces: farther solids do not occlude [m]; 0: no limit"},
     {.name = "volume_biased",
      .kind = NEPH_OPTION_CHOICE,
      .choices = biases,
-     .help = "on: volumes are marched in steps; off: without steps or bias, from Blender 5.0 on; "
-             "default: off where that is there"},
+     .help = "on: volumes are rendered with steps; off: without steps and bias, from Blender 5.0 "
+             "on; default: off if available"},
     {.name = NULL},
 };
 
@@ -287,10 +287,10 @@ const struct neph_engine neph_engine_cycles = {
         "exact in homogeneous media; in uneven ones, where volumes are in steps (before Blender "
         "5.0, or volume_biased=on), ray-march step bias (step 0.1: 0.1 % of single scattering, "
         "more where little sun arrives; 3e-4 of transmittance); where they are not, up to 0.14 / "
-        "samples; what it has no formula for is baked to voxels; before 5.0 throughput below 1e-6 "
-        "is cut to 0 (optical depth > 13.8); air thinner than 1e-6 of the densest does not "
-        "scatter; paths end at 1024 bounces, Blender's own limit: -2 % at an optical depth of 64 "
-        "without absorption, -3 % in a white furnace of optical depth 100",
+        "samples; media without a formula in Cycles are baked to voxels; before 5.0 throughput "
+        "below 1e-6 is cut to 0 (optical depth > 13.8); air thinner than 1e-6 of the densest does "
+        "not scatter; paths end at 1024 bounces, Blender's own limit: -2 % at an optical depth of "
+        "64 without absorption, -3 % in a white furnace of optical depth 100",
     .options = options,
     .version = 2,
     .stochastic = true,

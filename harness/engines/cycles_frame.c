@@ -106,8 +106,7 @@ enum neph_status neph_cycles_write(struct neph_cycles_session *session, struct n
     if (!status) {
         status = neph_file_copy(script, copy, diag);
         if (status)
-            neph_hint(diag, "NEPH_DATA_DIR names the folder that holds %s",
-                      NEPH_BLENDER_SCRIPT_PATH);
+            neph_hint(diag, "set NEPH_DATA_DIR to the folder with %s", NEPH_BLENDER_SCRIPT_PATH);
     }
     if (!status)
         status = write_grids(session, diag);
@@ -190,8 +189,8 @@ static enum neph_status not_finite(const char *kind, size_t pixel, int width_px,
                                    struct neph_diag *diag)
 {
     return neph_fail(diag, NEPH_ERR_ENGINE,
-                     "Blender's %s image holds a value that is not finite, at pixel (%zu, %zu)",
-                     kind, pixel % (size_t)width_px, pixel / (size_t)width_px);
+                     "Blender's %s image has a value that is not finite, at pixel (%zu, %zu)", kind,
+                     pixel % (size_t)width_px, pixel / (size_t)width_px);
 }
 
 static const char *const combined_name = "Combined";
@@ -364,7 +363,7 @@ static enum neph_status read_timing(const struct neph_cycles_session *session, d
     json_t *timing = status ? NULL : json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
     const double seconds = sum_radiance_s(timing);
     if (!status && (session->shot.layers & NEPH_LAYER_RADIANCE) && seconds < 0.0)
-        status = neph_fail(diag, NEPH_ERR_ENGINE, "'%s' does not tell the render time", path);
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "'%s' has no render time", path);
     if (!status)
         *render_s = fmax(0.0, seconds);
     json_decref(timing);

@@ -280,7 +280,7 @@ static enum neph_status choose_unit(const struct neph_scene *scene, struct neph_
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "a medium of infinite extinction");
     if (most > 0.0 && least < thinnest_of_densest * most)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "media whose extinctions differ by more than a factor of 1e6");
+                         "media with extinctions that differ by more than a factor of 1e6");
     world->unit_m = most > 0.0 ? optical_depth_per_unit / most : 1.0;
     return check_reach(scene, world, diag);
 }

@@ -18,7 +18,8 @@ const char *neph_cycles_surface_obstacle(const struct neph_scene *scene)
         return NULL;
     for (int i = 0; i < scene->solid_count; i++)
         if (neph_is_mirror(&scene->solids[i].surface))
-            return "sun or lights in a mirror, whose light on others Cycles does not find";
+            return "sun or lights with a mirror: Cycles does not find their reflected light on "
+                   "other solids";
     return NULL;
 }
 
@@ -63,7 +64,7 @@ static enum neph_status copy_layer(const struct neph_image *picture, const char 
         for (size_t p = 0; p < neph_image_pixel_count(frame); p++) {
             if (!isfinite(source[j][p]))
                 return neph_fail(diag, NEPH_ERR_ENGINE,
-                                 "Blender's layer pass.%s holds a value that is not finite", from);
+                                 "Blender's layer pass.%s has a value that is not finite", from);
             target[j][p] = source[j][p];
         }
     return status;

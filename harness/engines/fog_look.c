@@ -43,9 +43,9 @@ enum { OPTION_MODEL, OPTION_CONTROLS, OPTION_SUN };
 
 static const struct neph_option options[] = {
     [OPTION_MODEL] = {"model", NEPH_OPTION_CHOICE, NEPH_FOG_UNREAL, 0, 0, neph_fog_model_words,
-                      "whose formula: Unreal Engine's or Filament's"},
+                      "formula: of Unreal Engine or of Filament"},
     [OPTION_CONTROLS] = {"controls", NEPH_OPTION_CHOICE, CONTROLS_ALL, 0, 0, control_words,
-                         "which controls of the scene's fog_look are on: all, none, or one alone"},
+                         "enabled controls of the scene's fog_look: all, none, or only one"},
     [OPTION_SUN] = {"sun", NEPH_OPTION_CHOICE, 0, 0, 0, sun_words,
                     "on solids: attenuated by the fog in closed form, or clear, as game engines "
                     "have it"},
@@ -147,11 +147,11 @@ static const struct neph_gpu_renderer gpu = {
 
 const struct neph_engine neph_engine_fog_look = {
     .name = "fog_look",
-    .summary = "height fog as game engines draw it, in closed form: a look, not physics",
+    .summary = "height fog as game engines draw it, in closed form; a non-physical model",
     .rung = NEPH_RUNG_MODEL,
     .look = true,
-    .bias = "one colour of fog for all depths and directions; what its controls take and give is "
-            "in docs/fog.md",
+    .bias =
+        "one fog colour for all depths and directions; docs/fog.md has the effect of its controls",
     .typical_s = 1.0,
     .options = options,
     .version = 2,

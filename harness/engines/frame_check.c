@@ -196,6 +196,6 @@ enum neph_status neph_frame_check(const struct neph_scene *scene, int frame, con
     if (!status)
         status = check_light(scene, sights, name, image, diag);
     if (status)
-        neph_hint(diag, "`neph doctor` says what this program was seen to do");
+        neph_hint(diag, "`neph doctor` lists the tested features of this program");
     return status;
 }

@@ -35,11 +35,11 @@ const char *neph_look_of_fog(const struct neph_engine *engine, const struct neph
 {
     static const char *const words[] = {
         NULL,
-        "fog=unreal: Unreal's look of the fog, not physics",
-        "fog=filament: Filament's look of the fog, not physics",
+        "fog=unreal: Unreal's non-physical fog model",
+        "fog=filament: Filament's non-physical fog model",
     };
     if (engine == &neph_engine_fog_look)
-        return "a game engine's look of the fog, not physics";
+        return "a game engine's non-physical fog model";
     return words[choice_of(engine, settings, "fog")];
 }
 

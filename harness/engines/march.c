@@ -84,7 +84,7 @@ static enum neph_status submit(void *renderer, const struct neph_shot *shot,
     (void)cost;
     if (shot->settings.values[OPTION_RAYS_PER_PX] != 0.0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "rays are averaged on the CPU: a picture in flight has rays_per_px=1");
+                         "rays are averaged on the CPU: frames in flight need rays_per_px=1");
     return neph_march_frame(renderer, shot->scene, shot->frame, NULL, NULL, NULL, diag);
 }
 
@@ -168,7 +168,7 @@ const struct neph_engine neph_engine_march = {
 const struct neph_engine neph_engine_march_octaves = {
     ROWS_OF(octaves, NEPH_MARCH_OCTAVES),
     .name = "march_octaves",
-    .summary = "the same with multiple scattering as a sum of octaves: a look, not physics",
+    .summary = "march, and multiple scattering as a sum of octaves; a non-physical model",
     .typical_s = 2.0,
     .look = true,
     .bias = "a sum of octaves saturates with optical depth and does not conserve energy",
@@ -179,7 +179,7 @@ const struct neph_engine neph_engine_march_octaves = {
 const struct neph_engine neph_engine_march_horizon = {
     ROWS_OF(horizon, NEPH_MARCH_HORIZON),
     .name = "march_horizon",
-    .summary = "the same with the light of Horizon's clouds: a look, not physics",
+    .summary = "march, and the lighting of Horizon's clouds; a non-physical model",
     .typical_s = 2.0,
     .look = true,
     .bias = "floored Beer, lobes that do not integrate to 1, light where there is no density",
@@ -190,7 +190,8 @@ const struct neph_engine neph_engine_march_horizon = {
 const struct neph_engine neph_engine_march_octaves_fitted = {
     ROWS_OF(octaves_fitted, NEPH_MARCH_OCTAVES_FITTED),
     .name = "march_octaves_fitted",
-    .summary = "octaves that follow from g and albedo, fitted to the tracer: a look, not physics",
+    .summary =
+        "march, and octaves derived from g and albedo, fitted to the tracer; a non-physical model",
     .typical_s = 2.0,
     .look = true,
     .bias =
@@ -203,11 +204,11 @@ const struct neph_engine neph_engine_march_octaves_fitted = {
 const struct neph_engine neph_engine_march_traced = {
     ROWS_OF(traced, NEPH_MARCH_TRACED),
     .name = "march_traced",
-    .summary = "march, and light of higher orders by paths for each few pixels",
+    .summary = "march, and higher orders of scattering by a few paths per group of pixels",
     .typical_s = 6.0,
     .stochastic = true,
-    .bias = "as march, and a blur of the light of higher orders over a few texels; solids "
-            "are lit by the sun alone",
+    .bias = "as march, and a blur of the light of higher orders over a few texels; solids are lit "
+            "only by the sun",
     .options = options_of_traced,
     .version = 1,
 };
@@ -215,7 +216,8 @@ const struct neph_engine neph_engine_march_traced = {
 const struct neph_engine neph_engine_march_diffused = {
     ROWS_OF(diffused, NEPH_MARCH_DIFFUSED),
     .name = "march_diffused",
-    .summary = "march, and light of higher orders by P1 diffusion through a coarse lattice: a look",
+    .summary = "march, and higher orders of scattering by P1 diffusion on a coarse grid; a "
+               "non-physical model",
     .typical_s = 4.0,
     .look = true,
     .bias = "diffusion is too blunt for thin media and near surfaces; nothing smaller than a cell",
@@ -226,7 +228,7 @@ const struct neph_engine neph_engine_march_diffused = {
 const struct neph_engine neph_engine_march_similarity = {
     ROWS_OF(similarity, NEPH_MARCH_SIMILARITY),
     .name = "march_similarity",
-    .summary = "march, and fitted octaves of the similar isotropic medium: a look, not physics",
+    .summary = "march, and fitted octaves of the similar isotropic medium; a non-physical model",
     .typical_s = 2.0,
     .look = true,
     .bias = "as march_octaves_fitted; nothing is left of where light came from",
@@ -237,10 +239,11 @@ const struct neph_engine neph_engine_march_similarity = {
 const struct neph_engine neph_engine_march_slab = {
     ROWS_OF(slab, NEPH_MARCH_SLAB),
     .name = "march_slab",
-    .summary = "march, and light of higher orders as in a slab across the sunlight: a look",
+    .summary = "march, and higher orders of scattering as in a slab across the sunlight; a "
+               "non-physical model",
     .typical_s = 2.0,
     .look = true,
-    .bias = "a cloud is no slab: what leaves through its sides is not missed",
+    .bias = "a cloud is not a slab: light that leaves through its sides is counted as if it stayed",
     .options = options_of_march,
     .version = 1,
 };

@@ -30,8 +30,8 @@ static const struct neph_option options[] = {
      .default_value = 0,
      .minimum = 0,
      .maximum = 1e9,
-     .help = "stop within this time, with what there is [s]; 0: no limit (another machine then "
-             "takes as many samples, else not)"},
+     .help = "stop after this time with the samples so far [s]; 0: no limit (needed for equal "
+             "results on all machines)"},
     {.name = NULL},
 };
 

@@ -68,7 +68,7 @@ static const struct neph_option options[] = {
      .default_value = 1000000,
      .minimum = 1000,
      .maximum = 10000000,
-     .help = "sunlight that a mirror throws on others: so many, whose light is spread around"},
+     .help = "photons of sunlight that mirrors reflect onto other solids; their light is blurred"},
     {.name = NULL},
 };
 
@@ -125,7 +125,7 @@ static const char *solid_obstacle(const struct neph_scene *scene)
         if (neph_is_textured(surface))
             return "a pattern on a mirror";
         if (scene->light_count > 0)
-            return "lamps in a mirror, whose light on others POV-Ray was not tried for";
+            return "point lights with a mirror: their reflected light in POV-Ray was not tested";
         if (scene->sun.present && (scene->solids[i].kind != NEPH_SOLID_BOX || ++mirrors > 1))
             return "the sun in a mirrored ball, or in several mirrors";
     }
@@ -559,9 +559,10 @@ const struct neph_engine neph_engine_povray = {
     .rung = NEPH_RUNG_WITNESS,
     .typical_s = 12.0,
     .bias = "single scattering only; midpoint rule of its intervals, error ~ 1/intervals^2 (~ "
-            "1/intervals at the edges of shadows); 16-bit output in brackets: 1e-4 of the value "
-            "or 1e-6 of the brightest, transmittance to 1e-8; what it has no formula for is baked "
-            "to voxels; radiosity shares light among places: 0.01 to 1 % of it, docs/screen.md",
+            "1/intervals at the edges of shadows); 16-bit output in brackets: 1e-4 of the value or "
+            "1e-6 of the brightest, transmittance to 1e-8; media without a formula in POV-Ray are "
+            "baked to voxels; radiosity interpolates between sample points: error 0.01 to 1 %, "
+            "docs/screen.md",
     .options = options,
     .version = 4,
     /* POV-Ray aborts above 256 intervals. */

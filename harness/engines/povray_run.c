@@ -239,7 +239,7 @@ enum neph_status neph_povray_expose(struct neph_povray_session *session, const c
     }
     if (!status && any_clamped(best, count))
         status = neph_fail(diag, NEPH_ERR_ENGINE,
-                           "the picture '%s' is brighter than POV-Ray's images can hold", name);
+                           "the image '%s' is brighter than POV-Ray's images can represent", name);
     if (status) {
         free(best);
         return status;

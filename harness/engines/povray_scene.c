@@ -578,7 +578,7 @@ enum neph_status neph_povray_text(const struct neph_povray_world *world,
         status = neph_fail_memory(diag);
     else if (writer.not_a_number)
         status = neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                           "the scene needs a number that POV-Ray cannot take");
+                           "the scene needs a number outside of POV-Ray's range");
     if (status) {
         free(memory);
         return status;

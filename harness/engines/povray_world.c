@@ -101,8 +101,8 @@ static enum neph_status place_containers(struct neph_povray_world *world, struct
         double cut_error = 0.0;
         container->bounds = neph_medium_container(scene, &scene->media[i], &cut_error);
         if (!is_finite(&container->bounds) || !has_inside(&container->bounds))
-            return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                             "medium %d has no finite box that could hold it", i + 1);
+            return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "medium %d has no finite bounding box",
+                             i + 1);
         container->used = true;
         container->uniform = is_uniform(&scene->media[i]);
         world->cut_error += cut_error;

@@ -57,11 +57,11 @@ enum neph_status neph_program_left(const char *path, bool *is_left, struct neph_
     if (!*is_left && (errno == ENOENT || errno == ENOTDIR))
         return NEPH_OK;
     if (!*is_left || (is_link && stat(path, &info) != 0))
-        return neph_fail(diag, NEPH_ERR_ENGINE, "what the program left as '%s' cannot be read: %s",
+        return neph_fail(diag, NEPH_ERR_ENGINE, "the program's file '%s' cannot be read: %s",
                          name_of(path), strerror(errno));
     if (S_ISREG(info.st_mode))
         return NEPH_OK;
-    return neph_fail(diag, NEPH_ERR_ENGINE, "what the program left as '%s' is %s%s, not a file",
+    return neph_fail(diag, NEPH_ERR_ENGINE, "the program's output '%s' is %s%s, not a file",
                      name_of(path), is_link ? "a link to " : "",
                      S_ISDIR(info.st_mode)    ? "a folder"
                      : S_ISFIFO(info.st_mode) ? "a pipe"
@@ -267,8 +267,8 @@ static void judge_version(const struct neph_external_renderer *renderer, const c
 {
     char version[64];
     if (!renderer->parse_version(text, version)) {
-        snprintf(info->missing, sizeof(info->missing), "'%.300s --version' does not tell it",
-                 program);
+        snprintf(info->missing, sizeof(info->missing),
+                 "'%.300s --version' does not print a version", program);
         return;
     }
     info->broken = false;
@@ -283,8 +283,8 @@ static void judge_version(const struct neph_external_renderer *renderer, const c
     snprintf(info->device, sizeof(info->device), "CPU, %d threads", neph_processor_count());
     if (!is_measured(renderer, version))
         snprintf(info->warning, sizeof(info->warning),
-                 "%s %s was not measured: what its media do was measured for %s", renderer->name,
-                 version, renderer->laws);
+                 "%s %s was not measured; its media were measured for %s", renderer->name, version,
+                 renderer->laws);
 }
 
 static void try_version(const struct neph_external_renderer *renderer, const char *program,
@@ -309,7 +309,7 @@ static bool has_data_file(const struct neph_external_renderer *renderer,
     const bool is_there = path && neph_path_exists(path);
     if (!is_there)
         snprintf(info->missing, sizeof(info->missing),
-                 "'%.300s' is not there; NEPH_DATA_DIR names the folder that holds scripts/",
+                 "'%.300s' is missing; set NEPH_DATA_DIR to the folder with scripts/",
                  path ? path : renderer->data_file);
     free(path);
     return is_there;

@@ -121,10 +121,11 @@ static const struct neph_gpu_renderer gpu = {
 
 const struct neph_engine neph_engine_screen = {
     .name = "screen",
-    .summary = "solids by direct light, and the rest from depth and normals of the picture alone",
+    .summary = "solids with direct light; indirect light only from depth and normals of the frame",
     .rung = NEPH_RUNG_MODEL,
     .look = true,
-    .bias = "what is off the screen or behind what it shows is not there; docs/screen.md",
+    .bias = "light and occluders outside of the frame or behind visible surfaces are missing; "
+            "docs/screen.md",
     .is_narrow = true,
     .sequence = &neph_gpu_sequence,
     .gpu = &gpu,

@@ -76,10 +76,9 @@ static const struct neph_option options[] = {
                               "nodes of the table of transmittance to the sun"},
     [OPTION_SUN_COSINES] = {"sun_cosines", NEPH_OPTION_INTEGER, 256, 2, 4096, NULL,
                             "nodes of that table: cosines of the sun"},
-    [OPTION_REFILL] =
-        {"refill", NEPH_OPTION_CHOICE, 0, 0, 0, neph_sky_refills,
-         "with on=device, what is filled for each picture of many: what is stale, or, "
-         "to measure it, also the table of views, or all tables"},
+    [OPTION_REFILL] = {"refill", NEPH_OPTION_CHOICE, 0, 0, 0, neph_sky_refills,
+                       "with on=device, tables that are filled for each frame of a sequence: only "
+                       "stale ones, or, to measure their cost, also the view table, or all"},
     {.name = NULL},
 };
 

@@ -23,14 +23,14 @@ static const struct neph_option options[] = {
      .default_value = NEPH_ALL_BOUNCES,
      .minimum = 0,
      .maximum = NEPH_ALL_BOUNCES,
-     .help = "surfaces that light meets before the one in view: 0 is direct light, 1 what a screen "
-             "can know of indirect light, the largest stands for all"},
+     .help = "surfaces that light meets before the visible one: 0: direct light; 1: the indirect "
+             "light that screen-space methods can compute; the maximum: no limit"},
     {.name = "ao_distance_m",
      .kind = NEPH_OPTION_REAL,
      .default_value = 0,
      .minimum = 0,
      .maximum = 1e6,
-     .help = "layer ao: what is farther hides nothing [m]; 0: no limit"},
+     .help = "layer ao: farther solids do not occlude [m]; 0: no limit"},
     {.name = NULL},
 };
 

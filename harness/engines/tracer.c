@@ -25,12 +25,12 @@ static const struct neph_option options[] = {
     [OPTION_SAMPLER] = {"sampler", NEPH_OPTION_CHOICE, 0, 0, 0, samplers,
                         "numbers of a sample: random, or Sobol's with Owen's scrambling for its "
                         "first collision, its first direction and its next free path; the variance "
-                        "of a pixel is then from two sequences alone"},
+                        "of a pixel then comes from only two sequences"},
     [OPTION_SUN_TABLE] = {"sun_table", NEPH_OPTION_INTEGER, NEPH_TRACER_SUN_NODES, 0,
                           NEPH_TRACER_SUN_NODES_MAX, NULL,
-                          "nodes, at most, of a table of the sunlight that arrives, for all orders "
-                          "in clouds without colour whose optical depth is known: it is checked as "
-                          "it goes, so its error is noise; 0: a ray an event, as elsewhere"},
+                          "maximum nodes of a table of the arriving sunlight, for all orders in "
+                          "colourless clouds with known optical depth; a resampling weight turns "
+                          "its error into noise; 0: a sun ray for each event, as elsewhere"},
     {.name = NULL},
 };
 
@@ -98,9 +98,8 @@ const struct neph_engine neph_engine_tracer = {
     .side_max_px = NEPH_TRACER_SIDE_MAX_PX,
     .rests = true,
     .stochastic = true,
-    .bias =
-        "none; in a procedural cloud within a medium without end, light scattered once and seen "
-        "against the sun at optical depths above 10 has a larger error than the frame says",
+    .bias = "none; in a procedural cloud within a medium without end, single scattering against "
+            "the sun at optical depths above 10 has a larger error than the frame's variance",
     .options = options,
     .version = 11, /* 11: rays to a medium that is far away for float32 */
     .probe = neph_vulkan_probe,

@@ -179,7 +179,7 @@ static enum neph_status run_in(const struct neph_experiment *experiment, void *r
     if (shared->jobs > 1 && experiment->part)
         status = run_workers(experiment, request, paths->store, &device, diag);
     if (status == NEPH_ERR_INTERRUPTED)
-        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+        neph_hint(diag, "finished frames are in the store: the same command continues from there");
     if (!status)
         status = run_once(experiment, request, paths->store, &device, &places, shared->quiet, diag);
     neph_shared_device_close(&device);

@@ -29,8 +29,8 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"preset", 0, NULL, "Preset whose parts are measured; PRESET+KEY=VALUE changes it",
-     NEPH_CLI_ONE, AT(preset), "ours"},
+    {"preset", 0, NULL, "Preset with the measured parts; PRESET+KEY=VALUE changes it", NEPH_CLI_ONE,
+     AT(preset), "ours"},
     {"suite", 0, "NAME",
      "tuning: the scenes of the choice of presets; test, test2: other scenes, for reported "
      "results; air: near fog, lamps, shafts, cirrus and shadows of clouds (default without a "

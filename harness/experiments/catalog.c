@@ -10,7 +10,7 @@
 
 enum { TIER_SCENES_MAX = 16 };
 
-/* The scenes of a run: the named scenes, or those of the tier. */
+/* The scenes of a run: the named scenes, or the scenes of the tier. */
 struct chosen_scenes {
     char **listed; /* the whole catalogue; owned; NULL: unused */
     const char *names[TIER_SCENES_MAX];

@@ -11,7 +11,7 @@
 
 /* The first member of each request of such an experiment. */
 struct neph_flicker_request {
-    struct neph_cli_shared shared; /* operands: the scenes; after preparation those of the suite */
+    struct neph_cli_shared shared; /* operands: the scenes; after preparation the suite's */
     struct neph_cli_list takes;
     const char *suite;
     int first_seed, seed_count, frame_count, steps;

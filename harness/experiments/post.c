@@ -166,7 +166,8 @@ static enum neph_status set_words(const char *words, struct neph_settings *setti
     snprintf(copy, sizeof(copy), "%s", words);
     for (char *word; !status && (word = strsep(&rest, " "));)
         if (word[0])
-            status = neph_options_set(neph_post_options, "the picture chain", word, settings, diag);
+            status = neph_options_set(neph_post_options, "the post-processing chain", word,
+                                      settings, diag);
     return status;
 }
 

@@ -260,8 +260,7 @@ static void print_sweep(const struct neph_sweep *sweep, FILE *out)
             neph_sweep_measured_count(sweep), sweep->point_count);
     fprintf(out, "; truth %.0f s, all others %.0f s", sweep->truth_s, sweep->measure_s);
     if (sweep->load > 1.5 * neph_processor_count())
-        fprintf(out, "; the machine was busy (load %.1f): times are those of a busy machine",
-                sweep->load);
+        fprintf(out, "; the machine was busy (load %.1f): times may be too long", sweep->load);
     fprintf(out, "\n");
 }
 

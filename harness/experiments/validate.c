@@ -94,7 +94,7 @@ static const struct neph_cli_option options[] = {
      .maximum = 1000000},
     {"only", 0, NULL,
      "Of the stress tests: only these scenarios, whatever their tier. Of the physics suite: only "
-     "checks with one of these texts in their name or rung",
+     "checks with one of these texts in their name or group",
      NEPH_CLI_NAMES, .at = offsetof(struct neph_validate_request, only)},
     {"preset", 0, NULL,
      "Of the stress tests: only these presets, or PRESET+KEY=VALUE; without it, the full tier has "
@@ -248,27 +248,28 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc = "Run scenes (default: those of the quick tier) over engines, measure each against the "
-           "highest level of truth, check the gates, and write DIR/report/index.html: from the "
-           "first scene on, so that it can be watched.\vFinished frames are kept in DIR/store and "
-           "used again; an interrupted or killed run goes on where it stopped. Both folders are "
-           "neph's own: one of that name that neph did not make is refused. Runs at the same time "
-           "may share DIR: each frame is stored once, and the report is that of the run that wrote "
-           "it last. A missing engine is reported as missing and the others go on. Exit code 1: a "
-           "gate failed, an engine broke, or nothing could be compared. Exit code 0 is about the "
-           "frames that were compared: an engine that is missing or did not fit its budget does "
-           "not change it, and the verdict names it.\n"
-           "\n"
-           "Examples:\n"
-           "  neph validate\n"
-           "  neph validate --tier full --budget 120\n"
-           "  neph validate fence_backlit --size 320x180\n"
-           "  neph validate my_fog.yaml -e command --only-engine --junit out/junit.xml\n"
-           "  neph validate my_fog.yaml -e exact,march -s march:steps=256 -o /tmp/fog\n"
-           "  neph validate --suite physics --jobs 4 -o out/physics\n"
-           "  neph validate --suite physics --only slab -e oracle,tracer --samples 4096\n"
-           "  neph validate --suite stress --only fence_tiles --preset fixed+override=parallel\n"
-           "  neph validate --suite stress --only fog_seam -e povray --pictures all",
+    .doc =
+        "Run scenes (default: the quick tier) with several engines, measure each against the "
+        "highest level of truth, check the gates, and write DIR/report/index.html, which is "
+        "updated after each scene.\vFinished frames are kept in DIR/store and used again; the "
+        "same command continues an interrupted or killed run. neph creates both folders and "
+        "refuses an existing folder of another origin. Runs at the same time may share DIR: "
+        "each frame is stored once, and the report is from the last run that wrote it. A missing "
+        "engine is reported as missing, and the run continues with the others. Exit code 1: a "
+        "gate failed, an engine failed, or nothing could be compared. Exit code 0 covers only "
+        "the compared frames: an engine that is missing or did not fit its budget does not "
+        "change the code, and the verdict names it.\n"
+        "\n"
+        "Examples:\n"
+        "  neph validate\n"
+        "  neph validate --tier full --budget 120\n"
+        "  neph validate fence_backlit --size 320x180\n"
+        "  neph validate my_fog.yaml -e command --only-engine --junit out/junit.xml\n"
+        "  neph validate my_fog.yaml -e exact,march -s march:steps=256 -o /tmp/fog\n"
+        "  neph validate --suite physics --jobs 4 -o out/physics\n"
+        "  neph validate --suite physics --only slab -e oracle,tracer --samples 4096\n"
+        "  neph validate --suite stress --only fence_tiles --preset fixed+override=parallel\n"
+        "  neph validate --suite stress --only fog_seam -e povray --pictures all",
 };
 
 const struct neph_experiment neph_experiment_validate = {

@@ -459,7 +459,7 @@ static enum neph_status check(const struct neph_fly_params *params, struct neph_
 {
     if (params->studio.scene->orthographic_height_m > 0.0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "%s has an orthographic camera, which stands still",
+                         "%s has an orthographic camera, which neph fly cannot move",
                          params->studio.scene->name);
     return params->keys ? neph_fly_script_check(params->keys, diag) : NEPH_OK;
 }

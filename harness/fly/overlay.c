@@ -40,7 +40,7 @@ static void put_view(const struct neph_view *view, struct neph_canvas *canvas)
                  "%g of white",
                  march, 100.0 * view->error.bias, 100.0 * view->error.rmse, NEPH_VIEW_ERROR_SCALE);
     if (view->kind == NEPH_VIEW_FLICKER && view->a4.frame_count == 0)
-        snprintf(text, sizeof(text), "flicker: %d frames before a camera at rest are awaited",
+        snprintf(text, sizeof(text), "flicker: waits for %d frames with a static camera",
                  NEPH_HEAT_FRAMES_MIN);
     else if (view->kind == NEPH_VIEW_FLICKER)
         snprintf(text, sizeof(text),
@@ -59,7 +59,7 @@ static int put_passes(const struct neph_fly_passes *passes, struct neph_canvas *
         neph_canvas_text(canvas, line++, plain, text);
     }
     if (passes->count == 0)
-        neph_canvas_text(canvas, line++, plain, "this engine tells no passes");
+        neph_canvas_text(canvas, line++, plain, "this engine has no pass times");
     return line;
 }
 

@@ -259,12 +259,12 @@ static const char *words_of_loss(struct neph_arena *arena, const struct neph_los
         return lost->other
                    ? neph_arena_format(arena,
                                        "the accepted run measured it, but this run's plan has no "
-                                       "step '%s'; step '%s' measures the same scene",
+                                       "step '%s'; this run measures the same scene as '%s'",
                                        lost->step, lost->other)
-                   : neph_arena_format(arena,
-                                       "the accepted night has measured it, and tonight's plan has "
-                                       "no step '%s'",
-                                       lost->step);
+                   : neph_arena_format(
+                         arena,
+                         "the accepted run measured it, but this run's plan has no step '%s'",
+                         lost->step);
     case NEPH_LOSS_SERIES:
         return "the accepted run measured it, and this run did not";
     case NEPH_LOSS_OVERDUE:
@@ -326,8 +326,8 @@ static enum neph_status find_edits(struct work *work, struct neph_diag *diag)
     return status;
 }
 
-/* True when the scene's terms equal those of the run that is the baseline for its gates. Gates may
- * have been accepted separately from other series. */
+/* True when the scene's terms equal the terms in the baseline run of its gates. Gates may have been
+ * accepted separately from other series. */
 static enum neph_status are_terms_accepted(struct work *work, const char *step, const char *version,
                                            const char *terms, bool *accepted,
                                            struct neph_diag *diag)

@@ -70,7 +70,7 @@ struct neph_night_comparison {
     int compared, chances;       /* `compared`: number of comparisons, means over scenes included;
                                     `chances`: those with noise */
     int fresh, elsewhere, young; /* series of the baseline with planned steps that were not run */
-    int not_run;                 /* baseline series whose steps are planned and were not run */
+    int not_run;                 /* baseline series with planned steps that did not run */
     bool passes;                 /* at least one comparison, and no finding that fails */
 };
 

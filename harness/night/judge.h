@@ -15,7 +15,7 @@
  *   Student's t of this run against the first 30 runs of the baseline, with their trimmed mean and
  *   the winsorized deviation, a fifth on either side (K. Yuen, Biometrika 61, 1974; here for a new
  *   value instead of a mean). Consecutive runs are correlated: the degrees of freedom and the error
- *   of the mean are those of a first-order autoregressive series with the estimated correlation
+ *   of the mean follow a first-order autoregressive series with the estimated correlation
  *   (Zwiers and von Storch, Journal of Climate 8, 1995). A single run on a loaded machine is no
  *   change: the test takes the least deviation of the last three runs, all of which must deviate to
  *   the same side.
@@ -124,7 +124,7 @@ struct neph_verdicts {
     struct neph_stale stale[NEPH_JUDGE_TRUTHS_MAX];
     int stale_count;
     int compared; /* series and pools that were judged */
-    int chances;  /* those of them with noise: the family of Holm's correction */
+    int chances;  /* series with noise: the family of Holm's correction */
     int worse, better, moved;
 };
 

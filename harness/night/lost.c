@@ -247,8 +247,8 @@ static enum neph_status look_for(struct search *search, const char *name, struct
     return status || !expected ? status : classify(search, &absent, diag);
 }
 
-/* Check three groups of series: those of the baseline run; those accepted by name after it; and
- * those of steps that the baseline run had not finished, for which an earlier acceptance counts. */
+/* Check three groups of series: in the baseline run; accepted by name after it; and of steps that
+ * the baseline run had not finished, for which an earlier acceptance counts. */
 static enum neph_status list_expected(struct search *search, struct neph_diag *diag)
 {
     struct neph_records names;

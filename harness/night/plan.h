@@ -60,7 +60,7 @@ struct neph_night_plan {
 };
 
 /* Make the plan of a tier. NEPH_ERR_USAGE: the tier is unknown, no step is selected, or there are
- * too many steps or words. Other errors: those of loading scene files. */
+ * too many steps or words. Other errors: as for loading scene files. */
 enum neph_status neph_night_plan_make(const struct neph_night_plan_params *params,
                                       struct neph_arena *arena, struct neph_night_plan *plan,
                                       struct neph_diag *diag);

@@ -26,7 +26,7 @@ const char *neph_scene_copy_path(const char *store_folder, const struct neph_his
                                  struct neph_arena *arena);
 
 /* Load the scene `name` of the catalogue, copy its file unless the store has a copy, and fill all
- * fields of `row` but its step. Texts are allocated in the arena. Errors: those of
+ * fields of `row` but its step. Texts are allocated in the arena. Errors: as
  * neph_data_load_scene(); NEPH_ERR_IO. */
 enum neph_status neph_scene_copy_keep(const char *store_folder, const char *name,
                                       struct neph_arena *arena, struct neph_history_scene *row,

@@ -21,7 +21,7 @@ struct neph_compare_maps {
 neph_map_taker neph_compare_page_take;
 
 /* Write the page and publish it in the folder. `told` gets the reason when charts are not drawn,
- * else "". Errors: those of reading and comparing frames and of writing files. */
+ * else "". Errors: as for reading and comparing frames, and for writing files. */
 enum neph_status neph_compare_page_write(const struct neph_compare_page *page,
                                          const struct neph_report_folder *folder, char told[512],
                                          struct neph_diag *diag);

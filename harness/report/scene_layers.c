@@ -74,7 +74,7 @@ static bool is_seen(double r, double g, double b)
     return fmax(r, fmax(g, b)) > least_optical_depth;
 }
 
-/* The optical depth of clouds is the frame's optical depth minus that of the fogs. */
+/* The optical depth of clouds is the frame's optical depth minus the optical depth of the fogs. */
 static enum neph_status add_media(const struct view *view, struct neph_image *image,
                                   struct neph_diag *diag)
 {

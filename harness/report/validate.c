@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Kinds of progress steps other than those of scenes, for the estimate of the remaining time. */
+/* Kinds of progress steps other than scene steps, for the estimate of the remaining time. */
 enum { KIND_CHART = NEPH_SCENE_RUN_KINDS, KIND_TIMES, KIND_OVER_TIME };
 
 static const double times_typical_s = 20.0; /* of one scene */

@@ -16,8 +16,8 @@ struct neph_viewer_made {
 
 /* Write the page into `folder`, which exists and is empty. NEPH_ERR_INPUT: sizes, kinds (linear
  * data and display images) or frame counts differ, a frame has no radiance, or the page would
- * exceed its limit. NEPH_ERR_USAGE: an overlay's name is unknown. Other errors: those of reading
- * and comparing frames. */
+ * exceed its limit. NEPH_ERR_USAGE: an overlay's name is unknown. Other errors: as for
+ * reading and comparing frames. */
 enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *folder,
                                    struct neph_viewer_made *made, struct neph_diag *diag);
 

@@ -220,7 +220,7 @@ static struct neph_benchmark_pass *pass_named(struct neph_benchmark_frames_engin
     return NULL;
 }
 
-/* Adds a pass whose density evaluations are included in the marcher's count. */
+/* Adds a pass with density evaluations that the marcher's count includes. */
 static void add_evaluator(const struct neph_benchmark_pass *pass, struct neph_benchmark_pass *march)
 {
     const size_t used = strlen(march->with);
@@ -228,7 +228,7 @@ static void add_evaluator(const struct neph_benchmark_pass *pass, struct neph_be
     march->evaluation_s += pass->gpu_s.median;
 }
 
-/* The device counts all density evaluations of a frame in one number: those of the marcher, of the
+/* The device counts all density evaluations of a frame in one number: of the marcher, of the
  * pass "scene" where it lights solids, and of the sun cache or the shadow map where a moving sun or
  * wind makes it refill. The count is dropped (NaN) where one of the passes has no time of its own.
  */

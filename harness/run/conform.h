@@ -34,7 +34,7 @@ struct neph_conform_params {
     int samples;                       /* paths per pixel of `tracer` */
     struct neph_shared_device *device; /* like neph_shot.device */
     bool quiet;                        /* no progress */
-    bool skip_absent; /* leave out a scene whose file or data is missing; otherwise an error */
+    bool skip_absent; /* skip scenes with a missing file or data; otherwise an error */
 };
 
 /* Renders the frames and counts their invalid values. `*report` is the list of the contents of all
@@ -44,8 +44,8 @@ struct neph_conform_params {
 enum neph_status neph_conform_render(const struct neph_conform_params *params, json_t **report,
                                      struct neph_diag *diag);
 
-/* `*expected`: cases that their engine supports, failed ones included. `*sound`: those of them that
- * were rendered without invalid values. */
+/* `*expected`: cases that their engine supports, failed ones included. `*sound`: supported cases
+ * that were rendered without invalid values. */
 void neph_conform_count(const json_t *report, int *expected, int *sound);
 
 /* The part of two folders that is compared: frames of these engines (none given: all) and of these

@@ -402,7 +402,7 @@ static enum neph_status insert_beginning(struct neph_database *index,
     return insert_head(index, id, &head, diag);
 }
 
-/* A new number, above those of acceptances too: an acceptance may refer to a run without rows. */
+/* A new number, also above the numbers in acceptances: one may refer to a run without rows. */
 static enum neph_status insert_new_night(struct neph_database *index, const char *store_folder,
                                          const struct neph_history_night *night, int64_t *id,
                                          struct neph_diag *diag)

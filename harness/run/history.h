@@ -39,7 +39,7 @@ struct neph_history_step {
 };
 
 /* The scene that a step has measured. `terms` is a digest of the scene's settings that decide about
- * its measurements and change no rendered value: gates, exposure, what is measured over time
+ * its measurements and change no rendered value: gates, exposure, measures over time
  * (night/scene_copy.h). */
 struct neph_history_scene {
     const char *step, *scene, *hash, *terms;

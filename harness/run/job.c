@@ -124,7 +124,7 @@ static enum neph_status check_frame(const struct neph_job *job, const struct nep
         count_bad(frame, channel, &non_finite, &negative);
         if (non_finite + negative > 0)
             return neph_fail(diag, NEPH_ERR_ENGINE,
-                             "%s gave an unusable frame: channel %s holds %zu non-finite and %zu "
+                             "%s gave an unusable frame: channel %s has %zu non-finite and %zu "
                              "negative values",
                              job->engine->name, channel->name, non_finite, negative);
     }

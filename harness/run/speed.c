@@ -14,7 +14,7 @@ enum {
     FRAMES_LEAST = 3,    /* per round */
     RENDERS_MOST = 3,    /* per job */
     FEWER_SAMPLES = 16,  /* the second sample count is smaller by this factor */
-    SMALL_WIDTH_PX = 8,  /* a frame whose pixels take no time; Blender renders none below */
+    SMALL_WIDTH_PX = 8,  /* a frame with a negligible time for pixels; Blender's minimum */
     SMALL_HEIGHT_PX = 4, /* 4 x 4 pixels */
     FIRST_REPEAT = 1000, /* for jobs that are only timed: no frame of a report has these numbers */
 };

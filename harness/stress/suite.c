@@ -80,8 +80,7 @@ enum neph_status neph_stress_list_trials(struct neph_stress_suite *suite, bool a
     return NEPH_OK;
 }
 
-/* Registers all trials in the progress, also in workers: the remaining time is that of the whole
- * run. */
+/* Registers all trials in the progress, also in workers: the remaining time is the whole run's. */
 static void expect(struct neph_stress_bench *bench, const struct neph_stress_trials *trials)
 {
     for (int i = 0; i < trials->count; i++) {
@@ -272,7 +271,7 @@ static void close_point(struct neph_stress_point *point)
     *point = (struct neph_stress_point){.scene = NULL};
 }
 
-/* Runs a trial. `point` is the previous trial's point, and becomes that of this trial. */
+/* Runs a trial. `point` is the previous trial's point, and becomes this trial's point. */
 static enum neph_status run_trial(struct work *work, const struct neph_worker *worker,
                                   const struct neph_stress_trial *trial,
                                   struct neph_stress_point *point, struct neph_diag *diag)
@@ -365,7 +364,7 @@ enum neph_status neph_stress_run(const struct neph_stress_params *params, struct
     if (!status)
         status = neph_arena_check(&suite->arena, diag);
     if (status == NEPH_ERR_INTERRUPTED) {
-        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+        neph_hint(diag, "finished frames are in the store: the same command continues from there");
         neph_interrupt_acknowledge();
     }
     if (!status)

@@ -489,7 +489,7 @@ enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *
     neph_progress_end(&work.progress);
     neph_reference_finish(&work.reference);
     if (status == NEPH_ERR_INTERRUPTED)
-        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+        neph_hint(diag, "finished frames are in the store: the same command continues from there");
     return status;
 }
 

@@ -58,8 +58,8 @@ extern const struct neph_ladder_air neph_ladder_air_parts[]; /* ends with a NULL
 bool neph_ladder_takes(const struct neph_ladder_air *part, const struct neph_scene *scene,
                        const struct neph_ladder_light *light);
 
-/* Writes the settings of realtime for a lighting model: its own, those that switch off parts for
- * motion the scene does not have (`still`), and those of the parts that the scene needs (`air`). */
+/* Writes the settings of realtime for a lighting model: its own, settings that switch off parts for
+ * motion the scene does not have (`still`), and settings of parts that the scene needs (`air`). */
 enum { NEPH_LADDER_HELD_SIZE = 256 };
 void neph_ladder_held(const struct neph_scene *scene, const struct neph_ladder_light *light,
                       bool still, bool air, char held[NEPH_LADDER_HELD_SIZE]);

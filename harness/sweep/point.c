@@ -157,8 +157,8 @@ static struct neph_viewing viewing_of(const struct neph_scene *scene)
     return viewing;
 }
 
-/* Reads the values of one seed's sequence: those of the document, and the error of its last frame,
- * whose evaluations are the point's where `counts`. */
+/* Reads the values of one seed's sequence: the document's values, and the error of its last frame.
+ * With `counts` the evaluations of this frame become the point's. */
 static enum neph_status read_sequence(struct neph_sweep_bench *bench,
                                       struct neph_sweep_point *point, const struct neph_take *take,
                                       const char *folder, bool counts,
@@ -169,8 +169,7 @@ static enum neph_status read_sequence(struct neph_sweep_bench *bench,
     const struct neph_path last = neph_path_in(folder, "frame.exr");
     enum neph_status status = neph_take_document(folder, take->readings[0].name, &document, diag);
     if (!status) {
-        if (!point->job.engine->is_guest) /* the model of a user engine is not known, and so is its
-                                             shortcut error */
+        if (!point->job.engine->is_guest) /* the lighting model of a user's engine is unknown */
             numbers[NEPH_SWEEP_SHORTCUT] = number_in(document, NEPH_SWEEP_SHORTCUT);
         numbers[NEPH_SWEEP_FLICKER] = number_in(document, NEPH_SWEEP_FLICKER);
         numbers[NEPH_SWEEP_FOUR] = number_in(document, NEPH_SWEEP_FOUR);

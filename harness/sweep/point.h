@@ -12,8 +12,8 @@
 #include "harness/study/reference.h"
 #include "harness/sweep/truth.h"
 
-/* State that all points share. The references are those of the latest point; consecutive points
- * with the same steps and lighting share them. */
+/* State that all points share. The references belong to the latest point; consecutive points with
+ * the same steps and lighting share them. */
 struct neph_sweep_bench {
     const struct neph_sweep_plan *plan;
     const struct neph_sweep_truth *truth;
@@ -32,11 +32,11 @@ struct neph_sweep_bench {
 
 void neph_sweep_bench_finish(struct neph_sweep_bench *bench);
 
-/* Whether the point is rendered as a sequence; its error is that of the last frame. */
+/* Whether the point is rendered as a sequence; its error is the last frame's. */
 bool neph_sweep_is_sequence(const struct neph_sweep_point *point);
 
 /* Measures a point, except for times. point->missing is the reason when it cannot be rendered.
- * Errors: NEPH_ERR_INTERRUPTED, and those of the store. */
+ * Errors: NEPH_ERR_INTERRUPTED, and errors of the store. */
 enum neph_status neph_sweep_point_measure(struct neph_sweep_bench *bench,
                                           struct neph_sweep_point *point, struct neph_diag *diag);
 

@@ -7,7 +7,7 @@
 
 #include "harness/sweep/results.h"
 
-/* Repetition numbers of the ground truth's two frames; those of points are lower. */
+/* Repetition numbers of the ground truth's two frames; points have lower numbers. */
 enum { NEPH_SWEEP_TRUTH_REPEAT = 1000 };
 
 /* The seed of a repetition (from 0) in a sweep. Sweeps with different seeds, up to 2^20, share no

@@ -2,7 +2,7 @@
  *
  * Cost of a frame over problem size: pixels, steps, voxels, density and frames in a row, each
  * varied by itself, with the fitted and the expected exponents. Density evaluations are counted and
- * equal on every device; times are those of one device.
+ * equal on every device; times are measured on one device.
  */
 #ifndef NEPH_HARNESS_SWEEP_SCALING_H
 #define NEPH_HARNESS_SWEEP_SCALING_H

@@ -427,6 +427,6 @@ enum neph_status neph_sweep_run(const struct neph_sweep_params *params, struct n
     const enum neph_status status = neph_pool_run(params->jobs, params->device, run_part, hear,
                                                   &whole, diag);
     if (status == NEPH_ERR_INTERRUPTED)
-        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+        neph_hint(diag, "finished frames are in the store: the same command continues from there");
     return status;
 }

@@ -25,8 +25,8 @@ enum neph_status neph_cycle_frames_begin(struct neph_cycle_frames *frames, int w
     if (!values) {
         const enum neph_status status = neph_fail_memory(diag);
         neph_hint(diag,
-                  "cycles keep %d frames of %dx%d pixels, %.1f GB; fewer frames, or the other "
-                  "metrics alone, take less",
+                  "cycles store %d frames of %dx%d pixels, %.1f GB; use fewer frames, or only "
+                  "other metrics",
                   frame_count, width_px, height_px, 4e-9 * (double)count);
         return status;
     }

@@ -10,7 +10,7 @@
 enum { PERIOD_LIMIT = 65536, CYCLES_NEEDED = 8, DECLARED_CYCLES_NEEDED = 4 };
 
 const char neph_cycle_not_apart[] =
-    "these frames do not tell it from another period that was found: give more of them";
+    "these frames do not separate it from another period that was found: use more frames";
 
 int neph_cycle_longest(int frame_count)
 {

@@ -26,7 +26,7 @@ static const char ended_early[] = "the sequence ended before the announced numbe
 static const char bad_declaration[] = "the attribute " NEPH_CYCLE_ATTRIBUTE
                                       " of the first frame is no list of 'NAME FRAMES', 2 to 65536 "
                                       "frames each";
-static const char below_floor[] = "not above the noise floor, cycle_floor, in the whole picture";
+static const char below_floor[] = "not above the noise floor, cycle_floor, in the whole image";
 static const char period_too_long[] =
     "the period is longer than an eighth of the frames: give more frames";
 static const char not_so_many[] = "no further period longer than 32 frames was found";
@@ -126,13 +126,15 @@ static const struct neph_metric metrics[] = {
     PERIODS(REPEATS_METRIC)
     /* clang-format on */
     ROOT_ABOVE("cycle_drift", DRIFT, "RMS of the line in d, fitted together with the cycles"),
-    ROOT("cycle_noise", NOISE, "RMS of what is neither cycle nor line, wherever it is"),
+    ROOT("cycle_noise", NOISE, "RMS of the residual of cycles and line"),
     {"cycle_overlap", "1", -1.0, 1.0, NEPH_POOL_MEAN, 0.0, OVERLAP, 0,
      "mean square that periods and drift share, because they are not orthogonal in these frames"},
     ROOT("cycle_std", VARIANCE,
-         "RMS of d about its mean: its square is that of all cycle_P, drift and noise + overlap"),
+         "RMS of d about its mean; its square is the sum of the squares of all cycle_P, drift and "
+         "noise, + overlap"),
     ROOT("cycle_floor", FOUND_FLOOR,
-         "least RMS at one frequency that the whole picture's search finds, for noise as here"),
+         "smallest RMS at one frequency that the search in the whole image finds, for this mask's "
+         "noise"),
     SCALAR("cycle_frames", FRAMES,
            "frames that cycles are taken of: those after the warm-up, at most 2048"),
     SCALAR("cycle_count", FOUND, "periods that were found"),
@@ -522,8 +524,8 @@ const struct neph_extractor neph_extractor_cycles = {
         "attribute " NEPH_CYCLE_ATTRIBUTE " of\n"
         "the first frame declares ('TAA jitter 7, slot 4'), and their beats up to a quarter of the "
         "frames\n"
-        "found: in the whole picture, one vote a pixel, at a level of 0.1 % for all looks "
-        "together, whatever the colour of the noise\n"
+        "found: in the whole image, one vote per pixel, at a level of 0.1 % for all frequencies "
+        "together, for noise of any colour\n"
         "sum of cycle_P^2 + cycle_drift^2 + cycle_noise^2 + cycle_overlap = cycle_std^2 over any "
         "mask; cycle_P and cycle_drift have the noise's share taken out",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,

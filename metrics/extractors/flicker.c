@@ -38,7 +38,7 @@ static const char *const checkerboard_choices[] = {"off", "on", NULL};
 
 static const struct neph_option options[] = {
     [WARM_UP] = {"warm_up", NEPH_OPTION_INTEGER, 0.0, 0.0, 1e6, NULL,
-                 "frames at the start that are not looked at; of the rest whole cycles of 4 count"},
+                 "frames at the start that are left out; of the others whole cycles of 4 count"},
     [TREND] = {"trend", NEPH_OPTION_CHOICE, 0.0, 0.0, 0.0, trend_choices,
                "the line in each pixel, fitted together with a cycle of 4, before a4, a2 and "
                "cycle_share"},
@@ -166,9 +166,9 @@ static const struct neph_metric metrics[] = {
     AGE_METRIC("3", 3),
     POOLED("age_slope", -1.0, 1.0, MEAN, 0.0, AGE_SLOPE,
            "slope of mean d over the ages 0..3 [per frame]: 0 is right reprojection, else lag"),
-    SUMMARY("reference_std", 2.0, REFERENCE_STD, "standard deviation of the reference alone"),
-    SUMMARY("reference_a4", 2.0, REFERENCE_A4, "four-frame flicker of the reference alone"),
-    SUMMARY("reference_a2", 2.0, REFERENCE_A2, "two-frame flicker of the reference alone"),
+    SUMMARY("reference_std", 2.0, REFERENCE_STD, "standard deviation of the reference"),
+    SUMMARY("reference_a4", 2.0, REFERENCE_A4, "four-frame flicker of the reference"),
+    SUMMARY("reference_a2", 2.0, REFERENCE_A2, "two-frame flicker of the reference"),
     PHASE_AGES(0),
     PHASE_AGES(1),
     PHASE_AGES(2),
@@ -419,13 +419,13 @@ static const char *flicker_scalar(const void *state, int which, double *value)
 
 const struct neph_extractor neph_extractor_flicker = {
     .name = "flicker",
-    .help = "amplitude and cause of flicker before a camera that stands still",
+    .help = "amplitude and cause of flicker for a static camera",
     .source = "discrete Fourier transform of display luma per pixel at the periods of 4 and 2 "
               "frames",
     .details = "d: luma of encoded display values, test - reference of the same frame\n"
                "a4 = (2 / N) |sum d e^(-i pi t / 2)|, a2 = (1 / N) |sum d (-1)^t|, N frames\n"
-               "cyclic_share: p is that of normal noise; of fireflies clamped to one value up to\n"
-               "6e-4 pass",
+               "cyclic_share: p is for normal noise; up to 6e-4 of fireflies clamped to one value\n"
+               "pass",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,
     .temporal = true,
     .options = options,

@@ -167,14 +167,14 @@ static void rows(const void *opaque, int map, int first_row, int row_count, doub
 
 static const struct neph_metric metrics[] = {
     METRIC("1_mean", -1.0, NEPH_POOL_MEAN, 0.0, EXCESS_1,
-           "mean of FLIP(frame t, t + 1) over whole cycles, less that of the reference"),
+           "mean of FLIP(frame t, t + 1) over whole cycles, minus the reference's"),
     METRIC("1_p95", -1.0, NEPH_POOL_PERCENTILE, 0.95, EXCESS_1, "its 95th percentile"),
     METRIC("1_p99", -1.0, NEPH_POOL_PERCENTILE, 0.99, EXCESS_1, "its 99th percentile"),
     METRIC("1_max", -1.0, NEPH_POOL_MAX, 0.0, EXCESS_1, "its largest value"),
     METRIC("1_reference_mean", 0.0, NEPH_POOL_MEAN, 0.0, REFERENCE_1,
            "mean of the reference's own FLIP(frame t, t + 1)"),
     METRIC("2_mean", -1.0, NEPH_POOL_MEAN, 0.0, EXCESS_2,
-           "mean of FLIP(frame t, t + 2) over whole cycles, less that of the reference"),
+           "mean of FLIP(frame t, t + 2) over whole cycles, minus the reference's"),
     METRIC("2_p95", -1.0, NEPH_POOL_PERCENTILE, 0.95, EXCESS_2, "its 95th percentile"),
     METRIC("2_p99", -1.0, NEPH_POOL_PERCENTILE, 0.99, EXCESS_2, "its 99th percentile"),
     METRIC("2_max", -1.0, NEPH_POOL_MAX, 0.0, EXCESS_2, "its largest value"),
@@ -192,7 +192,7 @@ static const struct neph_map maps[MAP_COUNT] = {
 
 const struct neph_extractor neph_extractor_flip_alternation = {
     .name = "flip_alternation",
-    .help = "LDR-FLIP between frames 1 and 2 apart, less that of the reference",
+    .help = "LDR-FLIP between frames 1 and 2 apart, minus the reference's",
     .source = "Andersson et al. 2020, FLIP: A Difference Evaluator for Alternating Images (HPG), "
               "over the phases of a cycle of 4 frames",
     .quantities = NEPH_RADIANCE,

@@ -98,7 +98,7 @@ static const struct neph_map desk_maps[] = {
 
 const struct neph_extractor neph_extractor_flip = {
     .name = "flip",
-    .help = "LDR-FLIP of the exposed pictures: what one sees when they alternate",
+    .help = "LDR-FLIP of the exposed images: the visible difference when they alternate",
     .source = SOURCE,
     .quantities = NEPH_RADIANCE,
     .options = options,

@@ -36,7 +36,7 @@ static const char still[] =
     "the reference of no pixel of the mask moves by 1/255 of display luma and 4 standard errors at "
     "this period, or the period was not given";
 static const char no_phase[] =
-    "no pixel of the mask moves at this period in both pictures, or the period was not given";
+    "no pixel of the mask moves at this period in both sequences, or the period was not given";
 static const char not_given[] = "this period was not given";
 
 /* Four maps for each period. */
@@ -53,13 +53,13 @@ static const struct neph_map maps[] = {MAPS_OF("1"), MAPS_OF("2"), MAPS_OF("3")}
      "period " n " of the light"}, \
     {"follow_gain_" n "_p05", "1", 0, INFINITY, NEPH_POOL_PERCENTILE, 0.05, \
      k * MAPS_PER_PERIOD + GAIN, 0, \
-     "5th percentile of the swing of the test over that of the reference at period " n}, \
+     "5th percentile of test amplitude / reference amplitude at period " n}, \
     {"follow_gain_" n "_p50", "1", 0, INFINITY, NEPH_POOL_PERCENTILE, 0.50, \
      k * MAPS_PER_PERIOD + GAIN, 0, \
-     "median of the swing of the test over that of the reference at period " n}, \
+     "median of test amplitude / reference amplitude at period " n}, \
     {"follow_gain_" n "_p95", "1", 0, INFINITY, NEPH_POOL_PERCENTILE, 0.95, \
      k * MAPS_PER_PERIOD + GAIN, 0, \
-     "95th percentile of the swing of the test over that of the reference at period " n}, \
+     "95th percentile of test amplitude / reference amplitude at period " n}, \
     {"follow_lag_" n "_p50", "frame", -INFINITY, INFINITY, NEPH_POOL_PERCENTILE, 0.50, \
      k * MAPS_PER_PERIOD + PHASE_LAG, 0, \
      "median of the frames that the test is late at period " n}, \
@@ -67,9 +67,9 @@ static const struct neph_map maps[] = {MAPS_OF("1"), MAPS_OF("2"), MAPS_OF("3")}
      k * MAPS_PER_PERIOD + PHASE_LAG, 0, \
      "95th percentile of the frames that the test is late at period " n}, \
     {"follow_share_" n, "1", 0, 1, NEPH_POOL_MEAN, 0, k * MAPS_PER_PERIOD + FOLLOWED, 0, \
-     "share of pixels whose reference moves at period " n ": gain and lag are of these"}, \
+     "share of pixels with a moving reference at period " n ": gain and lag are of these"}, \
     {"follow_lost_share_" n, "1", 0, 1, NEPH_POOL_MEAN, 0, k * MAPS_PER_PERIOD + LOST, 0, \
-     "share of those whose test does not move at period " n " above its noise: they have no lag"}
+     "share of those with no motion of the test at period " n " above its noise: no lag"}
 static const struct neph_metric metrics[] = {
     METRICS_OF("1", 0),
     METRICS_OF("2", 1),
@@ -391,13 +391,12 @@ const struct neph_extractor neph_extractor_follow = {
     .source = "frequency response; an exponential average of weight a has the gain "
               "a / |1 - (1 - a) exp(-i w)|: Oppenheim, Schafer, Discrete-Time Signal Processing, "
               "2010, section 5.1",
-    .details =
-        "the periods of the light, which have to be known: -s follow:period_1=16 and so on;\n"
-        "linear luminance; mean, line and all sines are fitted jointly, per pixel\n"
-        "gain: amplitude of the test over that of the reference; lag: difference of phase\n"
-        "in frames, late is positive, within half a period\n"
-        "pixels of which the reference moves by less than 1/255 of the encoded display\n"
-        "value, or less than 4 standard errors of its own noise, are left out",
+    .details = "the periods of the light must be given: -s follow:period_1=16 and so on;\n"
+               "linear luminance; mean, line and all sines are fitted jointly, per pixel\n"
+               "gain: amplitude of the test / amplitude of the reference; lag: phase difference\n"
+               "in frames, late is positive, within half a period\n"
+               "pixels with a reference that moves by less than 1/255 of the encoded display\n"
+               "value, or by less than 4 standard errors of its own noise, are left out",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,
     .temporal = true,
     .options = options,

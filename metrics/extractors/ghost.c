@@ -34,9 +34,8 @@ static const double ghost_share = 0.1;
 enum age_map { PRODUCT, SQUARE, GHOSTS, TOLD, MAPS_PER_AGE };
 enum map { AREA = MAPS_PER_AGE * AGE_COUNT, FRAMES, DISOCCLUSIONS, MAP_COUNT };
 
-static const char never[] =
-    "no pixel of the mask has been disoccluded for so long by what differs from it by 1/255 of "
-    "display luma";
+static const char never[] = "no pixel of the mask is disoccluded for so long with an occluder that "
+                            "differs by 1/255 of display luma";
 static const char one_frame[] = "there is only one frame";
 
 /* Four maps for each age. */
@@ -54,7 +53,7 @@ static const struct neph_map maps[MAP_COUNT] = {
 #define METRICS_OF_AGE(n, k) \
     {"edge_ghost_residual_" n, "1", -INFINITY, INFINITY, NEPH_POOL_MEAN_OVER, 0, \
      k * MAPS_PER_AGE + PRODUCT, k * MAPS_PER_AGE + SQUARE, \
-     "what is left of what was in front, signed, in frame " n " since a pixel is disoccluded"}, \
+     "signed remaining part of the occluder in frame " n " since a pixel is disoccluded"}, \
     {"edge_ghost_share_" n, "1", 0, 1, NEPH_POOL_MEAN_OVER, 0, \
      k * MAPS_PER_AGE + GHOSTS, k * MAPS_PER_AGE + TOLD, \
      "share of pixels with more than 10 % of the front left in frame " n " since disoccluded"}
@@ -66,8 +65,8 @@ static const struct neph_metric metrics[] = {
     {"edge_ghost_area", "1", 0, 1, NEPH_POOL_MEAN, 0, AREA, 0,
      "share of all pixels and frames with more than 10 % of the front left, 32 frames long"},
     {"edge_ghost_frames", "frame", 0, AGE_LAST, NEPH_POOL_MEAN_OVER, 0, FRAMES, DISOCCLUSIONS,
-     "frames with more than 10 % of the front left, of 32, for each pixel that is disoccluded; "
-     "those that are hidden again or still have it at the end count as they are"},
+     "frames, of 32, with more than 10 % of the occluder left, per disoccluded pixel; pixels "
+     "that are hidden again or have a ghost at the end count with their frames so far"},
     {.name = NULL},
 };
 /* clang-format on */
@@ -76,7 +75,7 @@ enum { DEPTH_TOLERANCE };
 
 static const struct neph_option options[] = {
     {"depth_tolerance", NEPH_OPTION_REAL, 0.02, 0, 1, NULL,
-     "relative difference of depths up to which a pixel was seen before"},
+     "relative depth difference up to which a pixel counts as seen before"},
     {.name = NULL},
 };
 
@@ -243,13 +242,13 @@ static void rows(const void *state_, int map, int first_row, int row_count, doub
 
 const struct neph_extractor neph_extractor_ghost = {
     .name = "ghost",
-    .help = "what is left behind moving edges of what had been in front, by frames since",
+    .help = "ghosts of occluders behind moving edges, by frames since disocclusion",
     .source =
         "ghosting as the residual of the occluder's colour; see Yang, Liu, Salvi, A Survey of "
         "Temporal Antialiasing Techniques, Computer Graphics Forum 39, 2020",
-    .details = "motion.x, motion.y: where that which is seen was in the frame before, minus where\n"
-               "it is [px], x to the right, y down; with Z, both of the reference, or else of the\n"
-               "test; motion.depth, where there is one, is its depth in the frame before\n"
+    .details = "motion.x, motion.y: position of the visible point in the frame before minus its\n"
+               "position now [px], x to the right, y down; with Z, both of the reference, or else\n"
+               "of the test; motion.depth, if it exists, is the point's depth in the frame before\n"
                "residual: of test - reference along (front - reference), linear luminance; front\n"
                "is the reference where the pixel was hidden, in the last frame that hid it\n"
                "fronts that differ by less than 1/255 of display luma are left out",

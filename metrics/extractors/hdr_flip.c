@@ -35,7 +35,7 @@ enum option_index { OPTION_TONE, OPTION_START, OPTION_STOP, OPTION_COUNT };
 
 static const struct neph_option options[] = {
     [OPTION_TONE] = {"tone", NEPH_OPTION_CHOICE, NEPH_FLIP_ACES, 0.0, 0.0, neph_flip_tones,
-                     "tone curve at each exposure; none: a clamp alone"},
+                     "tone curve at each exposure; none: only a clamp"},
     [OPTION_START] = {"start_ev", NEPH_OPTION_REAL, NAN, -200.0, 200.0, NULL,
                       "first exposure [EV]; auto, as for the last: by the published rule"},
     [OPTION_STOP] = {"stop_ev", NEPH_OPTION_REAL, NAN, -200.0, 200.0, NULL,

@@ -66,7 +66,7 @@ static const char too_short[] =
     "fewer than 16 frames since the step, or no pixel of the mask steps at step_frame";
 
 static const char too_short_for_ghosts[] =
-    "the sequence ends earlier after step_frame, or no pixel of the picture steps there";
+    "the sequence ends earlier after step_frame, or no pixel of the image steps there";
 
 static const struct neph_map maps[MAP_COUNT] = {
     [HALF_LIFE] = {"half_life", "frame", 1, false, 16.0, no_step},
@@ -99,7 +99,7 @@ static const struct neph_metric metrics[] = {
     {"overshoot_max", "1", 0, INFINITY, NEPH_POOL_MAX, 0, OVERSHOOT, 0,
      "farthest that the test goes beyond the reference, in steps"},
     {"residual_16_mean", "1", 0, INFINITY, NEPH_POOL_MEAN, 0, RESIDUAL, 0,
-     "mean of what is left of the step in its 16th frame"},
+     "mean remaining part of the step in its 16th frame"},
     {"share_unsettled", "1", 0, 1, NEPH_POOL_SHARE_ABOVE, 2.5, UNSETTLED, 0,
      "share of pixels with more than half of the step left at the end: their half-life is too low"},
     {"share_unsettled_10", "1", 0, 1, NEPH_POOL_SHARE_ABOVE, 1.5, UNSETTLED, 0,
@@ -119,7 +119,7 @@ static const struct neph_metric metrics[] = {
     {"ghost_area_16", "1", 0, 1, NEPH_POOL_MEAN, 0, GHOST_16, 0,
      "share of all pixels with more than 10 % of the step left in its 16th frame"},
     {"ghost_area_end", "1", 0, 1, NEPH_POOL_MEAN, 0, GHOST_END, 0,
-     "the same in the last frame: late enough, it is what is wrong for other reasons than lag"},
+     "the same in the last frame: if it is late enough, the error from other causes than lag"},
     {"ghost_area_frames", "frame", 0, GHOST_FRAMES, NEPH_POOL_MEAN, 0, GHOST_SUM, 0,
      "sum over the first 32 frames of the share with more than 10 % of the step left"},
     {"half_life_phase_0", "frame", 0, INFINITY, NEPH_POOL_SCALAR, 0, 0, 0,
@@ -143,8 +143,8 @@ static const struct neph_option options[] = {
     {"slot_px", NEPH_OPTION_INTEGER, 1, 1, 16, NULL,
      "side of the squares of pixels that are traced together [px], for half_life_phase_*"},
     {"old", NEPH_OPTION_CHOICE, 0, 0, 0, olds,
-     "what the reference would show without the step: the frame before it, or in each frame the "
-     "second reference, for scenes that move"},
+     "the reference without the step: the frame before it, or in each frame the second reference, "
+     "for moving scenes"},
     {.name = NULL},
 };
 
@@ -427,19 +427,18 @@ static const char *scalar(const void *state_, int which, double *value)
 
 const struct neph_extractor neph_extractor_lag = {
     .name = "lag",
-    .help =
-        "how many frames the test takes to follow a step or a cut of the reference, and its ghosts",
+    .help = "frames that the test needs to follow a step or a cut of the reference, and its ghosts",
     .source = "step response; an exponential average of weight a has the half-life "
               "ln(1/2) / ln(1 - a): Yang, Liu, Salvi, A Survey of Temporal Antialiasing "
               "Techniques, Computer Graphics Forum 39, 2020",
     .details =
-        "what is left: |test - reference| / |step| of linear luminance; where the reference\n"
-        "moves of itself: lag:old=second, with the scene without its step as the second\n"
-        "reference; a pixel whose step is once too small to be seen is then left out\n"
-        "a time is that of the last crossing, in frames, 1 being the first after the step;\n"
-        "between frames the logarithm of what is left is linear\n"
+        "remainder: |test - reference| / |step| of linear luminance; for a moving reference:\n"
+        "lag:old=second, with the scene without its step as the second reference; a pixel\n"
+        "is then left out if its step is too small in any frame\n"
+        "a time is the last crossing, in frames, 1 being the first after the step;\n"
+        "between frames the logarithm of the remainder is linear\n"
         "a pixel that never settles counts with all frames since the step\n"
-        "pixels whose step is below 1/255 of the encoded display value are left out",
+        "pixels with a step below 1/255 of the encoded display value are left out",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,
     .temporal = true,
     .options = options,

@@ -90,9 +90,9 @@ static const char *const signals[] = {"luma", "luminance", NULL};
 
 static const struct neph_option options[] = {
     {"signal", NEPH_OPTION_CHOICE, 0, 0, 0, signals,
-     "what is compared: luma of the encoded display value, or its luminance; both 0..1"},
+     "compared signal: luma of the encoded display value, or its luminance; both 0..1"},
     {"depth_tolerance", NEPH_OPTION_REAL, 0.02, 0, 1, NULL,
-     "relative difference of depths up to which a pixel was seen before"},
+     "relative depth difference up to which a pixel counts as seen before"},
     {"edge_ratio", NEPH_OPTION_REAL, 1.1, 1, 100, NULL,
      "farther / nearer of 4-neighbours above which depth has a step"},
     {.name = NULL},
@@ -383,11 +383,11 @@ const struct neph_extractor neph_extractor_motion = {
     .help = "frames against the frame before, moved by exact motion vectors; disocclusions",
     .source = "warping error of Lai et al., Learning Blind Video Temporal Consistency, ECCV 2018, "
               "with exact motion and as a difference to the reference's own",
-    .details = "motion.x, motion.y: where that which is seen was in the frame before, minus where\n"
-               "it is [px], x to the right, y down; with Z, both of the reference, or else of the\n"
-               "test; motion.depth, where there is one, is its depth in the frame before\n"
-               "residuals are taken where the depth agrees and no step of depth is near\n"
-               "an rms is over the mean squares of pixels, each of its own frames",
+    .details = "motion.x, motion.y: position of the visible point in the frame before minus its\n"
+               "position now [px], x to the right, y down; with Z, both of the reference, or else\n"
+               "of the test; motion.depth, if it exists, is the point's depth in the frame before\n"
+               "residuals are measured where the depth agrees and no depth step is near\n"
+               "an rms is over the mean squares of pixels, each over its own frames",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,
     .temporal = true,
     .options = options,

@@ -67,8 +67,8 @@ static const struct neph_map maps[] = {
 
 const struct neph_extractor neph_extractor_pu21 = {
     .name = "pu21",
-    .help = "signal to noise as seen on a display of known brightness: cd/m2 = white * 2^exposure "
-            "* luminance",
+    .help = "signal-to-noise ratio on a display of known brightness: cd/m2 = white * 2^exposure * "
+            "luminance",
     .source = "Mantiuk and Azimi, PU21, Picture Coding Symposium 2021; parameters banding_glare of "
               "gfxdisp/pu21",
     .quantities = NEPH_RADIANCE | NEPH_VOLUME,

@@ -40,7 +40,7 @@ static const double black = 1e-3;
  * twice and half as sensitive. */
 static const double levels[CONDITIONS] = {1.0, 2.0, 0.5};
 
-static const char too_short[] = "what is seen needs at least 16 frames after the warm-up";
+static const char too_short[] = "visible flicker needs at least 16 frames after the warm-up";
 static const char unknown_length[] = "the number of frames is not known beforehand";
 static const char ended_early[] = "the sequence ended before the announced number of frames";
 static const char still[] = "nothing moves that the reference does not";
@@ -102,19 +102,19 @@ static const struct neph_metric metrics[] = {
      "95th percentile of the probability that a pop is seen, an edge in time"},
     {"pop_share", "1", 0.0, 1.0, NEPH_POOL_SHARE_ABOVE, 0.5, POP, 0,
      "share of pixels where most people see a pop"},
-    SCALAR("seen_hz", "Hz", INFINITY, SEEN_HZ, "frequency that most of what is seen has"),
+    SCALAR("seen_hz", "Hz", INFINITY, SEEN_HZ, "frequency of most of the visible flicker"),
     SCALAR("seen_period", "frame", INFINITY, SEEN_PERIOD, "period of that frequency"),
     SCALAR("coherent_contrast", "1", INFINITY, COHERENT_CONTRAST,
-           "largest R of what changes together, over disks of 1, 5 and 20 degrees"),
+           "largest R of common change over disks of 1, 5 and 20 degrees"),
     SCALAR("coherent_hz", "Hz", INFINITY, COHERENT_HZ, "its frequency"),
     SCALAR("coherent_radius", "deg", 20.0, COHERENT_RADIUS, "radius of its disk"),
     SCALAR("worst_tile_contrast", "1", INFINITY, WORST_CONTRAST,
-           "seen_contrast of the tile of the picture that has most"),
+           "largest seen_contrast of a tile of the image"),
     SCALAR("worst_tile_x", "px", INFINITY, WORST_X, "its centre from the left"),
     SCALAR("worst_tile_y", "px", INFINITY, WORST_Y, "its centre from the top"),
     SCALAR("worst_tile_period", "frame", INFINITY, WORST_PERIOD,
            "period of the flicker at its pixel with the largest R"),
-    SCALAR("seen_frames", "frame", INFINITY, FRAMES, "frames that flicker is seen in"),
+    SCALAR("seen_frames", "frame", INFINITY, FRAMES, "number of analysed frames"),
     {0},
 };
 
@@ -667,16 +667,16 @@ static const char *seen_scalar(const void *state, int which, double *value)
 
 const struct neph_extractor neph_extractor_seen = {
     .name = "seen",
-    .help = "flicker as a person sees it, before a camera that stands still (a model)",
+    .help = "visible flicker for a static camera (a model of the eye)",
     .source = "elaTCSF (Cai et al., SIGGRAPH Asia 2024) at the level of De Lange (JOSA 48, 1958); "
               "Denes and Mantiuk, HVEI 2020; Ebelin et al., ACM TAP 2024",
     .details =
-        "D = displayed luminance of the test - of the reference [cd/m2]: of channels\n"
-        "clamped to 0..1 times white, at least 0.001 of it; L the mean in time of the\n"
-        "test's, over 0.36 degrees; frequencies below 0.5 Hz are drift and lag, not flicker\n"
+        "D = displayed luminance of the test - of the reference [cd/m2]: channels clamped\n"
+        "to 0..1 times white, at least 0.001 of it; L the temporal mean of the test's\n"
+        "luminance, over 0.36 degrees; frequencies below 0.5 Hz are drift and lag, not flicker\n"
         "R^2 = sum over frequencies of (S |D| / L)^2, the larger of two: of each pixel, with\n"
         "the sensitivity S to a disk of 1 degree times exp(-0.0242 (cpd - 1)); of the mean\n"
-        "over disks of 1, 5 and 20 degrees, with S of the part that is in the picture\n"
+        "over disks of 1, 5 and 20 degrees, with S of the part inside the image\n"
         "P = 1 - 0.5^(R^2), through a Gaussian of 0.36 degrees\n"
         "pops: largest response to the filtered D of -sign(t) exp(-|t| / 16 ms) in cd/m2, the\n"
         "same Gaussian, P = 1 - exp(-0.1008 x^0.9061)\n"

@@ -280,7 +280,8 @@ static const struct neph_map maps[] = {
 
 const struct neph_extractor neph_extractor_shift = {
     .name = "shift",
-    .help = "error that remains when blocks may move by a pixel: tells 1 px off from wrong",
+    .help =
+        "error that remains when blocks may shift by a pixel: separates shifted from wrong edges",
     .source = "least squares over the nine moves of each block, as in exhaustive block matching",
     .quantities = NEPH_LINEAR_RGB,
     .options = options,

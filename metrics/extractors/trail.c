@@ -170,14 +170,14 @@ static const char *scalar(const void *state_, int which, double *value)
 {
     const struct state *state = state_;
     if (!(state->totals.steps[which] > 0.0))
-        return "no pixel has been uncovered for so long, or the card looks like what is behind it";
+        return "no pixel has been uncovered for so long, or card and background are equal";
     *value = state->totals.squares[which] / state->totals.steps[which];
     return NULL;
 }
 
 const struct neph_extractor neph_extractor_trail = {
     .name = "trail",
-    .help = "what is left of a moving card where it has been, by frames since",
+    .help = "remaining trail behind a moving card, by frames since it left",
     .source = "ghosting as energy behind a moving object; see Yang, Liu, Salvi, A Survey of "
               "Temporal Antialiasing Techniques, Computer Graphics Forum 39, 2020",
     .details =

@@ -12,7 +12,7 @@ static enum neph_status check_range(const struct neph_settings *settings, struct
     if (!wants_picture || neph_post_is_displayed(settings))
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_USAGE,
-              "fxaa and sharpen work on a display's picture, and tone is off");
+              "fxaa and sharpen need display-encoded values, but tone is off");
     neph_hint(diag, "--set tone=on, with --set tone_map=none for values that are within 0 and 1");
     return NEPH_ERR_USAGE;
 }
@@ -33,7 +33,7 @@ static enum neph_status check_eye(const struct neph_settings *settings, struct n
     if (settings->values[POST_AUTO_EXPOSURE] == 0.0)
         return NEPH_OK;
     if (!neph_post_is_displayed(settings) && settings->values[POST_BLOOM] != POST_BLOOM_ADDITIVE) {
-        neph_fail(diag, NEPH_ERR_USAGE, "auto_exposure is for tone mapping, and tone is off");
+        neph_fail(diag, NEPH_ERR_USAGE, "auto_exposure needs tone mapping, but tone is off");
         neph_hint(diag, "--set tone=on");
         return NEPH_ERR_USAGE;
     }

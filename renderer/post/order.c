@@ -23,12 +23,12 @@ static const struct {
     enum neph_post_pass before, after;
     const char *why;
 } rules[] = {
-    {NEPH_POST_EXPOSURE, NEPH_POST_BLOOM, "bloom's threshold is of exposed light"},
-    {NEPH_POST_EXPOSURE, NEPH_POST_TONE_MAPPING, "tone_mapping exposes by what the eye sees"},
-    {NEPH_POST_BLOOM, NEPH_POST_TONE_MAPPING, "bloom spreads light, and no display's codes"},
-    {NEPH_POST_TONE_MAPPING, NEPH_POST_FXAA, "fxaa works on a display's codes"},
-    {NEPH_POST_TONE_MAPPING, NEPH_POST_SHARPENING, "sharpening works on a display's codes"},
-    {NEPH_POST_UPSCALE, NEPH_POST_SECONDARY_UPSCALE, "the second goes on from the first"},
+    {NEPH_POST_EXPOSURE, NEPH_POST_BLOOM, "bloom's threshold applies to exposed light"},
+    {NEPH_POST_EXPOSURE, NEPH_POST_TONE_MAPPING, "tone_mapping applies the automatic exposure"},
+    {NEPH_POST_BLOOM, NEPH_POST_TONE_MAPPING, "bloom spreads light, not display codes"},
+    {NEPH_POST_TONE_MAPPING, NEPH_POST_FXAA, "fxaa works on display codes"},
+    {NEPH_POST_TONE_MAPPING, NEPH_POST_SHARPENING, "sharpening works on display codes"},
+    {NEPH_POST_UPSCALE, NEPH_POST_SECONDARY_UPSCALE, "the second upscale starts from the first"},
 };
 
 struct neph_post_order neph_post_usual_order(void)
@@ -51,7 +51,7 @@ const char *neph_post_order_fault(const struct neph_post_order *order, int *at)
 {
     for (*at = 0; *at < order->count; ++*at)
         if (place_of(order, order->passes[*at]) != *at)
-            return "it is there twice";
+            return "it is listed twice";
     for (size_t i = 0; i < sizeof(rules) / sizeof(rules[0]); i++) {
         *at = place_of(order, rules[i].before);
         const int after = place_of(order, rules[i].after);

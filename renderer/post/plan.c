@@ -98,15 +98,15 @@ static const struct neph_record box_record = {
 static const struct neph_field volume_fields[] = {
     {"name", NEPH_TEXT, VOLUME(name), .least = 1, .most = TEXT_MAX},
     {"priority", NEPH_NUMBER, VOLUME(priority), "", -1e6, 1e6,
-     .note = "volumes of higher priority come later, and have the last word", .standard = "0"},
+     .note = "volumes of higher priority are applied later", .standard = "0"},
     {"weight", NEPH_NUMBER, VOLUME(weight), "", 0, 1,
-     .note = "how far numbers move towards those of the volume, inside of it", .standard = "1"},
+     .note = "interpolation weight of the volume's numbers inside it", .standard = "1"},
     {"blend_radius_m", NEPH_NUMBER, VOLUME(blend_radius_m), "m", 0, NEPH_FAR_M,
      .note = "outside the weight falls to 0 over this distance", .standard = "0"},
     {"box", NEPH_RECORD, VOLUME(box), .record = &box_record, .note = "left out: everywhere",
      .standard = "everywhere"},
     {"settings", NEPH_RECORD, VOLUME(changes), .record = &changes_record,
-     .note = "of `neph post --list`; choices are taken over from any weight above 0 on"},
+     .note = "of `neph post --list`; choices are replaced at any weight above 0"},
     {0},
 };
 
@@ -117,7 +117,7 @@ static const struct neph_record volume_record = {.size = sizeof(struct neph_post
 
 static const struct neph_field entry_fields[] = {
     {"pass", NEPH_WORD, ENTRY(pass), .words = neph_post_pass_names},
-    {"on", NEPH_FLAG, ENTRY(is_on), .note = "`false`: off, whatever its settings say",
+    {"on", NEPH_FLAG, ENTRY(is_on), .note = "`false`: off, regardless of its settings",
      .standard = "`true`"},
     {0},
 };
@@ -162,7 +162,7 @@ static const struct neph_field plan_fields[] = {
      .note = "of `neph post --list`, on top of the preset", .standard = "none"},
     {"passes", NEPH_ENTRIES, PLAN(entries), .least = 1, .most = NEPH_POST_PASS_COUNT,
      .count_at = PLAN(entry_count), .record = &entry_record,
-     .note = "in their order, the last that is on writes the picture; what is not named is off",
+     .note = "in order; the last enabled one writes the image; passes not listed are off",
      .standard = "all, in the usual order"},
     {"volumes", NEPH_LIST, PLAN(volumes), .least = 1, .most = NEPH_POST_VOLUMES_MAX,
      .count_at = PLAN(volume_count), .record = &volume_record, .standard = "none"},

@@ -44,7 +44,7 @@ const struct neph_post_stage neph_post_stages[] = {
     {
         .name = "adaptation",
         .pass = NEPH_POST_EXPOSURE,
-        .note = "of the eye to what was metered",
+        .note = "adapts the exposure to the metered luminance",
         .shader = {"post_adapt", adapt_code, sizeof(adapt_code)},
         .settings = {POST_AUTO_EXPOSURE, POST_AUTO_EXPOSURE},
         .makes = NEPH_POST_MAKES_EXPOSURE,
@@ -52,7 +52,7 @@ const struct neph_post_stage neph_post_stages[] = {
     {
         .name = "bloom, down",
         .pass = NEPH_POST_BLOOM,
-        .note = "halves of halves of the frame",
+        .note = "downsamples the frame, level by level",
         .shader = {"post_bloom_down", bloom_down_code, sizeof(bloom_down_code)},
         .settings = {POST_BLOOM, POST_BLOOM},
         .makes = NEPH_POST_MAKES_PYRAMID,
@@ -60,7 +60,7 @@ const struct neph_post_stage neph_post_stages[] = {
     {
         .name = "bloom, up",
         .pass = NEPH_POST_BLOOM,
-        .note = "light that the lens spreads",
+        .note = "adds the light scattered by the lens",
         .shader = {"post_bloom_up", bloom_up_code, sizeof(bloom_up_code)},
         .settings = {POST_BLOOM, POST_BLOOM},
         .makes = NEPH_POST_MAKES_BLOOM,
@@ -68,7 +68,7 @@ const struct neph_post_stage neph_post_stages[] = {
     {
         .name = "table of colours",
         .pass = NEPH_POST_TONE_MAPPING,
-        .note = "what tone curve and display make of 32^3 colours",
+        .note = "tone curve and display encoding of 32^3 colours",
         .shader = {"post_lut", lut_code, sizeof(lut_code)},
         .settings = {POST_TONE, POST_LUT},
         .makes = NEPH_POST_MAKES_TABLE,
@@ -83,7 +83,7 @@ const struct neph_post_stage neph_post_stages[] = {
     {
         .name = "fxaa",
         .pass = NEPH_POST_FXAA,
-        .note = "anti-aliasing of the encoded picture",
+        .note = "anti-aliasing of the encoded image",
         .shader = {"post_fxaa", fxaa_code, sizeof(fxaa_code)},
         .settings = {POST_FXAA, POST_FXAA},
     },
@@ -100,7 +100,7 @@ const struct neph_post_stage neph_post_stages[] = {
     {
         .name = "sharpening",
         .pass = NEPH_POST_SHARPENING,
-        .note = "against the blur of what came before",
+        .note = "counters the blur of earlier stages",
         .shader = {"post_sharpen", sharpen_code, sizeof(sharpen_code)},
         .settings = {POST_SHARPEN, POST_SHARPEN},
     },

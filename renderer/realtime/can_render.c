@@ -21,14 +21,14 @@ static bool can_upsample(const struct neph_scene *scene, const struct neph_rt_se
     const struct neph_injected_view *around = &neph_scene_injections(scene)->view;
     if (settings->anti_aliasing.kind == RT_TAA_OFF) {
         snprintf(reason, reason_size,
-                 "a picture of fewer pixels without anti-aliasing, which makes it larger: taa=on "
-                 "or screen_percent=100");
+                 "fewer rendered pixels without anti-aliasing, which upsamples them: set taa=on or "
+                 "screen_percent=100");
         return false;
     }
     if (around->left_px + around->top_px + around->right_px + around->bottom_px == 0)
         return true;
     snprintf(reason, reason_size,
-             "a picture of fewer pixels within larger buffers (inject.view): screen_percent=100");
+             "fewer rendered pixels within larger buffers (inject.view): set screen_percent=100");
     return false;
 }
 
@@ -57,7 +57,7 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
         snprintf(reason, reason_size,
                  "extinction that differs between the channels: rays and histories have one "
                  "transmittance%s",
-                 veils.sky ? "" : " (sky=tables: that of a planet's air may)");
+                 veils.sky ? "" : " (with sky=tables a planet's air may differ)");
         return false;
     }
     if (neph_scene_emits(&rest)) {
@@ -74,7 +74,7 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
     if (of_passes.froxels.is_on && lighting != NEPH_MARCH_SINGLE &&
         lighting != NEPH_MARCH_OCTAVES) {
         snprintf(reason, reason_size,
-                 "this lighting in froxels, which know single and octaves: froxels=off");
+                 "this lighting in froxels, which support single and octaves: set froxels=off");
         return false;
     }
     return neph_march_can_render_under(scene, veils, lighting, reason, reason_size) &&

@@ -612,7 +612,7 @@ static enum neph_status render_split(struct neph_realtime *realtime,
     realtime->device.is_dark = is_dark(realtime);
     if (!status && frame->given && is_upsampled(realtime))
         status = neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                           "a given depth has the picture's pixels: set screen_percent=100");
+                           "a given depth has output resolution: set screen_percent=100");
     if (!status && frame->given)
         status = neph_rt_give_frame(&realtime->device, frame->given, &made->given, diag);
     if (!status)
@@ -657,11 +657,11 @@ static enum neph_status send_whole(struct neph_realtime *realtime,
     for (int p = 0; neph_rt_passes[p]; p++) {
         const struct neph_rt_pass *pass = neph_rt_passes[p];
         if (neph_rt_holds(view, pass->condition))
-            return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                             "split=none takes its picture to the CPU and back for the pass '%s', "
-                             "so frames of it cannot be in flight: switch the pass off, or set "
-                             "split=four",
-                             pass->name);
+            return neph_fail(
+                diag, NEPH_ERR_UNSUPPORTED,
+                "split=none copies its frame to the CPU and back for the pass '%s', so its frames "
+                "cannot be in flight: switch the pass off, or set split=four",
+                pass->name);
     }
     return neph_march_frame(realtime->whole, still, frame->frame, moment, NULL, NULL, diag);
 }
@@ -980,10 +980,10 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
     const bool is_mirrored = neph_injected_mirror_at(injections, frame->frame);
     enum neph_status status = NEPH_OK;
     if (!image && (size || is_mirrored))
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "a picture with another before it cannot be in flight: leave out "
-                         "inject.%s",
-                         size ? "sizes" : "mirror");
+        return neph_fail(
+            diag, NEPH_ERR_UNSUPPORTED,
+            "a frame with another one before it cannot be in flight: leave out inject.%s",
+            size ? "sizes" : "mirror");
     if (size)
         status = render_resized(realtime, frame, size->scale, diag);
     if (!status && is_mirrored)
@@ -1015,7 +1015,7 @@ enum neph_status neph_realtime_watch(struct neph_realtime *realtime, uint64_t *b
     uint32_t targets = neph_rt_watched(realtime->device.view);
     if (targets == 0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "split=none has no images of its own to count in: count in the pictures");
+                         "split=none has no intermediate images: count bad values in its frames");
     if (realtime->has_injected_rays)
         targets &= ~NEPH_RT_BIT(RT_RAY);
     if (realtime->has_injected_history) /* updated in place, bit by bit */

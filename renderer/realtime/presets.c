@@ -58,16 +58,16 @@
 const struct neph_preset neph_rt_presets[] = {
     {"off", "every pixel, every frame, no history: `march` itself",
      "split=none taa=off ray_dither=none warm_up=0", NEPH_RT_STRESS_FULL},
-    {"seed", "the Red Dead Redemption 2 frame split as the article has it, faults included",
+    {"seed", "the Red Dead Redemption 2 frame split as in the article, with its faults",
      "depth_map=reversed override=parallel sky_m=20000 ray_depth_max_m=10000 "
      "clamp_pixel_depth=off edge_tiles=dropped gather=normalised tile_origin=buffer "
      "jittered_depth=on ray_dither=blue box_centre=off reproject_depth=tile reproject_measure=eye "
      "reproject_jitter=on wind=off validity=off cut_reset=off upscale_dither=slice "
      "upscale_pair=shared taa_jitter_length=8",
      NEPH_RT_STRESS | NEPH_RT_FLICKER | NEPH_RT_CONVERGENCE | NEPH_RT_REPORT},
-    {"fixed", "the article's frame split with its faults mended: the defaults", "",
+    {"fixed", "the article's frame split with its faults corrected: the defaults", "",
      NEPH_RT_STRESS | NEPH_RT_FLICKER | NEPH_RT_PICK},
-    {"ue", "after Unreal Engine 5's volumetric render target, mode 0, of one trace",
+    {"ue", "after Unreal Engine 5's volumetric render target, mode 0, with one trace",
      "slot_order=anticlockwise slot_checkerboard=off override=none jittered_depth=on "
      "ray_dither=interleaved fallback=bilinear fallback_rejected=around box=none "
      "reproject_depth=tile reproject_measure=eye wind=off reject_depth=0.1 reject_around=off "
@@ -87,11 +87,11 @@ const struct neph_preset neph_rt_presets[] = {
      "reject_around=off upscale=square upscale_tolerance_m=0.01 upscale_same_kind=on "
      "upscale_dither=none taa_jitter_length=8",
      NEPH_RT_STRESS_FULL | NEPH_RT_FLICKER},
-    {"ours1", "no box for what is at rest and in the same light; quick anti-aliasing",
+    {"ours1", "no clamp for static pixels in constant light; fast anti-aliasing",
      "reject_depth=0.1 box_motion_px=0.05 box_change=0.1 upscale_dither=none taa_alpha=0.1 "
      "taa_box=variance taa_sigma=1",
      0},
-    {"ours", "the mean of all that is at rest, told from noise, in the light that there is",
+    {"ours", "static pixels are the mean of their frames; a gradient separates change from noise",
      "reject_depth=0.1 reject_around=moved gradient=on relight=0.1 change_hold=0.75 "
      "change_strobe=on override_wake=32 box_motion_px=0.05 box_change=0.1 history_age_max=32 "
      "box_age=0 fallback=bilateral fallback_rejected=bilateral taa_medium=on taa_age_max=256 "

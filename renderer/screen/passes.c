@@ -45,14 +45,14 @@ static const uint32_t compose_code[] = {
 const struct neph_screen_pass neph_screen_passes[] = {
     {
         .name = "g-buffer",
-        .note = "first solids by rays; sun and lamps with their shadows",
+        .note = "visible surfaces by rays; sun and lights with shadows",
         .shader = {"screen_gbuffer", gbuffer_code, sizeof(gbuffer_code)},
         .settings = {-1, -1},
         .writes = GBUFFER,
     },
     {
         .name = "ambient occlusion",
-        .note = "what is open of the hemisphere over each surface",
+        .note = "open fraction of the hemisphere over each surface",
         .shader = {"screen_ao", ao_code, sizeof(ao_code)},
         .settings = {SCREEN_AO, SCREEN_AO},
         .resolution = SCREEN_AO_RESOLUTION,
@@ -61,7 +61,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     },
     {
         .name = "occlusion blur",
-        .note = "over the pixels of the noise, within a plane",
+        .note = "over the period of the noise, within a plane",
         .shader = {"screen_ao_blur", ao_blur_code, sizeof(ao_blur_code)},
         .settings = {SCREEN_AO, SCREEN_AO_BLUR_PX},
         .resolution = SCREEN_AO_RESOLUTION,
@@ -70,7 +70,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     },
     {
         .name = "occlusion of all",
-        .note = "between one of 2x2 pixels, on the same surface",
+        .note = "upsampling from one of 2x2 pixels, within a surface",
         .shader = {"screen_whole", whole_code, sizeof(whole_code)},
         .settings = {SCREEN_AO, SCREEN_AO_RESOLUTION},
         .resolution = SCREEN_AO_RESOLUTION,
@@ -80,7 +80,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     },
     {
         .name = "indirect light",
-        .note = "of diffuse surfaces, by rays through the picture",
+        .note = "on diffuse surfaces, by screen-space rays",
         .shader = {"screen_gi", gi_code, sizeof(gi_code)},
         .settings = {SCREEN_GI, SCREEN_GI},
         .resolution = SCREEN_GI_RESOLUTION,
@@ -102,7 +102,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     },
     {
         .name = "indirect smoothing",
-        .note = "over pixels of the same plane, wider by turns",
+        .note = "over pixels of the same plane, wider from turn to turn",
         .shader = {"screen_smooth", smooth_code, sizeof(smooth_code)},
         .settings = {SCREEN_GI, SCREEN_GI_SMOOTH},
         .resolution = SCREEN_GI_RESOLUTION,
@@ -114,7 +114,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     },
     {
         .name = "indirect of all",
-        .note = "between one of 2x2 pixels, on the same surface",
+        .note = "upsampling from one of 2x2 pixels, within a surface",
         .shader = {"screen_whole", whole_code, sizeof(whole_code)},
         .settings = {SCREEN_GI, SCREEN_GI_RESOLUTION},
         .resolution = SCREEN_GI_RESOLUTION,
@@ -125,7 +125,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     },
     {
         .name = "diffuse light",
-        .note = "direct and indirect, of all but metal",
+        .note = "direct and indirect, of all surfaces except metal",
         .shader = {"screen_compose", compose_code, sizeof(compose_code)},
         .settings = {-1, -1},
         .reads = GBUFFER | OPEN | GI_OUT,
@@ -133,7 +133,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     },
     {
         .name = "reflections",
-        .note = "of metal, by rays through the picture",
+        .note = "of metal, by screen-space rays",
         .shader = {"screen_ssr", ssr_code, sizeof(ssr_code)},
         .settings = {SCREEN_SSR, SCREEN_SSR},
         .resolution = SCREEN_SSR_RESOLUTION,
@@ -156,7 +156,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     },
     {
         .name = "reflections smoothing",
-        .note = "over pixels of the same plane, as far as it is rough",
+        .note = "over pixels of the same plane, wider for rough metal",
         .shader = {"screen_smooth", smooth_code, sizeof(smooth_code)},
         .settings = {SCREEN_SSR, SCREEN_SSR_SMOOTH},
         .resolution = SCREEN_SSR_RESOLUTION,
@@ -168,7 +168,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     },
     {
         .name = "reflections of all",
-        .note = "between one of 2x2 pixels, on the same surface",
+        .note = "upsampling from one of 2x2 pixels, within a surface",
         .shader = {"screen_whole", whole_code, sizeof(whole_code)},
         .settings = {SCREEN_SSR, SCREEN_SSR_RESOLUTION},
         .resolution = SCREEN_SSR_RESOLUTION,
@@ -179,7 +179,7 @@ const struct neph_screen_pass neph_screen_passes[] = {
     },
     {
         .name = "picture",
-        .note = "with what metal reflects",
+        .note = "diffuse light and reflections",
         .shader = {"screen_compose", compose_code, sizeof(compose_code)},
         .settings = {-1, -1},
         .reads = GBUFFER | OPEN | SSR_OUT | BIT(SCREEN_LIT),

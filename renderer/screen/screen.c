@@ -46,7 +46,7 @@ bool neph_screen_can(const struct neph_scene *scene, char *reason, size_t reason
 {
     const bool is_clear = scene->medium_count == 0;
     if (!is_clear)
-        snprintf(reason, reason_size, "media: the screen has solids alone");
+        snprintf(reason, reason_size, "media: the screen passes support only solids");
     return is_clear;
 }
 

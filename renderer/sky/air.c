@@ -27,12 +27,12 @@ static const char *obstacle_of_medium(const struct neph_medium *medium,
 {
     const bool is_tent = medium->kind == NEPH_MEDIUM_TENT;
     if (!is_tent && medium->kind != NEPH_MEDIUM_SHELL)
-        return "a medium that is no layer around a ball: march and realtime put air from tables "
-               "around such media with sky=tables";
+        return "a medium that is not a layer around a sphere: march and realtime can render such "
+               "media in air from tables with sky=tables";
     const struct neph_vec3 center_m = is_tent ? medium->tent.center_m : medium->shell.center_m;
     const double radius_m = is_tent ? medium->tent.radius_m : medium->shell.radius_m;
     if (!same_point(center_m, ground->center_m) || radius_m != ground->radius_m)
-        return "layers that are not all around the ball that is the ground";
+        return "layers that are not around the sphere of the ground";
     if (medium->emission_w_per_m2_sr.r > 0.0 || medium->emission_w_per_m2_sr.g > 0.0 ||
         medium->emission_w_per_m2_sr.b > 0.0)
         return "a medium that emits light";
@@ -63,7 +63,7 @@ static const char *obstacle_of(const struct neph_scene *scene)
     if (scene->medium_count == 0)
         return "a scene without an atmosphere";
     if (scene->solid_count == 0 || scene->solids[0].kind != NEPH_SOLID_SPHERE)
-        return "a first solid that is no ball, the ground";
+        return "a first solid that is not a sphere, the ground";
     if (!is_black(scene->background_w_per_m2_sr))
         return "a background behind the atmosphere";
     if (neph_surfaces_obstacle(scene))

@@ -31,11 +31,10 @@ bool neph_sky_device_can(const struct neph_scene *scene, const struct neph_sky_p
     struct neph_sky_air air;
     if (!neph_sky_air_of(scene, &air, reason, reason_size))
         return false;
-    const char *obstacle =
-        scene->solid_count > 1
-            ? "solids beside the ground, on a device: engine march has them with "
-              "sky=tables, this one with on=cpu"
-            : neph_sky_tables_obstacle(scene, &air, params);
+    const char *obstacle = scene->solid_count > 1
+                               ? "solids other than the ground, on a device: engine march supports "
+                                 "them with sky=tables, this one with on=cpu"
+                               : neph_sky_tables_obstacle(scene, &air, params);
     if (obstacle)
         snprintf(reason, reason_size, "%s", obstacle);
     return !obstacle;
@@ -112,7 +111,7 @@ enum neph_status neph_sky_pictures_create(struct neph_vulkan *vulkan,
     char reason[200];
     struct neph_sky_air air;
     if (!neph_sky_device_can(scene, params, reason, sizeof(reason)))
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "engine sky has nothing for %s", reason);
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "engine sky does not support %s", reason);
     neph_sky_air_of(scene, &air, reason, sizeof(reason));
     struct neph_sky_pictures *made = calloc(1, sizeof(*made));
     if (!made)

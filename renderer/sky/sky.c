@@ -55,7 +55,7 @@ enum neph_status neph_sky_create(const struct neph_scene *scene,
     }
     enum neph_status status = NEPH_OK;
     if (!neph_sky_air_of(scene, &made->air, reason, sizeof(reason)))
-        status = neph_fail(diag, NEPH_ERR_UNSUPPORTED, "engine sky has no tables for %s", reason);
+        status = neph_fail(diag, NEPH_ERR_UNSUPPORTED, "engine sky does not support %s", reason);
     if (!status)
         status = fill(made, scene, params, diag);
     if (status)

@@ -40,7 +40,7 @@ bool neph_sky_split(const struct neph_scene *scene, struct neph_sky_split *split
     struct neph_scene alone;
     *split = (struct neph_sky_split){.is_air = {false}};
     if (scene->solid_count == 0 || scene->solids[0].kind != NEPH_SOLID_SPHERE) {
-        snprintf(reason, reason_size, "a first solid that is no ball, the ground");
+        snprintf(reason, reason_size, "a first solid that is not a sphere, the ground");
         return false;
     }
     for (int i = 0; i < scene->medium_count; i++)

@@ -137,7 +137,7 @@ const char *neph_sky_tables_obstacle(const struct neph_scene *scene, const struc
     if ((steps + 2) * (2 + turns_of_step(air->layer_count, params->field.degree)) >
             NEPH_KERNEL_LOOP_TURNS_MAX ||
         sum > NEPH_KERNEL_LOOP_TURNS_MAX)
-        return "so many steps or directions in one dispatch";
+        return "more steps or directions than a dispatch may have";
     return NULL;
 }
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The program make_exr FOLDER: OpenEXR files of all sorts for test_exr_library.c, written by the
- * OpenEXR library itself. Beside each NAME.exr of flat scanlines lies NAME.raw: its samples as
- * 32-bit floats, channel after channel in the order of their names, as the library's own reader
- * gives them. Without loss they are the samples that were written, or the program fails.
+ * The program make_exr FOLDER writes OpenEXR files of all kinds for test_exr_library.c with the
+ * OpenEXR library. Each NAME.exr of flat scanlines has a NAME.raw: its samples as 32-bit floats,
+ * channel after channel in the order of their names, as the library's own reader returns them. With
+ * lossless compression the program fails if they differ from the written samples.
  */
 #include <cmath>
 #include <cstdint>
@@ -41,7 +41,7 @@ struct Channel {
     std::string name;
     PixelType type;
     std::vector<char> samples; /* of that type */
-    bool is_linear = false;    /* to the eye, as B44 wants to know */
+    bool is_linear = false;    /* perceptually; B44 needs this flag */
 };
 
 struct Picture {
@@ -69,7 +69,7 @@ size_t bytes_of(PixelType type)
     return type == HALF ? 2 : 4;
 }
 
-/* A fixed stream of noise, so that chunks that do not shrink are among the files. */
+/* A fixed stream of noise, so that some chunks are incompressible. */
 uint32_t noise(uint32_t &state)
 {
     state = state * 1664525u + 1013904223u;
@@ -81,7 +81,7 @@ template <typename T> void put(Channel &channel, size_t i, T value)
     std::memcpy(channel.samples.data() + i * sizeof(value), &value, sizeof(value));
 }
 
-/* A slope in the left half, noise in the right. */
+/* A gradient in the left half, noise in the right. */
 void fill(Channel &channel, int width, int height, uint32_t &state)
 {
     channel.samples.resize(bytes_of(channel.type) * static_cast<size_t>(width * height));
@@ -138,7 +138,7 @@ FrameBuffer buffer_of(Picture &picture)
     return buffer;
 }
 
-/* The picture as the library reads it back. */
+/* The image as the library reads it. */
 Picture read_back(const std::string &path, const Picture &written)
 {
     Picture read = written;
@@ -180,7 +180,7 @@ void write_raw(const std::string &path, const Picture &picture)
         throw std::runtime_error("cannot write " + path);
 }
 
-/* PXR24 rounds floats alone, B44 halves alone. */
+/* PXR24 rounds only floats, B44 only halves. */
 bool is_lossless(Compression compression, PixelType type)
 {
     if (compression == PXR24_COMPRESSION)
@@ -211,8 +211,7 @@ void write(const std::string &stem, Picture picture)
     write_raw(stem + ".raw", read);
 }
 
-/* ---- every compression, type, number of channels and size -------------------------------------
- */
+/* ---- every compression, type, number of channels and size ------------------------------------ */
 
 const struct {
     const char *name;
@@ -260,8 +259,7 @@ void write_linear(const std::string &folder)
     }
 }
 
-/* ---- windows and orders ------------------------------------------------------------------------
- */
+/* ---- windows and orders ---------------------------------------------------------------------- */
 
 /* The last chunk first. */
 void write_upwards(const std::string &folder)
@@ -283,8 +281,7 @@ void write_windows(const std::string &folder)
     }
 }
 
-/* ---- attributes: .exr alone --------------------------------------------------------------------
- */
+/* ---- attributes: only .exr ------------------------------------------------------------------- */
 
 void write_header_alone(const std::string &path, const Header &header)
 {
@@ -311,8 +308,7 @@ void write_attributes(const std::string &folder)
     write_header_alone(folder + "/texts.exr", texts);
 }
 
-/* ---- other kinds: .exr alone -------------------------------------------------------------------
- */
+/* ---- other kinds: only .exr ------------------------------------------------------------------ */
 
 void write_tiled(const std::string &folder, const char *name, LevelMode mode)
 {

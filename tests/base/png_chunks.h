@@ -20,7 +20,7 @@ static inline uint32_t png_checksum(const uint8_t *bytes, size_t size)
     return ~sum;
 }
 
-/* Make the checksum of every whole chunk right. */
+/* Corrects the checksum of every complete chunk. */
 static inline void png_mend_checksums(uint8_t *file, size_t size)
 {
     size_t at = 8;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A folder of its own for each test that touches the disk, and a look at what is in it.
+ * A separate folder for each test that writes to the disk, and functions to inspect it.
  */
 #ifndef NEPH_TESTS_BASE_SCRATCH_H
 #define NEPH_TESTS_BASE_SCRATCH_H
@@ -37,7 +37,7 @@ static inline int scratch_teardown(void **state)
     return status == NEPH_OK ? 0 : -1;
 }
 
-/* The path of a name in the folder of the test. */
+/* The path of a name in the test's folder. */
 static inline const char *scratch_path(void **state, char path[SCRATCH_PATH_MAX], const char *name)
 {
     const struct scratch *scratch = *state;
@@ -45,9 +45,9 @@ static inline const char *scratch_path(void **state, char path[SCRATCH_PATH_MAX]
     return path;
 }
 
-/* A file as it comes from elsewhere. Unlike neph_file_write() it is not flushed to the disk, which
- * a loop over damaged files would wait for most of its time; and it is a new one each time, as ext4
- * flushes what is written over what was there. */
+/* Writes a file as another program would. Unlike in neph_file_write() it is not flushed to the
+ * disk, as a loop over damaged files would spend most of its time waiting for it; and it is a new
+ * file each time, as ext4 flushes a file that is overwritten. */
 static inline void scratch_write(const char *path, const void *data, size_t size)
 {
     unlink(path);
@@ -57,8 +57,8 @@ static inline void scratch_write(const char *path, const void *data, size_t size
     assert_int_equal(fclose(file), 0);
 }
 
-/* The number of things in a folder of the test ("": its own), hidden ones too: temporary files that
- * were left behind show up here. */
+/* The number of entries in a folder of the test ("": its own), including hidden ones: leftover
+ * temporary files are counted. */
 static inline int scratch_count_in(void **state, const char *name)
 {
     char path[SCRATCH_PATH_MAX];
@@ -74,7 +74,7 @@ static inline int scratch_count(void **state)
     return scratch_count_in(state, "");
 }
 
-/* A text as a file in a folder, flushed to the disk. */
+/* Writes a text as a file into a folder, flushed to the disk. */
 static inline void scratch_put(const char *folder, const char *name, const char *text)
 {
     char *path = neph_path_join(folder, name);

@@ -11,7 +11,7 @@
 #include "base/packed.h"
 #include "base/png.h"
 
-/* Paths in the folder of the test. */
+/* Paths in the test's folder. */
 struct place {
     char exr[SCRATCH_PATH_MAX], png[SCRATCH_PATH_MAX], text[SCRATCH_PATH_MAX];
     char copy[SCRATCH_PATH_MAX], checkpoint[SCRATCH_PATH_MAX], folder[SCRATCH_PATH_MAX];
@@ -163,7 +163,7 @@ static void test_exr(void **state)
     struct place place = place_of(state);
     assert_every_failure_is_told("writing EXR", write_exr, &place);
     assert_every_failure_is_told("reading EXR", read_exr, &place);
-    assert_int_equal(scratch_count(state), 1); /* no temporary files are left */
+    assert_int_equal(scratch_count(state), 1); /* no temporary files remain */
 }
 
 static void test_png(void **state)

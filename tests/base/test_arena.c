@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Memory that is freed at once: zeroed, apart from each other, and a shortage that is found later.
+ * Memory that is freed together: zeroed, non-overlapping, and a failed allocation that is reported
+ * later.
  */
 #include "tests/neph_test.h"
 

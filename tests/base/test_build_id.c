@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Held against what readelf finds in the program's file.
+ * The build id against the output of readelf for the program's file.
  */
 #include "tests/neph_test.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A checkpoint comes back to the bit, or not at all: every single damaged byte and every cut is
- * refused, and so is a file of another computation.
+ * A checkpoint is restored to the bit, or not at all: every single damaged byte and every
+ * truncation is refused, and so is a file of another computation.
  */
 #include "tests/base/scratch.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Children of all kinds. `test_child eat-memory MIB SECONDS` and `test_child burn-cpu SECONDS` are
- * the programs whose use of resources is known.
+ * programs with a known use of resources.
  */
 #include "tests/base/scratch.h"
 
@@ -44,7 +44,7 @@ static int burn_cpu(const char *duration)
     return 0;
 }
 
-/* Run a shell script. `log_path` and `result` may be NULL. */
+/* Runs a shell script. `log_path` and `result` may be NULL. */
 static enum neph_status run_shell(const char *script, const char *log_path, double time_limit_s,
                                   struct neph_child_result *result, struct neph_diag *diag)
 {
@@ -65,7 +65,7 @@ static void assert_log(const char *path, const char *expected)
     free(text);
 }
 
-/* A process that is gone or waits to be reaped by an init that may not care. */
+/* A process that has ended, or is a zombie that init has not reaped. */
 static bool is_dead(pid_t pid)
 {
     char path[64], text[512] = "";
@@ -86,13 +86,13 @@ static void assert_dies(pid_t pid)
     assert_true(is_dead(pid));
 }
 
-/* The number that a script has written into a file, waiting for it. */
+/* Waits for the number that a script writes into a file. */
 static pid_t read_pid(const char *path)
 {
     for (int i = 0; i < 1000; i++) {
         FILE *file = fopen(path, "r");
         int pid = 0;
-        char end = '\0'; /* the newline says that the number is complete */
+        char end = '\0'; /* the newline marks the number as complete */
         int found = file ? fscanf(file, "%d%c", &pid, &end) : 0;
         if (file)
             fclose(file);
@@ -164,7 +164,7 @@ static void test_failure_quotes_the_end_of_the_log(void **state)
     assert_non_null(strstr(diag.hint, log));
 }
 
-/* One endless line, cut in the middle of a two-byte character. */
+/* One endless line, truncated in the middle of a two-byte character. */
 static void test_quote_fits_and_stays_utf8(void **state)
 {
     char log[SCRATCH_PATH_MAX];
@@ -184,7 +184,7 @@ static void test_quote_fits_and_stays_utf8(void **state)
     }
 }
 
-/* ---- what it is given ------------------------------------------------------------------------ */
+/* ---- its environment ------------------------------------------------------------------------- */
 
 static void test_missing_programs(void **state)
 {
@@ -206,7 +206,7 @@ static void test_missing_programs(void **state)
     assert_true(neph_child_program_exists("/bin/sh"));
 }
 
-/* They exist and may be executed, but execve() fails, which only the child can find out. */
+/* They exist and are executable, but execve() fails, which only the child can detect. */
 static void test_programs_that_cannot_start(void **state)
 {
     static const char *const contents[] = {"#!/no/such/interpreter\n", "neither script nor ELF"};
@@ -245,8 +245,8 @@ static void test_working_directory(void **state)
     assert_non_null(strstr(diag.message, "/no/such/folder"));
 }
 
-/* What a confined program, or one that it starts, does to files elsewhere comes to nothing; in its
- * folder it does as it likes. */
+/* Changes by a confined program, or by a program that it starts, to files outside of its folder
+ * have no effect; in its folder it is free. */
 static void test_confined(void **state)
 {
     char log[SCRATCH_PATH_MAX], own[SCRATCH_PATH_MAX], kept[SCRATCH_PATH_MAX],
@@ -272,13 +272,13 @@ static void test_confined(void **state)
     assert_false(neph_path_exists(scratch_path(state, made, "made")));
     assert_false(neph_path_exists(scratch_path(state, made, "folder")));
     assert_true(neph_path_exists(scratch_path(state, inside, "own/inside")));
-    params.is_confined = false; /* which is what keeps it from that */
-    assert_int_equal(neph_child_run(&params, &result, &diag), NEPH_ERR_ENGINE); /* a is there */
+    params.is_confined = false; /* which prevents this */
+    assert_int_equal(neph_child_run(&params, &result, &diag), NEPH_ERR_ENGINE); /* a exists */
     assert_true(neph_path_exists(scratch_path(state, made, "made")));
 }
 
-/* What changes a file's modes, times and attributes without writing into it, tried on ../kept; the
- * script ends with 0 when it may change a file of its own folder. */
+/* Ways to change a file's mode, times and attributes without writing into it, tried on ../kept; the
+ * script ends with 0 if it may change a file of its own folder. */
 static const char changes[] =
     "chmod 0777 ../kept; touch -d 2001-02-03 ../kept; chown 1:1 ../kept;"
     "python3 -c 'import os; os.setxattr(\"../kept\", \"user.a\", b\"b\")';"
@@ -286,8 +286,8 @@ static const char changes[] =
     "(cd .. && chmod 0777 kept);"
     "touch own-file && chmod 0640 own-file && test $(stat -c %a own-file) = 640";
 
-/* Run `changes` confined in the folder "own" and compare the file beside it with before. Returns
- * what the program ended with. */
+/* Runs `changes` confined in the folder "own" and compares the file next to it with its state
+ * before. Returns the program's status. */
 static enum neph_status try_changes(void **state)
 {
     char log[SCRATCH_PATH_MAX], own[SCRATCH_PATH_MAX], kept[SCRATCH_PATH_MAX];
@@ -331,7 +331,7 @@ static void test_confined_changes_no_modes(void **state)
     assert_int_equal(try_changes(state) == NEPH_OK, reached == NEPH_CONFINE_TO_FOLDER);
 }
 
-/* Run a test in a process of its own: its exit code. */
+/* Runs a test in a process of its own: returns its exit code. */
 static int run_apart(void (*test)(void **state), void **state)
 {
     int wait_status = -1;
@@ -346,7 +346,7 @@ static int run_apart(void (*test)(void **state), void **state)
 
 enum { OTHER_USER = 12345, NOT_POSSIBLE = 77 };
 
-/* A folder that its owner cannot read cannot be measured, and is removed all the same. */
+/* A folder that its owner cannot read cannot be measured, but is removed anyway. */
 static bool hide_a_folder(const char *own)
 {
     const char *const argv[] = {"sh", "-c", "mkdir a; touch a/b; chmod 0 a", NULL};
@@ -375,7 +375,7 @@ static void as_another_user(void **state)
     _exit(hide_a_folder(own) ? 0 : 2);
 }
 
-/* Without the rights of root the mounts need a user namespace. */
+/* Without root privileges the mounts need a user namespace. */
 static void test_confined_as_another_user(void **state)
 {
     if (geteuid() != 0)
@@ -396,7 +396,7 @@ static bool write_number(const char *path, const char *number)
     return is_written;
 }
 
-/* As on systems that let no user make namespaces. */
+/* As on systems that do not allow users to create namespaces. */
 static void without_namespaces(void **state)
 {
     char own[SCRATCH_PATH_MAX];
@@ -406,7 +406,7 @@ static void without_namespaces(void **state)
         !write_number("/proc/sys/user/max_mnt_namespaces", "0"))
         _exit(NOT_POSSIBLE);
     const enum neph_confinement reached = neph_confine_probe(scratch_path(state, own, "own"));
-    if (reached != NEPH_CONFINE_NO_CHANGES) /* there is no Landlock, or no seccomp */
+    if (reached != NEPH_CONFINE_NO_CHANGES) /* Landlock or seccomp is missing */
         _exit(reached == NEPH_CONFINE_TO_FOLDER ? 1 : NOT_POSSIBLE);
     _exit(try_changes(state) == NEPH_ERR_ENGINE ? 0 : 2);
 }
@@ -457,7 +457,7 @@ static void test_limits(void **state)
     assert_stopped(state, "head -c 100K /dev/zero; exit 3", "printed more than");
 }
 
-/* A sparse file takes no room and promises a lot: a confined program cannot make it. */
+/* A sparse file uses no space but has a large size: a confined program cannot create it. */
 static void test_a_file_of_a_confined_program(void **state)
 {
     char own[SCRATCH_PATH_MAX];
@@ -471,7 +471,7 @@ static void test_a_file_of_a_confined_program(void **state)
     assert_int_equal(result.signal, SIGXFSZ);
 }
 
-/* A relative path is meant from here, also when the child works elsewhere. */
+/* A relative path refers to the current folder, even if the child works elsewhere. */
 static void test_relative_program(void **state)
 {
     const struct scratch *scratch = *state;
@@ -493,7 +493,8 @@ static void test_relative_program(void **state)
     assert_int_equal(result.exit_code, 5);
 }
 
-/* PATH and what the caller names, and nothing of the user's, whose settings are not the child's. */
+/* PATH and the caller's variables, and no other variables of the user, whose settings do not apply
+ * to the child. */
 static void test_environment(void **state)
 {
     const struct scratch *scratch = *state;
@@ -521,7 +522,7 @@ static void test_environment(void **state)
     free(expected);
 }
 
-/* A home that is named from here is meant from here, whichever folder the child works in. */
+/* A relative home refers to the current folder, whichever folder the child works in. */
 static void test_relative_home(void **state)
 {
     const struct scratch *scratch = *state;
@@ -553,7 +554,7 @@ static void test_log_that_cannot_be_written(void **state)
     assert_non_null(strstr(diag.message, log));
 }
 
-/* No terminal, no signals blocked or ignored, no open files of ours but the three. */
+/* No terminal, no signals blocked or ignored, no open files except the three. */
 static void test_child_starts_clean(void **state)
 {
     char log[SCRATCH_PATH_MAX];
@@ -580,7 +581,7 @@ static void test_child_starts_clean(void **state)
     assert_log(log, "SigBlk:0000000000000000\nSigIgn:0000000000000000\n/dev/null\n");
 }
 
-/* ---- how it is ended ------------------------------------------------------------------------- */
+/* ---- how it is stopped ----------------------------------------------------------------------- */
 
 static void test_timeout(void **state)
 {
@@ -608,7 +609,7 @@ static void test_no_timeout_when_in_time(void **state)
     assert_true(result.wall_s < 30.0);
 }
 
-/* What ends in good order on SIGTERM has still outlived its time. */
+/* A child that ends cleanly on SIGTERM has still exceeded its time. */
 static void test_exit_0_on_sigterm_is_still_a_timeout(void **state)
 {
     struct neph_child_result result = {.exit_code = 99};
@@ -639,7 +640,7 @@ static void test_timeout_kills_grandchildren(void **state)
     assert_dies(read_pid(path));
 }
 
-/* A daemon that the program leaves behind would eat the processors of the next job. */
+/* A daemon that the program leaves would use the processors of the next job. */
 static void test_leftovers_are_killed(void **state)
 {
     char path[SCRATCH_PATH_MAX], script[SCRATCH_PATH_MAX + 128];
@@ -652,7 +653,7 @@ static void test_leftovers_are_killed(void **state)
     assert_dies(read_pid(path));
 }
 
-/* An engine behind a script: the script goes on while the engine does, in a session of its own. */
+/* An engine behind a script: the script continues while the engine does, in its own session. */
 static void write_wrapper(char script[2 * SCRATCH_PATH_MAX], const char *pid_path, const char *then)
 {
     snprintf(script, 2 * SCRATCH_PATH_MAX,
@@ -674,7 +675,7 @@ static void test_nothing_escapes_into_another_session(void **state)
     assert_true(is_dead(read_pid(path)));
 }
 
-/* Runs the script in a process that plays neph, and kills that with all that it has of a group. */
+/* Runs the script in a process in place of neph, and kills this process with its group. */
 static void kill_neph_in(const char *script, const char *pid_path)
 {
     const pid_t neph = fork();
@@ -690,7 +691,7 @@ static void kill_neph_in(const char *script, const char *pid_path)
     assert_dies(child);
 }
 
-/* kill -9 of neph: the child dies, and an engine behind a wrapper as well. */
+/* SIGKILL of neph: the child dies, and an engine behind a wrapper as well. */
 static void test_child_dies_with_us(void **state)
 {
     char path[SCRATCH_PATH_MAX], script[2 * SCRATCH_PATH_MAX];
@@ -701,7 +702,7 @@ static void test_child_dies_with_us(void **state)
     kill_neph_in(script, path);
 }
 
-/* Whoever kills the process between neph and the child ends the child, and is told so. */
+/* Killing the process between neph and the child ends the child, and is reported. */
 static void test_child_dies_with_its_keeper(void **state)
 {
     char path[SCRATCH_PATH_MAX], script[SCRATCH_PATH_MAX + 64];
@@ -711,11 +712,11 @@ static void test_child_dies_with_its_keeper(void **state)
     const double start_s = neph_wall_s();
     assert_int_equal(run_shell(script, NULL, 0.0, NULL, &diag), NEPH_ERR_ENGINE);
     assert_true(neph_wall_s() - start_s < 30.0);
-    assert_non_null(strstr(diag.message, "watches over 'sh'"));
+    assert_non_null(strstr(diag.message, "supervisor process of 'sh'"));
     assert_dies(read_pid(path));
 }
 
-/* ---- what it used ---------------------------------------------------------------------------- */
+/* ---- its use of resources -------------------------------------------------------------------- */
 
 static void run_self(const char *const *argv, struct neph_child_result *result)
 {
@@ -750,7 +751,7 @@ static void test_cpu_time_of_grandchildren(void **state)
     free(program);
 }
 
-/* Nobody waits for an engine whose wrapper has let go of it, but its work is work. */
+/* neph does not wait for an engine that its wrapper has abandoned, but the engine's work counts. */
 static void test_cpu_time_of_orphans(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -778,12 +779,12 @@ static void test_peak_memory(void **state)
     assert_true(small.peak_memory_bytes > mib / 2);
     assert_true(large.peak_memory_bytes > 200 * mib);
     assert_true(large.peak_memory_bytes - small.peak_memory_bytes > 150 * mib);
-#ifndef __SANITIZE_THREAD__ /* which shadows each byte with several of its own */
+#ifndef __SANITIZE_THREAD__ /* which needs several shadow bytes per byte */
     assert_true(large.peak_memory_bytes - small.peak_memory_bytes < 250 * mib);
 #endif
 }
 
-/* The kernel counts the memory of the process that forked; a job must not pay for its neph. */
+/* The kernel counts the memory of the process that forked; a job must not include neph's memory. */
 static void test_our_own_memory_is_not_the_childs(void **state)
 {
     static const int64_t mib = 1 << 20;

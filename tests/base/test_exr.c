@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Round trips are bit-exact, files of other kinds are refused by name, and no broken file crashes
- * the reader (the sanitizers watch). NEPH_TEST_SEED repeats a run of the random tests.
+ * Round trips are bit-exact, files of other kinds are refused with their name, and no broken file
+ * crashes the reader (under the sanitizers). NEPH_TEST_SEED repeats a run of the random tests.
  */
 #include "tests/base/scratch.h"
 
@@ -15,7 +15,7 @@ static uint64_t test_seed(void)
     return seed ? strtoull(seed, NULL, 0) : 20240229;
 }
 
-/* All kinds of floats: random bits are NaNs with payloads, denormals and infinities too. */
+/* All kinds of floats: random bits include NaNs with payloads, denormals and infinities. */
 static void fill_with_random_bits(struct neph_image *image, uint64_t *random)
 {
     static const float special[] = {0.0f, -0.0f,     1.0f,      -1.0f,    INFINITY,       -INFINITY,
@@ -31,7 +31,7 @@ static void fill_with_random_bits(struct neph_image *image, uint64_t *random)
     }
 }
 
-/* The channels of a frame, in an order that is not the alphabetical one of the file. */
+/* The channels of a frame, in a different order than the file's alphabetical one. */
 static struct neph_image *make_frame(int width_px, int height_px, uint64_t *random)
 {
     struct neph_image *image = NULL;
@@ -89,12 +89,12 @@ static void assert_refused(const char *path, enum neph_status expected, const ch
     assert_int_equal(status, expected);
     assert_non_null(strstr(diag.message, words));
     assert_null(image);
-    assert_int_equal(neph_exr_read(path, &image, NULL), expected); /* without a diag too */
+    assert_int_equal(neph_exr_read(path, &image, NULL), expected); /* also without a diag */
 }
 
 /* ---- round trips ----------------------------------------------------------------------------- */
 
-/* ZIP packs 16 rows into a chunk: heights around that, odd widths, and a single pixel. */
+/* ZIP packs 16 rows into a chunk: heights around this number, odd widths, and a single pixel. */
 static void test_round_trip_is_bit_exact(void **state)
 {
     static const int sizes[][2] = {{1, 1},   {1, 2},    {2, 1},   {3, 15},  {7, 16},   {5, 17},
@@ -110,8 +110,9 @@ static void test_round_trip_is_bit_exact(void **state)
     assert_int_equal(scratch_count(state), 1);
 }
 
-/* Chunks that compress to exactly their plain size, which OpenEXRCore 3.1.5 alone writes so that no
- * reader gets them right: five samples whose bits are small integers, found by our own test. */
+/* Chunks whose compressed size equals their plain size; only OpenEXRCore 3.1.5 writes these in a
+ * way that no reader decodes correctly: five samples whose bits are small integers, found by this
+ * project's test. */
 static void test_chunks_that_do_not_shrink(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -233,7 +234,7 @@ static void test_failed_write_keeps_the_old_file(void **state)
     neph_image_destroy(image);
 }
 
-/* ---- files that other programs write --------------------------------------------------------- */
+/* ---- files written by other programs --------------------------------------------------------- */
 
 enum {
     OTHER_WIDTH = 32, /* with 5, OpenEXRCore 3.1.5 itself writes a broken ZIPS file, see below */
@@ -249,7 +250,7 @@ struct other_file {
     exr_attr_box2i_t window;
 };
 
-/* Sample values that half, float and uint all hold exactly. */
+/* Sample values that half, float and uint represent exactly. */
 static float other_value(int x, int y)
 {
     return (float)(x + 7 * y);
@@ -263,7 +264,7 @@ static void encode_other_chunk(exr_context_t context, int part, const exr_chunk_
     uint32_t whole[OTHER_WIDTH * OTHER_HEIGHT];
     for (int i = 0; i < OTHER_WIDTH * OTHER_HEIGHT; i++)
         whole[i] = (uint32_t)pixels[i];
-    /* The library converts float to half, but integers it wants as integers. */
+    /* The library converts float to half, but needs integers as integers. */
     bool is_uint = encoder.channels[0].data_type == EXR_PIXEL_UINT;
     encoder.channels[0].encode_from_ptr = is_uint ? (const uint8_t *)whole
                                                   : (const uint8_t *)pixels;
@@ -322,7 +323,7 @@ static void declare_other_part(exr_context_t context, int part, const struct oth
             EXR_ERR_SUCCESS);
 }
 
-/* A file as another program would write it; the window defaults to one at the origin. */
+/* A file as another program would write it; the default window is at the origin. */
 static void write_other(const char *path, struct other_file other)
 {
     if (other.window.max.x == 0) {
@@ -350,7 +351,7 @@ static void write_other(const char *path, struct other_file other)
     exr_finish(&context);
 }
 
-/* Where `name`, a NUL, `type` and a NUL are in the header; the value starts 4 bytes later. */
+/* Finds `name`, a NUL, `type` and a NUL in the header; the value starts 4 bytes later. */
 static char *attribute_value(char *data, size_t size, const char *name, const char *type)
 {
     char key[64];
@@ -366,7 +367,7 @@ static void put_32(char *at, uint32_t value)
         at[i] = (char)(value >> (8 * i));
 }
 
-/* Change the value of an attribute of a file in place. */
+/* Changes the value of an attribute in a file. */
 static void patch(const char *path, const char *name, const char *type, size_t offset, char value)
 {
     char *data = NULL;
@@ -479,12 +480,12 @@ static void test_other_kinds_are_refused_by_name(void **state)
     assert_refused(path, NEPH_ERR_INPUT, "multi-part");
     write_other(path, (struct other_file){.type = EXR_PIXEL_FLOAT});
     patch(path, "channels", "chlist", 2 + 8, 2); /* after "Y", its type and flags: x_sampling */
-    assert_refused(path, NEPH_ERR_INPUT, "sample per pixel");
+    assert_refused(path, NEPH_ERR_INPUT, "is subsampled");
 }
 
 /* ---- broken files ---------------------------------------------------------------------------- */
 
-/* A good small file with attributes, as bytes. */
+/* A valid small file with attributes, as bytes. */
 static char *good_file(void **state, size_t *size)
 {
     char path[SCRATCH_PATH_MAX], *data = NULL;
@@ -540,7 +541,7 @@ static void test_oversized_is_refused(void **state)
     put_32(window + 8, NEPH_IMAGE_SIDE_MAX_PX); /* max.x: one column too many */
     neph_assert_ok(neph_file_write(scratch_path(state, path, "big.exr"), data, size, NULL), NULL);
     assert_refused(path, NEPH_ERR_INPUT, "16385x37 pixels");
-    /* The largest image that is allowed, promised by a file of a few kilobytes. */
+    /* The largest allowed image, declared by a file of a few kilobytes. */
     put_32(window + 8, NEPH_IMAGE_SIDE_MAX_PX - 1);
     put_32(window + 12, NEPH_IMAGE_SIDE_MAX_PX - 1);
     neph_assert_ok(neph_file_write(path, data, size, NULL), NULL);
@@ -548,7 +549,7 @@ static void test_oversized_is_refused(void **state)
     free(data);
 }
 
-/* No prefix of a good file passes for a good file. */
+/* No prefix of a valid file is accepted as valid. */
 static void test_truncated_at_every_length(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -569,7 +570,7 @@ static void test_truncated_at_every_length(void **state)
     free(data);
 }
 
-/* Look at every sample, so that valgrind sees one that was never decoded. */
+/* Reads every sample, so that valgrind detects one that was never decoded. */
 static size_t count_finite(const struct neph_image *image)
 {
     size_t count = 0;
@@ -579,7 +580,7 @@ static size_t count_finite(const struct neph_image *image)
     return count;
 }
 
-/* Read what may be anything: no crash, and an image or an error, never both or neither. */
+/* Reads arbitrary bytes: no crash, and either an image or an error, never both or neither. */
 static void read_anything(const char *path, const char *data, size_t size)
 {
     scratch_write(path, data, size);
@@ -604,7 +605,7 @@ static void test_random_garbage(void **state)
         size_t size = neph_test_random(&random) % sizeof(data);
         for (size_t k = 0; k < size; k++)
             data[k] = (char)neph_test_random(&random);
-        if (i % 2) /* let it through the first door */
+        if (i % 2) /* passes the first check */
             memcpy(data, "\x76\x2f\x31\x01\x02\0\0\0", 8);
         read_anything(path, data, size);
     }
@@ -657,7 +658,7 @@ static void test_flipped_bytes_in_every_compression(void **state)
     }
 }
 
-/* Whoever wrote the file chose them, and they are shown. */
+/* The writer of a file chooses channel names, and messages display them. */
 static void test_names_of_channels_are_fit_to_be_shown(void **state)
 {
     char path[SCRATCH_PATH_MAX];

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * What an OpenEXR file says of itself beside its pixels: interpreted, kept when the image is
- * written again, or refused.
- * */
+ * Metadata of an OpenEXR file: interpreted, preserved when the image is written again, or refused.
+ */
 #include "tests/base/scratch.h"
 
 #include "base/colour_space.h"
 #include "base/exr.h"
 #include "base/exr_header.h"
 
-/* An image of one channel that counts its pixels up. */
+/* An image of one channel with consecutive pixel values. */
 static struct neph_image *make_image(int width_px, int height_px)
 {
     struct neph_image *image = NULL;
@@ -29,7 +28,7 @@ static struct neph_image *read_image(const char *path)
     return image;
 }
 
-/* The bytes of an attribute behind `used` others; how many there are now. */
+/* Appends the bytes of an attribute after `used` others; returns the new size. */
 static size_t put(char *bytes, size_t used, const char *name, const char *type, const void *value,
                   uint32_t value_bytes)
 {
@@ -41,7 +40,7 @@ static size_t put(char *bytes, size_t used, const char *name, const char *type, 
     return (size_t)(end - bytes) + value_bytes;
 }
 
-/* A file of a small image with that attribute. */
+/* A file of a small image with this attribute. */
 static void write_with(const char *path, const char *name, const char *type, const void *value,
                        uint32_t value_bytes)
 {
@@ -69,7 +68,7 @@ static void test_numbers_of_any_type_are_read(void **state)
         const char *type;
         const void *value;
         uint32_t bytes;
-        double expected; /* NaN: nothing is said */
+        double expected; /* NaN: not given */
     } cases[] = {
         {"rational", rational, 8, 24000.0 / 1001.0},
         {"rational", nothing, 8, NAN},
@@ -103,7 +102,7 @@ static void test_numbers_of_any_type_are_read(void **state)
 static void test_colour_spaces_by_name(void **state)
 {
     static const struct {
-        const char *name, *id; /* NULL: as if nothing was said */
+        const char *name, *id; /* NULL: as if not given */
     } cases[] = {
         {"lin_rec709_scene", NULL},
         {"lin_rec709", NULL},
@@ -132,8 +131,8 @@ static void test_colour_spaces_by_name(void **state)
     }
 }
 
-/* Windows, pixels and attributes of any type come back, and the rows with them, in both ways to
- * write and over several chunks. */
+/* Windows, pixels and attributes of any type are preserved with their rows, in both modes of
+ * writing and over several chunks. */
 static void test_a_file_written_again_keeps_its_header(void **state)
 {
     static const float white = 203.0f;
@@ -195,7 +194,7 @@ static void test_a_plain_file_has_no_header(void **state)
     neph_image_destroy(image);
 }
 
-/* Scaled with the image, or refused where that is between pixels. */
+/* Scaled with the image, or refused if the result is between pixels. */
 static void test_a_window_grows_with_its_image(void **state)
 {
     static const struct {
@@ -219,7 +218,7 @@ static void test_a_window_grows_with_its_image(void **state)
         const enum neph_status status = neph_image_copy_labels(image, other, &diag);
         assert_int_equal(status, cases[i].expected[5] ? NEPH_OK : NEPH_ERR_INPUT);
         if (status)
-            assert_non_null(strstr(diag.message, "between the pixels"));
+            assert_non_null(strstr(diag.message, "on whole pixels"));
         else
             assert_memory_equal(other->header, cases[i].expected, sizeof(cases[i].expected));
         neph_image_destroy(other);
@@ -227,7 +226,7 @@ static void test_a_window_grows_with_its_image(void **state)
     neph_image_destroy(image);
 }
 
-/* The library takes an unknown code for ZIP. */
+/* The library treats an unknown code as ZIP. */
 static void test_unknown_compressions_are_named(void **state)
 {
     static const struct {

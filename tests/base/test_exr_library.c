@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Files of every compression, type, number of channels and size, written by the OpenEXR library
- * (make_exr.cpp): neph reads the same bits as the library's own reader, or says what it does not
- * read.
+ * (make_exr.cpp): neph reads the same bits as the library's own reader, or names the unsupported
+ * feature.
  */
 #include "tests/base/scratch.h"
 
@@ -29,7 +29,7 @@ static int make_files(void **state)
     return neph_child_run(&params, &result, NULL) == NEPH_OK ? 0 : -1;
 }
 
-/* Bit for bit; returns false and says where when it is not so. */
+/* Compares bit for bit; returns false and prints the position of a difference. */
 static bool is_as_the_library_reads(const struct neph_image *image, const char *name,
                                     const char *raw, size_t raw_size)
 {
@@ -79,12 +79,12 @@ static void assert_refused(void **state, const char *name, const char *words)
 static const struct other_kind {
     const char *name, *words;
 } other_kinds[] = {
-    {"tiled.exr", "is a tiled OpenEXR file"},          {"mipmap.exr", "is a tiled OpenEXR file"},
-    {"parts.exr", "is a multi-part OpenEXR"},          {"deep.exr", "is a deep OpenEXR file"},
-    {"chroma.exr", "'BY' has not a sample per pixel"},
+    {"tiled.exr", "is a tiled OpenEXR file"}, {"mipmap.exr", "is a tiled OpenEXR file"},
+    {"parts.exr", "is a multi-part OpenEXR"}, {"deep.exr", "is a deep OpenEXR file"},
+    {"chroma.exr", "'BY' is subsampled"},
 };
 
-/* Attributes that a file of another program brings; NULL: it has none. */
+/* Attributes in a file of another program; NULL: it has none. */
 static const struct attribute_case {
     const char *name, *primaries, *pixel_aspect;
 } attribute_cases[] = {

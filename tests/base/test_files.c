@@ -24,14 +24,14 @@ static void test_round_trip_at_many_sizes(void **state)
     char *data = malloc(70000);
     uint64_t random = 1;
     for (int i = 0; i < 70000; i++)
-        data[i] = (char)neph_test_random(&random); /* NULs among them */
+        data[i] = (char)neph_test_random(&random); /* including NULs */
     static const size_t sizes[] = {0, 1, 2, 4095, 4096, 16383, 16384, 16385, 70000};
     for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
         struct neph_diag diag = {0};
         neph_assert_ok(neph_file_write(path, data, sizes[i], &diag), &diag);
         assert_holds(path, data, sizes[i]);
     }
-    assert_int_equal(scratch_count(state), 1); /* no temporary file is left */
+    assert_int_equal(scratch_count(state), 1); /* no temporary file remains */
     free(data);
 }
 
@@ -76,7 +76,7 @@ static void test_missing_and_unreadable(void **state)
                      NEPH_ERR_IO);
 }
 
-/* Somebody who has the old file open goes on reading the old bytes: a new file took its name. */
+/* A reader that has the old file open still gets the old bytes: a new file took its name. */
 static void test_replacing_is_atomic(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -100,7 +100,7 @@ static void test_failed_write_leaves_nothing(void **state)
     assert_int_equal(neph_file_write(scratch_path(state, path, "no/such/file"), "x", 1, &diag),
                      NEPH_ERR_IO);
     assert_non_null(strstr(diag.message, path));
-    /* The rename fails here, after the temporary file has been written. */
+    /* The rename fails here, after the temporary file was written. */
     neph_assert_ok(neph_dir_create(scratch_path(state, path, "folder/inside"), NULL), NULL);
     scratch_path(state, path, "folder");
     assert_int_equal(neph_file_write(path, "x", 1, &diag), NEPH_ERR_IO);
@@ -108,7 +108,7 @@ static void test_failed_write_leaves_nothing(void **state)
     assert_int_equal(scratch_count(state), 1);
 }
 
-/* In a folder of many files: new ones alone, whole, and on the disk after one wait. */
+/* In a folder of many files: only new ones, complete, and on the disk after one wait. */
 static void test_unsynced_files_are_new_ones(void **state)
 {
     char path[SCRATCH_PATH_MAX], folder[SCRATCH_PATH_MAX];
@@ -176,7 +176,7 @@ static void test_copy(void **state)
     neph_assert_ok(neph_file_write(from, data, size, &diag), &diag);
     neph_assert_ok(neph_file_copy(from, to, &diag), &diag);
     assert_holds(to, data, size);
-    neph_assert_ok(neph_file_copy(to, to, &diag), &diag); /* onto itself: still whole */
+    neph_assert_ok(neph_file_copy(to, to, &diag), &diag); /* onto itself: unchanged */
     assert_holds(to, data, size);
     free(data);
 
@@ -190,7 +190,7 @@ static void test_dir_create(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     struct neph_diag diag = {0};
-    for (int i = 0; i < 2; i++) /* the second time all of it is there */
+    for (int i = 0; i < 2; i++) /* the second time all of it exists */
         neph_assert_ok(neph_dir_create(scratch_path(state, path, "a//b/c/"), &diag), &diag);
     assert_true(neph_path_is_dir(scratch_path(state, path, "a/b/c")));
     neph_assert_ok(neph_dir_create("/", &diag), &diag);
@@ -234,7 +234,7 @@ static void test_dir_remove(void **state)
         snprintf(name, sizeof(name), "gone/deep/file-%d", i);
         neph_assert_ok(neph_file_write(scratch_path(state, path, name), "x", 1, NULL), NULL);
     }
-    /* Links to a folder and to nothing go; what they point to stays. */
+    /* Links to a folder and to nothing are removed; their targets stay. */
     assert_int_equal(symlink("../kept", scratch_path(state, link, "gone/folder-link")), 0);
     assert_int_equal(symlink("/no/such", scratch_path(state, link, "gone/dead-link")), 0);
     struct neph_diag diag = {0};
@@ -247,7 +247,7 @@ static void test_dir_remove(void **state)
     assert_false(neph_path_exists(link));
     assert_holds(target, "x", 1);
 
-    neph_assert_ok(neph_dir_remove(path, &diag), &diag); /* is not there */
+    neph_assert_ok(neph_dir_remove(path, &diag), &diag); /* does not exist */
     neph_assert_ok(neph_dir_remove(target, &diag), &diag);
     assert_false(neph_path_exists(target));
 }
@@ -282,7 +282,7 @@ static void test_paths(void **state)
     free(text);
 }
 
-/* None of them may be waited for; a test that hangs is ended by ctest. */
+/* Reading must not wait for any of them; ctest ends a test that hangs. */
 static void test_what_is_no_regular_file_is_refused_at_once(void **state)
 {
     char fifo[SCRATCH_PATH_MAX], copy[SCRATCH_PATH_MAX];

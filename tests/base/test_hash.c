@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The vectors are the ones of the BLAKE2 authors' b2sum for a 256-bit digest (`printf abc | b2sum
- * -l 256`); "" and "abc" are also those published with RFC 7693 implementations.
+ * The vectors are from the BLAKE2 authors' b2sum for a 256-bit digest (`printf abc | b2sum -l
+ * 256`); "" and "abc" are also published with RFC 7693 implementations.
  */
 #include "tests/base/scratch.h"
 
@@ -33,7 +33,7 @@ static void test_empty_data_may_be_null(void **state)
     assert_string_equal(hex, vectors[0].hex);
 }
 
-/* Sizes around the block of BLAKE2b (128 bytes) and around the buffer that files are read by. */
+/* Sizes around the block of BLAKE2b (128 bytes) and around the buffer for reading files. */
 static void test_file_hashes_as_its_bytes(void **state)
 {
     static const size_t sizes[] = {0, 1, 127, 128, 129, 262143, 262144, 262145, 1000003};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The flag of an interrupt cannot be taken back, so each test runs in a process of its own: it
- * returns 0 or the line that was wrong.
+ * The flag of an interrupt cannot be reset, so each test runs in a process of its own: it returns 0
+ * or the line that failed.
  */
 #include "tests/base/scratch.h"
 
@@ -24,7 +24,7 @@
             return __LINE__;                                                                       \
     } while (0)
 
-/* The exit code has 8 bits, a line number more: the pipe carries it. */
+/* The exit code has 8 bits, a line number needs more: it is sent through the pipe. */
 static int run_alone(int (*body)(void), int *signal_number)
 {
     int fds[2], line = -1, wait_status = 0;
@@ -73,7 +73,7 @@ static int flag_and_descriptor(void)
     CHECK(neph_interrupted());
     CHECK(is_readable(neph_interrupt_fd()));
     CHECK(is_readable(neph_interrupt_fd())); /* and stays so */
-    raise(SIGTERM);                          /* timeout(1) sends two; we go on cleaning up */
+    raise(SIGTERM);                          /* timeout(1) sends two; the clean-up continues */
     CHECK(neph_interrupted());
     return 0;
 }
@@ -123,7 +123,7 @@ static int rows_stop_early(void)
     return 0;
 }
 
-/* All rows are done although the signal came: nothing was stopped, so nothing is reported. */
+/* All rows are done although the signal arrived: nothing was stopped, so nothing is reported. */
 static int last_row_is_not_early(void)
 {
     neph_interrupt_install();
@@ -157,7 +157,7 @@ static int child_is_stopped(void)
     return 0;
 }
 
-/* What is put in order after Ctrl-C may take children too: they run, and we sleep meanwhile. */
+/* The clean-up after Ctrl-C may start children, too: they run, and neph sleeps meanwhile. */
 static int child_after_acknowledgement(void)
 {
     neph_interrupt_install();
@@ -173,7 +173,7 @@ static int child_after_acknowledgement(void)
     return 0;
 }
 
-/* A shell that forgot SIGCHLD must not cost us the exit codes. */
+/* A shell that ignores SIGCHLD must not hide exit codes from neph. */
 static int inherited_sigchld(void)
 {
     signal(SIGCHLD, SIG_IGN);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Locks, folders for work in progress and temporary files: what somebody works in stays, what a
- * killed process has left goes, whatever its process number is.
+ * Locks, folders for work in progress and temporary files: files of a running process stay,
+ * leftovers of a killed process are removed, independent of process numbers.
  */
 #include "tests/base/scratch.h"
 
@@ -57,7 +57,7 @@ static void test_scratch_is_empty_and_goes(void **state)
     assert_true(neph_path_is_dir(neph_scratch_path(a)));
     assert_int_equal(scratch_count(state), 4); /* two folders, two locks */
     neph_scratch_sweep(scratch->folder, "work-");
-    assert_int_equal(scratch_count(state), 4); /* both are at work */
+    assert_int_equal(scratch_count(state), 4); /* both are in use */
     neph_scratch_destroy(a);
     neph_scratch_destroy(b);
     assert_int_equal(scratch_count(state), 0);
@@ -91,7 +91,7 @@ static void test_scratch_that_was_kept_is_not_swept(void **state)
     free(log);
 }
 
-/* A process that works in `folder` and then stands still; its number. */
+/* A process that works in `folder` and then pauses; returns its number. */
 static pid_t start_worker(const char *folder)
 {
     int fds[2];
@@ -123,7 +123,7 @@ static void test_what_a_killed_process_left_is_swept(void **state)
     const struct scratch *scratch = *state;
     const pid_t worker = start_worker(scratch->folder);
     neph_scratch_sweep(scratch->folder, "work-");
-    assert_int_equal(scratch_count(state), 2); /* it lives */
+    assert_int_equal(scratch_count(state), 2); /* it is alive */
     kill(worker, SIGKILL);
     waitpid(worker, NULL, 0);
     neph_scratch_sweep(scratch->folder, "other-");
@@ -145,7 +145,7 @@ static void test_strangers_are_not_swept(void **state)
     assert_int_equal(scratch_count(state), 5);
 }
 
-/* Takes over and removes the file `path`, again and again. */
+/* Takes over and removes the file `path`, repeatedly. */
 static pid_t start_sweeper(const char *path)
 {
     const pid_t pid = fork();
@@ -161,7 +161,7 @@ static pid_t start_sweeper(const char *path)
     return pid;
 }
 
-/* Between open and flock a new file looks abandoned: it is lost then, and must not be used. */
+/* Between open and flock a new file looks abandoned: if it is removed, it must not be used. */
 static void test_sweeping_does_not_race_with_making(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -190,7 +190,7 @@ static void test_temporary_files_of_the_dead_are_swept(void **state)
     const struct scratch *scratch = *state;
     char path[SCRATCH_PATH_MAX];
     const int fd = neph_lock_create(scratch_path(state, path, ".neph-0123456789abcdef.tmp"));
-    assert_true(fd >= 0); /* as neph_file_write() has it while it writes */
+    assert_true(fd >= 0); /* as neph_file_write() has it while writing */
     neph_assert_ok(neph_file_write(scratch_path(state, path, "mine.tmp"), "", 0, NULL), NULL);
     neph_assert_ok(neph_file_write(scratch_path(state, path, ".neph-owned"), "", 0, NULL), NULL);
     neph_file_sweep(scratch->folder);

@@ -71,8 +71,8 @@ static void test_wrong_settings_are_refused_with_what_is_allowed(void **state)
     expect_refusal(&options[3], "steps=1", "no setting", "engine x has no settings");
 }
 
-/* With more names than a hint has room for, those that share the longest run of letters with the
- * key, but for runs of less than three. */
+/* If there are more names than fit into a hint, it has the names that share the longest run of
+ * letters with the key; runs of less than three are ignored. */
 static void test_of_many_settings_those_alike_are_named(void **state)
 {
     struct neph_option many[NEPH_OPTIONS_MAX + 1] = {{.name = NULL}};
@@ -84,9 +84,9 @@ static void test_of_many_settings_those_alike_are_named(void **state)
     many[10].name = "far_jitter";
     many[90].name = "jitters";
     expect_refusal(many, "jitter=1", "no setting 'jitter'",
-                   "settings of engine x with a name like it: far_jitter, jitters");
+                   "settings of engine x with a similar name: far_jitter, jitters");
     expect_refusal(many, "far=1", "no setting",
-                   "settings of engine x with a name like it: "
+                   "settings of engine x with a similar name: "
                    "far_jitter");
     expect_refusal(many, "zz=1", "no setting 'zz'", "");
     expect_refusal(many, "filler=1", "no setting 'filler'", ""); /* 94 are too many as well */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which folders neph takes for its own, and that a look changes nothing in the others.
+ * Which folders neph recognises as its own; a check does not modify other folders.
  */
 #include "tests/base/scratch.h"
 
@@ -49,7 +49,7 @@ static void test_new_and_empty_folders_are_taken(void **state)
     char path[SCRATCH_PATH_MAX];
     struct neph_diag diag = {0};
     neph_assert_ok(neph_owned_check(scratch_path(state, path, "a/b"), &shelf, &diag), &diag);
-    assert_false(neph_path_exists(path)); /* a check makes nothing */
+    assert_false(neph_path_exists(path)); /* a check creates nothing */
     neph_assert_ok(neph_owned_claim(path, &shelf, &diag), &diag);
     neph_assert_ok(neph_owned_claim(path, &shelf, &diag), &diag);
     assert_int_equal(scratch_count(state), 1);
@@ -89,7 +89,7 @@ static void test_markers_of_others_are_refused(void **state)
     put(state, ".neph-owned", "neph shelf 3\n");
     assert_refused(state, &shelf, "another version");
     put(state, ".neph-owned", "");
-    assert_refused(state, &shelf, "says nothing");
+    assert_refused(state, &shelf, "damaged marker file");
     put(state, ".neph-owned", "neph shelf 1\n");
     const struct scratch *scratch = *state;
     neph_assert_ok(neph_owned_claim(scratch->folder, &shelf, NULL), NULL);
@@ -107,7 +107,7 @@ static void test_old_folders_are_recognised_where_that_can_be(void **state)
     neph_assert_ok(neph_owned_check(scratch->folder, &shelf, &diag), &diag); /* marked now */
 }
 
-/* Another run that writes the marker at this moment is no stranger. */
+/* A marker that another run is writing at this moment is not foreign. */
 static void test_a_marker_on_its_way_is_nothing(void **state)
 {
     const struct scratch *scratch = *state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Floats packed for a page, opened again as the page does it: every bit is the same.
+ * Floats packed for a page, unpacked as the page does it: bit-exact.
  */
 #include "tests/neph_test.h"
 
@@ -9,7 +9,7 @@
 #include <sodium.h>
 #include <zlib.h>
 
-/* The page's side, from the description in packed.h alone. */
+/* The page's side, only from the description in packed.h. */
 static void open_packed(const char *text, size_t length, float *floats, size_t count)
 {
     const size_t size = 4 * count;
@@ -31,7 +31,7 @@ static void open_packed(const char *text, size_t length, float *floats, size_t c
     free(bytes);
 }
 
-/* Pack, open, hold bit against bit; the length of the text. */
+/* Packs, unpacks, compares bits; returns the length of the text. */
 static size_t there_and_back(const float *const *planes, int plane_count, size_t pixel_count)
 {
     struct neph_diag diag = {0};
@@ -61,7 +61,7 @@ static void test_all_bits_come_back(void **state)
     there_and_back(planes, 1, 1);
 }
 
-/* What the order of the bytes is for: a smooth picture, and one of half floats. */
+/* The purpose of the byte order: a smooth image, and one of half floats. */
 static void test_pictures_become_small(void **state)
 {
     enum { PIXELS = 128 * 72 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Paths as values: as those in memory, and refused where they do not fit.
+ * Paths as values: equal to paths on the heap, and refused if too long.
  */
 #include "tests/base/scratch.h"
 
@@ -21,7 +21,7 @@ static void test_a_path_is_as_one_in_memory(void **state)
     assert_string_equal(neph_path_format("%s-%06d", "a", 7).text, "a-000007");
 }
 
-/* Shortened, it might be the path of something else; the system takes neither. */
+/* Truncated, it might be another path; the system accepts neither. */
 static void test_a_path_that_is_too_long_is_refused(void **state)
 {
     static const size_t lengths[] = {PATH_MAX, NEPH_PATH_SIZE, 3 * PATH_MAX};

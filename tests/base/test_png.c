@@ -53,7 +53,7 @@ static void test_written_bytes_come_back(void **state)
     assert_int_equal(scratch_count(state), 1);
 }
 
-/* Scaled to 16 bits, they read back as what they were; the file says what they mean. */
+/* Scaled to 16 bits, values are read back unchanged; the file has their colour space. */
 static void test_deep_pictures_survive(void **state)
 {
     enum { wide = 37, high = 23, samples = 3 * wide * high };
@@ -80,7 +80,7 @@ static void test_deep_pictures_survive(void **state)
             free(back);
             assert_true(contains(path, hdr ? "cICP" : "sRGB"));
             assert_true(contains(path, "sBIT"));
-            /* No sRGB picture: what would look at it as one refuses it. */
+            /* Not an sRGB image: a reader of sRGB refuses it. */
             struct neph_image *image = NULL;
             assert_int_equal(neph_png_read_image(path, &image, &diag),
                              hdr ? NEPH_ERR_INPUT : NEPH_OK);
@@ -116,7 +116,7 @@ struct foreign {
     int depth, colour_type;
     int interlace;
     double gamma;                                      /* 0: no gAMA chunk */
-    void (*decorate)(png_structp png, png_infop info); /* add chunks; NULL: none */
+    void (*decorate)(png_structp png, png_infop info); /* adds chunks; NULL: none */
 };
 
 static void fill_palette(png_color palette[256])
@@ -125,7 +125,7 @@ static void fill_palette(png_color palette[256])
         palette[i] = (png_color){(png_byte)(255 - i), (png_byte)(7 * i), (png_byte)(i ^ 0x55)};
 }
 
-/* A PNG as another program writes it. `bytes` holds its rows as they are in the file. */
+/* A PNG as another program writes it. `bytes` are its rows as stored in the file. */
 static void write_foreign(const char *path, struct foreign foreign, const uint8_t *bytes)
 {
     png_color palette[256];
@@ -155,7 +155,7 @@ static void write_foreign(const char *path, struct foreign foreign, const uint8_
     fclose(file);
 }
 
-/* With whatever gamma the file claims, the numbers come as they are. */
+/* For any gamma in the file, code values are returned unchanged. */
 static void test_code_values_are_raw(void **state)
 {
     static const double gammas[] = {0.0, 1.0, 0.45455};
@@ -240,7 +240,7 @@ static void test_oversized_is_refused(void **state)
             .width_px = width_px, .height_px = 1, .depth = 16, .colour_type = PNG_COLOR_TYPE_RGB},
         bytes);
     free(bytes);
-    assert_refused(path, NEPH_ERR_INPUT, "damaged"); /* libpng's word for it follows */
+    assert_refused(path, NEPH_ERR_INPUT, "damaged"); /* libpng's text follows */
 }
 
 static void test_missing_and_foreign_files(void **state)
@@ -254,7 +254,7 @@ static void test_missing_and_foreign_files(void **state)
     assert_refused(path, NEPH_ERR_INPUT, "not a PNG");
 }
 
-/* A good small file as bytes. */
+/* A valid small file as bytes. */
 static char *good_file(void **state, size_t *size)
 {
     enum { WIDTH = 9, HEIGHT = 11 };
@@ -320,9 +320,9 @@ static void test_flipped_bytes_and_garbage(void **state)
     free(data);
 }
 
-/* ---- pictures in linear light ---------------------------------------------------------------- */
+/* ---- images in linear light ------------------------------------------------------------------ */
 
-/* The forward curve of IEC 61966-2-1:1999, 5.2: what the reader must undo. */
+/* The forward curve of IEC 61966-2-1:1999, 5.2, which the reader must invert. */
 static double srgb_of_linear(double linear)
 {
     return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1.0 / 2.4) - 0.055;
@@ -411,7 +411,7 @@ static size_t kind_row_bytes(struct kind kind, int width_px)
     return ((size_t)width_px * (size_t)(kind.depth * kind.channel_count) + 7) / 8;
 }
 
-/* Sample `index` of a row, as the PNG specification packs it (7.2). */
+/* Sample `index` of a row, in the packing of the PNG specification (7.2). */
 static unsigned packed_sample(const uint8_t *row, int depth, int index)
 {
     if (depth == 16)
@@ -521,7 +521,7 @@ static void clear_entry_3(png_structp png, png_infop info)
     png_set_tRNS(png, info, alpha, 4, NULL);
 }
 
-/* A colour that is declared clear matters only when a pixel has it. */
+/* A colour that is declared transparent matters only if a pixel has it. */
 static void test_clear_colours(void **state)
 {
     static const struct {
@@ -536,7 +536,7 @@ static void test_clear_colours(void **state)
     char path[SCRATCH_PATH_MAX];
     scratch_path(state, path, "clear.png");
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-        /* 2 bits: pixels 0 0 0 0, then 0 0 0 3; wider: 0, then 3 in the last sample of all. */
+        /* 2 bits: pixels 0 0 0 0, then 0 0 0 3; wider: 0, then 3 in the very last sample. */
         const uint8_t without[6] = {0}, wide[6] = {0, 3, 0, 3, 0, 3},
                       narrow[6] = {3, 3, 3, 3, 3, 3};
         struct foreign foreign = {
@@ -574,7 +574,7 @@ static void say_linear(png_structp png, png_infop info)
     png_set_gAMA_fixed(png, info, 100000);
 }
 
-/* A whole little profile, as far as libpng checks it: header, no tags. */
+/* A minimal profile that passes libpng's checks: header, no tags. */
 static void embed_profile(png_structp png, png_infop info)
 {
     uint8_t profile[132] = {
@@ -607,7 +607,7 @@ static void test_only_srgb_is_taken_for_srgb(void **state)
 {
     static const struct {
         void (*decorate)(png_structp png, png_infop info);
-        const char *refused; /* NULL: it is read */
+        const char *refused; /* NULL: it can be read */
     } cases[] = {
         {NULL, NULL},
         {say_srgb, NULL},
@@ -661,7 +661,7 @@ static void test_the_shape_of_a_pixel_is_said(void **state)
     }
 }
 
-/* A damaged gAMA, even one that libpng would drop with a warning, is no sRGB. */
+/* A damaged gAMA, even one that libpng would drop with a warning, is not accepted as sRGB. */
 static void test_damaged_colour_chunk_is_refused(void **state)
 {
     char path[SCRATCH_PATH_MAX], *data = NULL;
@@ -678,7 +678,7 @@ static void test_damaged_colour_chunk_is_refused(void **state)
     free(data);
 }
 
-/* Some hundred bytes that promise 16384x16384 pixels: refused before memory is asked for. */
+/* Some hundred bytes that declare 16384x16384 pixels: refused before memory is allocated. */
 static void test_small_file_of_a_huge_picture(void **state)
 {
     char path[SCRATCH_PATH_MAX], *data = NULL;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What is told to a person: words that are put before a message, and paths that move, leave the way
- * out and the position as they were.
+ * Messages for users: a prefix, or a moved path, leaves hint and position unchanged.
  */
 #include "tests/neph_test.h"
 
@@ -25,7 +24,7 @@ static void test_a_prefix_keeps_hint_and_position(void **state)
     neph_prefix(NULL, "'%s': ", "f.exr");
 }
 
-/* A text that no longer fits is cut, and stays one that can be shown. */
+/* A text that is too long is truncated, and stays printable. */
 static void test_a_prefix_of_any_length(void **state)
 {
     char word[1200];

@@ -9,7 +9,7 @@
 /* `text` in a buffer of `size` bytes becomes `expected`. */
 static void expect_clean(const char *text, size_t size, const char *expected)
 {
-    char *buffer = malloc(size); /* so that the sanitizers watch its end */
+    char *buffer = malloc(size); /* so that the sanitizers check its end */
     assert_non_null(buffer);
     assert_true(strlen(text) < size);
     strcpy(buffer, text);
@@ -35,7 +35,7 @@ static void test_bytes_that_are_not_utf8_are_shown(void **state)
     expect_clean("\xed\xa0\x80", 100, "\\xed\\xa0\\x80");          /* a surrogate */
     expect_clean("\xf4\x90\x80\x80", 100, "\\xf4\\x90\\x80\\x80"); /* beyond U+10FFFF */
     expect_clean("\xf8\xff", 100, "\\xf8\\xff");
-    expect_clean("\xe2\x82", 100, "\\xe2\\x82"); /* the end is missing, and not for want of room */
+    expect_clean("\xe2\x82", 100, "\\xe2\\x82"); /* incomplete, although there is room */
 }
 
 static void test_characters_that_act_are_shown(void **state)
@@ -53,7 +53,7 @@ static void test_characters_that_act_are_shown(void **state)
 
 static void test_what_does_not_fit_is_cut_between_characters(void **state)
 {
-    expect_clean("aa\xe2\x82", 5, "aa");       /* snprintf had cut a euro sign */
+    expect_clean("aa\xe2\x82", 5, "aa");       /* snprintf had truncated a euro sign */
     expect_clean("aa\xf0\x9d\x9b", 6, "aa");   /* and a sigma */
     expect_clean("a\xc3", 3, "a");             /* and an umlaut */
     expect_clean("a\xc3\xa4", 4, "a\xc3\xa4"); /* but not this one */
@@ -65,7 +65,8 @@ static void test_what_does_not_fit_is_cut_between_characters(void **state)
     expect_clean("\xff", 4, "");
 }
 
-/* Whatever the bytes and the room: UTF-8, no control, in the buffer; and nothing more to do. */
+/* Any bytes and any buffer size: the result is UTF-8, without controls, within the buffer, and
+ * idempotent. */
 static void test_any_bytes_become_fit(void **state)
 {
     static const unsigned char interesting[] = {0x1b, 0x80, 0x9b, 0xc2, 0xe2, 0x80,
@@ -100,7 +101,7 @@ static void test_a_copy_has_room_for_everything(void **state)
     assert_false(neph_text_is_utf8("a\0b", 3));
 }
 
-/* What neph_fail() and its company are given comes from paths, logs and drivers. */
+/* Arguments of neph_fail() and similar functions come from paths, logs and drivers. */
 static void test_diags_are_fit_after_they_are_cut(void **state)
 {
     struct neph_diag diag;

@@ -40,7 +40,7 @@ static void harmonic_row(int row, void *context)
         sums[row] += 1.0 / (i + row);
 }
 
-/* The same bits as one thread gives, on every run. */
+/* The same bits as with one thread, on every run. */
 static void test_result_does_not_depend_on_threads(void **state)
 {
     enum { ROWS = 500 };
@@ -56,7 +56,7 @@ struct meeting {
     int expected;
 };
 
-/* All rows wait for each other, which fewer threads could not get through. */
+/* All rows wait for each other, which is impossible with fewer threads. */
 static void meet(int row, void *context)
 {
     (void)row;

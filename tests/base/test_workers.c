@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Threads that work on what they are handed.
+ * Worker threads that run submitted tasks.
  */
 #include "tests/neph_test.h"
 
@@ -14,7 +14,7 @@ enum { TASKS = 500 };
 struct counted {
     struct neph_task task;
     atomic_int *at_work, *most_at_work;
-    int times, result; /* of this task alone */
+    int times, result; /* of this task */
 };
 
 static void count(void *context)
@@ -37,7 +37,7 @@ static struct neph_workers *create(int count)
     return workers;
 }
 
-/* Each task is done once, by at most so many threads, whatever is waited for. */
+/* Each task runs once, by at most the given number of threads, whichever task is awaited. */
 static void test_all_is_done(void **state)
 {
     for (int threads = 1; threads <= 4; threads++) {
@@ -59,7 +59,7 @@ static void test_all_is_done(void **state)
         }
         if (threads % 2)
             neph_workers_wait_for_all(workers);
-        neph_workers_destroy(workers); /* the end waits for all, too */
+        neph_workers_destroy(workers); /* destruction waits for all, too */
         for (int i = 0; i < TASKS; i++)
             assert_int_equal(counted[i].result, counted[i].times);
         neph_assert_in_range(most_at_work, 1, threads);
@@ -76,7 +76,7 @@ static void meet(void *context)
     pthread_barrier_wait(((struct meeting *)context)->all);
 }
 
-/* Tasks that wait for each other all get a thread: ends by itself, or never. */
+/* Tasks that wait for each other all get a thread: the test ends, or never. */
 static void test_as_many_at_a_time(void **state)
 {
     enum { THREADS = 3, ROUNDS = 20 };

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the fuzz targets share. A target is one function of bytes that must come back; what it
- * must not do, it does by abort(). Two programs are made of each:
+ * Common parts of the fuzz targets. A target is one function of bytes that must return; it reports
+ * a violation by abort(). Two programs are built from each:
  *
  *   fuzz_NAME    with clang's libFuzzer, when configured with -DNEPH_FUZZ=ON (preset fuzz);
- *                scripts/fuzz builds them, gives each its share of the time and keeps what they
- *                found
- *   replay_NAME  in every build, a test: all files of corpus/NAME once more.
+ *                scripts/fuzz builds them, gives each its share of the time and stores their
+ *                findings
+ *   replay_NAME  in every build, a test: all files of corpus/NAME.
  *
- * What a fuzzer finds is mended, and its input, made small with -minimize_crash=1, goes into the
- * corpus under a name that says what it was.
+ * A finding is fixed, and its input, reduced with -minimize_crash=1, is added to the corpus under a
+ * name that describes it.
  */
 #ifndef NEPH_TESTS_FUZZ_H
 #define NEPH_TESTS_FUZZ_H
@@ -25,17 +25,17 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The entry point that libFuzzer asks for; returns 0. */
+/* The entry point of libFuzzer; returns 0. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* The readers take paths: a folder in memory (of $TMPDIR, where that is set), the same for all
- * inputs of a process and removed at its end, with the input as a file in it. */
+/* The readers take paths: a folder in memory (in $TMPDIR, if set), common to all inputs of a
+ * process and removed at its end, with the input as a file. */
 struct fuzz_file {
     char folder[192];
     char path[256];
 };
 
-/* Whether inputs are being looked for, and not those of the corpus tried once more. */
+/* Whether this is a search for new inputs, in contrast to a replay of the corpus. */
 static inline bool fuzz_is_searching(void)
 {
 #ifdef NEPH_FUZZ

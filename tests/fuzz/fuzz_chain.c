@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reader of picture chains: every refusal has a position in the file, and what is read has
- * settings within their ranges, wherever the camera is.
+ * The reader of display chains: every refusal has a position in the file, and a chain that is read
+ * has settings within their ranges, for every position of the camera.
  */
 #include "tests/fuzz/fuzz.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reader of checkpoints. The input is tried as it is, and once more as the body of a file with
- * a right first line, for no fuzzer guesses a hash.
+ * The reader of checkpoints. The input is tested unchanged, and again as the body of a file with a
+ * valid first line, as a fuzzer cannot find a hash.
  */
 #include "tests/fuzz/fuzz.h"
 
@@ -25,7 +25,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     try(data, size);
     if (size < 2)
         return 0;
-    /* The first two bytes are the sizes that the line will claim. */
+    /* The first two bytes are the sizes that the line declares. */
     char hash[NEPH_HASH_HEX_SIZE];
     fuzz_require(neph_hash(data + 2, size - 2, hash, NULL) == NEPH_OK, "a hash");
     uint8_t *whole = malloc(LINE_BYTES + size);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reader of configurations (`neph render --config`): what is read is written as what is read
- * again as the same.
+ * The reader of configurations (`neph render --config`): a configuration that is read, written and
+ * read again is unchanged.
  */
 #include "tests/fuzz/fuzz.h"
 

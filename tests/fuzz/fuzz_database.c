@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The store's database as any bytes: it is used or set aside, and there is one afterwards, which
- * answers whatever is asked of it.
+ * The store's database with arbitrary bytes: it is used or moved away, and afterwards there is a
+ * database that answers every query.
  */
 #include "tests/fuzz/fuzz.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reader of .df3 volumes. (.vdb is read by a program of its own, which may crash.)
+ * The reader of .df3 volumes. (A separate program reads .vdb files and may crash.)
  */
 #include "tests/fuzz/fuzz.h"
 

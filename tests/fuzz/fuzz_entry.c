@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reader of records of stored frames (job.json). The input is tried as it is, where no fuzzer
- * guesses a signature, and once more signed by us: then it is whole, and becomes a row that agrees
- * with it.
+ * The reader of records of stored frames (job.json). The input is tested unchanged, where a fuzzer
+ * cannot find a signature, and again with a valid signature: then it is complete, and becomes a row
+ * that agrees with it.
  */
 #include "tests/fuzz/fuzz.h"
 

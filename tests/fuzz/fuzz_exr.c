@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What is read as an OpenEXR file must come out of our own writer and reader bit for bit.
+ * An image that is read as an OpenEXR file must be bit-exact after this project's writer and
+ * reader.
  */
 #include "tests/fuzz/fuzz.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reader of documents of nights and of acceptances (the first byte chooses), into the rows of a
- * database in memory: a document is left out, or its rows say what it says, and what is written of
- * these rows is read as the same.
+ * The reader of documents of nightly runs and of acceptances (the first byte selects), into rows of
+ * a database in memory: a document is skipped, or its rows agree with it, and the document written
+ * from these rows is read as the same.
  */
 #include "tests/fuzz/fuzz.h"
 
@@ -10,7 +10,7 @@
 #include "harness/run/index.h"
 
 static struct {
-    char folder[192]; /* of a store that has nothing else */
+    char folder[192]; /* of a store without other files */
     struct neph_database *index;
 } kept;
 
@@ -60,11 +60,11 @@ static void remove_document(const char *name)
     unlink(path);
 }
 
-/* The document that the rows make, once more through a file. */
+/* The document from the rows, again through a file. */
 static void require_same_again(const char *name)
 {
     json_t *rows = NULL, *again = NULL;
-    if (neph_history_document(kept.index, 1, &rows, NULL)) /* not ended: none is known */
+    if (neph_history_document(kept.index, 1, &rows, NULL)) /* not finished: no document */
         return;
     char *text = json_dumps(rows, 0);
     fuzz_require(text, "rows can be written");

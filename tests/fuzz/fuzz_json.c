@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Readers of other JSON that somebody may have edited; the first byte chooses: lists of
- * expectations of the stress tests, times that a sweep has kept, results of `neph scaling`.
+ * Readers of other JSON files that users may edit; the first byte selects: lists of expectations of
+ * the stress tests, stored times of a sweep, results of `neph scaling`.
  */
 #include "tests/fuzz/fuzz.h"
 

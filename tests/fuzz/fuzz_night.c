@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a night reads of its steps: the first byte chooses the suite, the rest is what the step has
- * printed. Numbers are finite, and series have names of parts.
+ * The input of a nightly run from its steps: the first byte selects the suite, the remaining bytes
+ * are the step's output. Numbers are finite, and series have names with parts.
  */
 #include "tests/fuzz/fuzz.h"
 
@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-/* Frames and scenes that a document names are other files: they are not tried here. */
+/* Frames and scenes that a document names are other files, which are not tested here. */
 static bool names_files(const uint8_t *data, size_t size)
 {
     return memmem(data, size, "/", 1) != NULL;

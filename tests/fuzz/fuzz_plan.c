@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reader of plans of sweeps: every refusal has a position in the file, and what is read has
- * series of engines that there are.
+ * The reader of plans of sweeps: every refusal has a position in the file, and a plan that is read
+ * has series of existing engines.
  */
 #include "tests/fuzz/fuzz.h"
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Both readers of PNG: pictures have values in 0..1 alone, and a file of codes gives the same
- * picture in both. The input is tried as it is, and once more with right checksums, for no fuzzer
- * guesses those.
+ * Both readers of PNG: images have only values in 0..1, and a file of codes gives the same image in
+ * both. The input is tested unchanged, and again with valid checksums, which a fuzzer cannot find.
  */
 #include "tests/base/png_chunks.h"
 #include "tests/fuzz/fuzz.h"
@@ -19,8 +18,8 @@ static void require_display_values(const struct neph_image *image)
         }
 }
 
-/* Pictures of many pixels are work for seconds that a file may rightly ask for; those that are
- * larger than any may be are refused, which is tried. */
+/* Large images take seconds, legitimately; images above the maximum size are refused, which is
+ * tested. */
 static bool asks_for_work(const uint8_t *data, size_t size)
 {
     const uint64_t most = 1 << 16, refused = NEPH_IMAGE_SIDE_MAX_PX;

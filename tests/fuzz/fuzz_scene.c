@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The loader of scene files: every refusal has a position in the file, every scene that loads can
- * be looked at through a camera, and can be made to stand still in any picture.
+ * The loader of scene files: every refusal has a position in the file; every scene that loads has a
+ * valid camera ray, and a static copy at any frame.
  */
 #include "tests/fuzz/fuzz.h"
 
@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-/* Work for seconds that a file may rightly ask for, and files beside it: not what is tried here. */
+/* Scenes that legitimately take seconds, or need other files: not tested here. */
 static bool asks_for_work(const uint8_t *data, size_t size)
 {
     static const char *const keys[] = {"horizon", "voxels", "volume"};

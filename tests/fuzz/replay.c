@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Runs a fuzz target over the files of a folder, each named before it is tried: what was once found
- * stays mended. At least one file must be there.
+ * Runs a fuzz target on the files of a folder, and prints the name of each before it runs: fixed
+ * findings stay fixed. At least one file must exist.
  */
 #include "tests/fuzz/fuzz.h"
 
@@ -12,7 +12,7 @@ static void replay(const char *folder, const char *name)
     struct neph_diag diag = {0};
     const enum neph_status status = neph_file_read(path, (size_t)1 << 24, &data, &size, &diag);
     fuzz_require(status == NEPH_OK, diag.message);
-    /* A copy of its exact size, so that AddressSanitizer sees a read beyond the end. */
+    /* A copy of the exact size, so that AddressSanitizer detects a read beyond the end. */
     uint8_t *exact = malloc(size ? size : 1);
     memcpy(exact, data, size);
     LLVMFuzzerTestOneInput(exact, size);

@@ -308,7 +308,7 @@ class Benchmark(NephCase):
                 (("slab_multiple_thin", "-e", "march,tracer", "-p", "ours"), 64,
                  "none of the engines has presets"),
                 (("slab_multiple_thin", "-e", ",".join(MARCHERS)), 64,
-                 "more than 4 engines whose pictures"),
+                 "more than 4 engines with frames"),
                 (("slab_multiple_thin", "-e", ",".join((*MARCHERS[:4], "tracer")), "-s", "steps"),
                  64, "ENGINE:KEY=VALUE"),
                 (("voxel_grid", "-e", "march", "-s", "march:rays_per_px=4", "--size", "16x9"), 2,

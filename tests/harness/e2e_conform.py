@@ -33,11 +33,11 @@ class Conform(neph_case.NephCase):
             done = self.neph(first, second, code=1)
             for word in words:
                 self.assertIn(word, done.stdout)
-            self.assertIn("0 of 1 pictures agree", done.stdout)
+            self.assertIn("0 of 1 frames agree", done.stdout)
 
     def test_all_pictures_are_counted(self):
         self.assertEqual(self.rendered.returncode, 0, self.rendered.stderr)
-        self.assertEqual(self.rendered.stdout, "1 of 1 pictures are finite and nowhere negative\n")
+        self.assertEqual(self.rendered.stdout, "1 of 1 frames are finite and nowhere negative\n")
         self.assertIn("[1/1] height_fog_level_march: rendered", self.rendered.stderr)
         self.assertEqual(sorted(path.name for path in self.made.iterdir()),
                          ["height_fog_level.json", "height_fog_level_march.exr"])
@@ -56,7 +56,7 @@ class Conform(neph_case.NephCase):
             {**scene["pictures"][0], "picture": "height_fog_level_tracer", "engine": "tracer"}))
         self.neph(self.made, folder, code=1)
         done = self.neph("-e", "march", "--only", "height_fog_level", self.made, folder)
-        self.assertIn("1 of 1 pictures agree", done.stdout)
+        self.assertIn("1 of 1 frames agree", done.stdout)
 
     def test_other_pixels(self):
         folder = self.changed()
@@ -101,7 +101,7 @@ class Conform(neph_case.NephCase):
         done = self.neph(*request, **environment)
         self.assertIn("disney_cloud: left out: ", done.stdout)
         self.assertIn("NEPH_DISNEY_CLOUD is not set", done.stdout)
-        self.assertIn("1 of 1 pictures are finite", done.stdout)
+        self.assertIn("1 of 1 frames are finite", done.stdout)
         self.neph(*request, "--only", "disney_cloud", code=66, **environment)
 
     def test_nothing_rendered_is_no_success(self):

@@ -99,7 +99,7 @@ class Metrics(neph_case.NephCase):
                          ("2.500000e-01", "undefined"), done.stdout)
 
     def test_conventions_can_be_asked_for(self):
-        for name, words in (("motion", ("motion.x, motion.y", "minus where", "y down")),
+        for name, words in (("motion", ("motion.x, motion.y", "minus its", "y down")),
                             ("lag", ("last crossing", "logarithm")),
                             ("flicker", ("2 / N", "d: luma")),
                             ("seen", ("0.5^(R^2)", "below 0.5 Hz"))):
@@ -418,7 +418,7 @@ class Metrics(neph_case.NephCase):
                                            ("beside.png", [animated(1)], [control, *second], 65),
                                            ("one.png", [animated(1), control], [], 0)):
             done = self.neph("compare", still, write(name, before, behind), "-m", "mae", code=code)
-            self.assertEqual("holds 2 pictures" in done.stderr, code > 0, (name, done.stderr))
+            self.assertEqual("has 2 frames" in done.stderr, code > 0, (name, done.stderr))
 
     def test_what_changes_within_a_sequence_is_refused(self):
         def sequence(name, odd, **usual):

@@ -357,7 +357,7 @@ class Attacks(unittest.TestCase):
         self.assertIn("accept-000001.json", said)
         self.assertIn("1 damaged", said)
         said = self.neph("store", "check", "--repair", code=1).stdout
-        self.assertIn("written anew", said)
+        self.assertIn("restored", said)
         self.assertIn("2 acceptances; 0 damaged", self.neph("store", "check").stdout)
         self.assertEqual(self.neph("baseline", "list").stdout, before)
         self.assertEqual(self.history_night(code=0), {})

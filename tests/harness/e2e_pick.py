@@ -166,7 +166,7 @@ class Pick(NephCase):
             self.assertEqual(self.pick(scene, *words, *again, size="32x18")[0], found)
         best, said = self.pick(scene, "--error", "1e-6", *words[2:], size="32x18", code=1)
         self.assertFalse(best["found"])
-        self.assertIn("good enough", said)
+        self.assertIn("within the limits", said)
 
     def test_configurations_of_some_engines_only(self):
         """The choice is of the requested engine or name, and the first line states it."""
@@ -197,7 +197,7 @@ class Pick(NephCase):
         self.check_refusals(
             (64, "", ("voxel_grid",)), (64, "", ("voxel_grid", "--error", "-1")),
             (64, "--preset", ("voxel_grid", "--error", "1", "--suite", "tuning")),
-            (64, "what is reported", ("--preset", "ours", "--suite", "test")),
+            (64, "evaluates a choice", ("--preset", "ours", "--suite", "test")),
             (64, "half-life", ("--preset", "ours", "--least", "x")),
             (64, "at a time", ("--preset", "ours", "--ms", "9", "--jobs", "2")),
             (64, "one scene", ("voxel_grid", "fence_sky", "--error", "1")),

@@ -341,7 +341,7 @@ volumes:
                 (["post", self.frame, "-s", "sharpen=rcas"], "tone is off"),
                 (["post", self.frame, "-s", "fxaa=console"], "tone=on"),
                 (["post", self.frame, "-p", "plain", "-o", self.frame.parent], "over itself"),
-                (["post", "--list", self.frame], "takes no frames")):
+                (["post", "--list", self.frame], "has no operands")):
             self.neph(*words, code=64, said=said)
         other = self.folder / "other" / self.frame.name
         other.parent.mkdir()

@@ -252,10 +252,10 @@ class Realtime(neph_case.NephCase):
                          "32x24", *("-s", "steps=4", "-s", "warm_up=0"),
                          *("-s", "taa_rest_px=1", "-s", "taa_rest_px=2", "-s", "taa_format=float"))
         self.assertEqual(done.stderr.splitlines(), [
-            "warning: engine realtime: setting taa_rest_px is gone and ignored: it was 0.02 in "
-            "every preset",
-            "warning: engine realtime: setting taa_format is gone and ignored: target_format is "
-            "the format of all images"])
+            "warning: engine realtime: setting taa_rest_px was removed and is ignored: it was "
+            "0.02 in every preset",
+            "warning: engine realtime: setting taa_format was removed and is ignored: "
+            "target_format is the format of all images"])
 
     def test_the_list_of_settings_can_be_read(self):
         lines = self.neph("engines", "realtime").stdout.splitlines()

@@ -11,7 +11,8 @@ import unittest
 
 ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 FILE = {"date": "2026-11-01", "host": "a host", "what": "seen", "command": "true", "tables": {
-    "seen": [{"scene": "rail", "ours": 0.125, "ue": 2.5}, {"scene": "sky air", "ours": 0.375}]}}
+    "seen": [{"scene": "rail", "ours": 0.125, "ue": 2.5}, {"scene": "sky air", "ours": 0.375}],
+    "odd": [{"a: b": "x, y: z", "mean": 1, "scene, preset": 2}]}}
 INDEX = "<!-- written by scripts/results --write -->\n<!-- end -->\n"
 
 
@@ -80,10 +81,18 @@ class Tool(unittest.TestCase):
                          f"{quote}\n| scene | ours | ue |\n| --- | ---: | --- |\n"
                          "| sky air | 37.5% | - |\n<!--/-->")
 
+    def test_names_with_spaces_stand_in_quotation_marks(self):
+        for words, value in (("""flicker/odd "a: b=x, y: z": mean""", "1"),
+                             ("""flicker/odd: "scene, preset" .1f""", "2.0")):
+            quote = f"<!--= {words} -->"
+            self.assertEqual(self.written(f"{quote}<!--/-->"), f"{quote}{value}<!--/-->")
+
     def test_a_quote_without_its_number_is_an_error(self):
         faults = {"nothing: ours": "results/nothing has no file; there are flicker",
-                  "flicker: ours": "has no table ''; there are 'seen'",
+                  "flicker: ours": "has no table ''; there are 'seen', 'odd'",
                   "flicker/seen scene=wood: ours": "no row",
+                  "flicker/seen ours": "no ': COLUMN'",
+                  "flicker/seen scene='rail: ours": "No closing quotation",
                   "flicker/seen: ours": "2 rows, one is wanted",
                   "flicker/seen scene=rail: theirs": "no column 'theirs'",
                   "flicker/seen scene=rail: scene .2f": "by the format '.2f'"}

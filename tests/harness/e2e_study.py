@@ -82,7 +82,7 @@ class Study(StudyCase):
         self.wait_until(lambda: store.exists() and len(list(store.iterdir())) >= 3, child)
         out, err = self.interrupt(child)
         self.assertEqual(out, "")
-        self.assertIn("goes on from there", err)
+        self.assertIn("continues from there", err)
         kept = self.stamps(store)
         self.assertGreaterEqual(len(kept), 3)
         return kept

@@ -35,7 +35,7 @@ class StudyFog(StudyCase):
         self.check_refusals(
             (64, "'unity'", ("study", "fog", "fog_look_ridge", "--model", "unity")),
             (2, "second layer", ("study", "fog", "fog_look_evening", "--model", "filament")),
-            (2, "without a look", ("study", "fog", "height_fog_up")),
+            (2, "without the key fog_look", ("study", "fog", "height_fog_up")),
             (66, "nowhere", ("study", "fog", "nowhere")))
 
     def test_a_control_alone_is_what_it_says(self):
@@ -54,7 +54,8 @@ class StudyFog(StudyCase):
     def test_a_scene_is_told_in_three_worlds(self):
         done = self.neph("scenes", "fog_look_ridge")
         for words in ("physical               Unreal                 Filament", "655.36",
-                      "of the look no medium has:", "of the medium no look has:"):
+                      "controls of the fog model without a counterpart",
+                      "properties of the medium without a counterpart"):
             self.assertIn(words, done.stdout)
         fog = self.json("scenes", "fog_look_ridge")["fog"]
         on = [control["name"] for control in fog["look"]["controls"] if control["on"]]

@@ -62,7 +62,7 @@ class StudySky(StudyCase):
         self.check_refusals((64, "no number", ("--elevations", "high")),
                             (64, "sun 91 degrees", ("--elevations", "91")),
                             (64, "altitude of 0 m", ("--altitudes", "0")),
-                            (64, "no truth", ("--truth", "march")),
+                            (64, "not a truth", ("--truth", "march")),
                             (64, "degree", ("--model", "sky+degree=9")),
                             (2, "no planet", ("fence_backlit",)))
 

@@ -95,7 +95,7 @@ class Verdict(NephCase):
         cases = [
             ("povray", "povray", script("exit 1"), {}, "exit code 1"),
             ("povray", "povray", script("kill -9 $$"), {}, "signal 9"),
-            ("povray", "povray", script("echo hello"), {}, "does not tell"),
+            ("povray", "povray", script("echo hello"), {}, "does not print a version"),
             ("povray", "povray", "#!/no/such/shell\n", {}, "cannot run"),
             ("povray", "povray", POVRAY, {"TMPDIR": nowhere}, "TMPDIR"),
             ("cycles", "blender", script("exit 1"), {}, "exit code 1"),

@@ -163,7 +163,7 @@ static void test_refusals(void **state)
     assert_non_null(strstr(diag.message, "exact cannot"));
     test.scene.fog_look.present = false;
     assert_int_equal(neph_fog_study_run(&params, &study, &diag), NEPH_ERR_UNSUPPORTED);
-    assert_non_null(strstr(diag.message, "without a look"));
+    assert_non_null(strstr(diag.message, "without the key fog_look"));
 }
 
 #include "tests/main.h"

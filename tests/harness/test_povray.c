@@ -500,7 +500,7 @@ static void test_which_surfaces_it_can_render(void **state)
         {"rough metal", 0.3, NEPH_SCATTERING_MULTIPLE, 1, 0},
         {"scattered once", 0.0, NEPH_SCATTERING_SINGLE, 1, 0},
         {"several mirrors", 0.0, NEPH_SCATTERING_MULTIPLE, 2, 0},
-        {"lamps in a mirror", 0.0, NEPH_SCATTERING_MULTIPLE, 1, 1},
+        {"point lights with a mirror", 0.0, NEPH_SCATTERING_MULTIPLE, 1, 1},
     };
     for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]); i++) {
         mirror->surface.roughness = rows[i].roughness;

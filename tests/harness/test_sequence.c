@@ -198,7 +198,7 @@ static const struct refused {
     {{NULL}, {NULL}, NEPH_ERR_USAGE, "no frames"},
     {{NULL}, {"none.exr"}, NEPH_ERR_NOT_FOUND, "no file 'none.exr'"},
     {{NULL}, {""}, NEPH_ERR_NOT_FOUND, "no file ''"},
-    {{"d/x.txt"}, {"d"}, NEPH_ERR_NOT_FOUND, "'d' holds neither"},
+    {{"d/x.txt"}, {"d"}, NEPH_ERR_NOT_FOUND, "'d' has no .exr"},
     {{NULL}, {"no/%d.exr"}, NEPH_ERR_NOT_FOUND, "'no/'"},
     {{"f.exr"}, {"f%d.exr"}, NEPH_ERR_NOT_FOUND, "matches 'f%d.exr'"},
     {{"f.exr"}, {"g*.exr"}, NEPH_ERR_NOT_FOUND, "matches 'g*.exr'"},

@@ -275,6 +275,20 @@ static void test_coloured_fog(void **state)
 
 /* ---- unsupported media ----------------------------------------------------------------------- */
 
+/* Whether the installed Blender was built without voxels, as Debian's Blender 5: it refuses every
+ * medium on a grid, before the condition that a test examines. */
+static bool is_without_voxels(int e)
+{
+    char reason[256] = "";
+    const struct neph_settings settings = neph_settings_default(&neph_engine_cycles);
+    if (e != CYCLES)
+        return false;
+    struct neph_scene *scene = load_voxels();
+    neph_engine_cycles.can_render(scene, &settings, reason, sizeof(reason));
+    neph_scene_destroy(scene);
+    return strstr(reason, "built without") != NULL;
+}
+
 /* 50 km of planet with a kilometre of air: the nodes would miss it. */
 static void test_what_does_not_fit_is_refused(void **state)
 {
@@ -283,6 +297,8 @@ static void test_what_does_not_fit_is_refused(void **state)
     for (int e = 0; e < ENGINES; e++) {
         struct neph_diag diag = {0};
         struct neph_image *frame = NULL;
+        if (is_without_voxels(e))
+            continue;
         assert_int_equal(try_render(e, scene, NEPH_LAYERS_ALL, 32, &frame, &diag),
                          NEPH_ERR_UNSUPPORTED);
         assert_non_null(strstr(diag.message, "medium 1: a spherical shell on a grid of 32 x"));
@@ -315,6 +331,8 @@ static void test_cycles_refuses_two_phases_in_one_place(void **state)
 
 static void test_missing_neph_vdb_is_told(void **state)
 {
+    if (is_without_voxels(CYCLES))
+        skip();
     struct neph_scene *scene = load_voxels();
     struct neph_diag diag = {0};
     struct neph_image *frame = NULL;

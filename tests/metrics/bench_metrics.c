@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * What each extractor costs: CPU seconds and memory, alone and together, on synthetic frames. Not
- * a test. Each row is measured in a process of its own, so that its peak of memory is its own.
+ * The cost of each extractor: CPU seconds and memory, single and together, on synthetic frames. Not
+ * a test. Each row is measured in a process of its own, so that the peak of memory belongs to the
+ * row.
  *
  *   bench_metrics                                960x540 and 1920x1080
  *   bench_metrics --size 3840x2160 --frames 4 error flip
  *   bench_metrics --json > costs.json
- *   bench_metrics --size 8192x8192 --frames 2 error ssim flip      the largest that is promised
+ *   bench_metrics --size 8192x8192 --frames 2 error ssim flip      the largest supported size
  */
 #include "tests/metrics/synthetic.h"
 
@@ -40,14 +41,14 @@ struct row {
     int extractor_count;
     int width_px, height_px, frame_count;
     bool intervals;
-    bool all_layers; /* frames have depth, motion, ... too; else radiance alone */
+    bool all_layers; /* frames also have depth, motion, ...; otherwise only radiance */
 };
 
-/* What the process of a row sends back. */
+/* The results of a row, sent by its process. */
 struct cost {
     enum neph_status status;
     double cpu_s_per_frame, finish_cpu_s, wall_s_per_frame;
-    long frames_kib; /* resident before the meter is made: the frames themselves */
+    long frames_kib; /* resident before the meter is created: the frames */
     int measured;
     char obstacle[160]; /* why an extractor gave nothing for radiance; empty: all did */
 };
@@ -65,7 +66,7 @@ static long resident_kib(void)
     return pages * (sysconf(_SC_PAGESIZE) / 1024);
 }
 
-/* A few frames that take turns, so that long sequences need no more memory. */
+/* A few frames that are used in turn, so that long sequences need no more memory. */
 struct frames {
     struct neph_image *reference[TURNS_MAX], *second[TURNS_MAX], *test[TURNS_MAX];
 };
@@ -182,7 +183,7 @@ static struct cost measure(const struct row *row, long *peak_kib)
     return cost;
 }
 
-/* ---- the table ------------------------------------------------------------------------------- */
+/* ---- table ----------------------------------------------------------------------------------- */
 
 static void print_row(const struct row *row, const struct cost *cost, long peak_kib)
 {
@@ -238,7 +239,7 @@ static bool is_wanted(const struct request *request, const char *name)
     return request->name_count == 0;
 }
 
-/* The sums that have a budget: those extractors in one meter, each frame read once. */
+/* The sums that have a budget: these extractors in one meter, each frame read once. */
 static const struct total {
     const char *name;
     bool temporal;
@@ -290,7 +291,7 @@ static bool run_all(const struct request *request, json_t *list)
     return ran;
 }
 
-/* ---- the command line ------------------------------------------------------------------------ */
+/* ---- command line ---------------------------------------------------------------------------- */
 
 static const struct argp_option options[] = {
     {"size", 's', "WxH", 0, "A size in pixels; may be given several times", 0},

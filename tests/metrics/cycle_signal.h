@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Signals with cycles that are known, and noise of many colours, for the tests of `cycles`.
+ * Signals with known cycles, and coloured noise, for the tests of `cycles`.
  */
 #ifndef NEPH_TESTS_CYCLE_SIGNAL_H
 #define NEPH_TESTS_CYCLE_SIGNAL_H
@@ -18,7 +18,7 @@ enum cycle_colour {
     CYCLE_AR_5,
     CYCLE_AR_9,
     CYCLE_PINK,
-    CYCLE_SHARED_WHITE, /* by all pixels */
+    CYCLE_SHARED_WHITE, /* equal in all pixels */
     CYCLE_SHARED_AR_9,
     CYCLE_SHARED_PINK,
     CYCLE_HALF_SHARED, /* half of the power */
@@ -160,7 +160,7 @@ static inline void cycle_add_wave(int period, const double *shape, double phase,
     }
 }
 
-/* Amplitude and angle by harmonic. */
+/* Amplitude and phase by harmonic. */
 static inline void cycle_shape(const struct cycle_plan *plan, int period, uint64_t *random,
                                double *shape)
 {
@@ -209,7 +209,7 @@ static inline void cycle_plant(struct neph_cycle_frames *frames, const struct cy
         }
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
 static inline void cycle_means(const struct neph_cycle_frames *frames,
                                const struct neph_cycle_model *model, double *means)
@@ -265,7 +265,7 @@ static inline struct cycle_result cycle_judge(const struct neph_cycle_model *mod
     return result;
 }
 
-/* Leaves nothing to do but to end the program. */
+/* Prints an error and ends the program. */
 static inline void cycle_check(enum neph_status status, const struct neph_diag *diag)
 {
     if (!status)
@@ -274,7 +274,7 @@ static inline void cycle_check(enum neph_status status, const struct neph_diag *
     exit(EXIT_FAILURE);
 }
 
-/* Frames with all that is planned in them; `truth` receives the mean squares by period. */
+/* Creates frames with everything in the plan; `truth` receives the mean squares by period. */
 static inline void cycle_make(struct neph_cycle_frames *frames, const struct cycle_plan *plan,
                               int width_px, int height_px, int frame_count,
                               struct neph_arena *memory, double truth[CYCLE_LIMIT])

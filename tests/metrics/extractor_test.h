@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the tests of extractors share: an extractor driven by its hooks alone, without masks, pools
- * and the meter.
+ * Helpers for tests of extractors: an extractor that is driven through its functions, without
+ * masks, pools and meter.
  */
 #ifndef NEPH_TESTS_EXTRACTOR_TEST_H
 #define NEPH_TESTS_EXTRACTOR_TEST_H
@@ -16,12 +16,12 @@ struct extraction {
     struct neph_settings settings;
     struct neph_viewing viewing;
     int width_px, height_px, plane_count;
-    struct neph_arena *memory; /* of all that follows */
+    struct neph_arena *memory; /* of everything below */
     void *state;
     struct neph_pair_codes *codes;
 };
 
-/* Mean luminance of a quantity (depth: of its solid pixels), as the meter hands it over. */
+/* Mean luminance of a quantity (depth: of its solid pixels), as the meter passes it. */
 static inline double extraction_scene_mean(const float *const planes[3], int plane_count,
                                            size_t pixel_count)
 {
@@ -64,8 +64,8 @@ static inline struct neph_frame_pair extraction_pair(const struct neph_image *re
     return pair;
 }
 
-/* Begin; `assignments` are "key=value", NULL-terminated, or NULL. Viewing conditions are those of
- * the first pair. The extractor must have no obstacle. */
+/* Begins an extraction. `assignments` are "key=value", NULL-terminated, or NULL. The viewing
+ * conditions are the first pair's. The extractor must support the frames. */
 static inline struct extraction extraction_begin(const struct neph_extractor *extractor,
                                                  const struct neph_frame_pair *first,
                                                  const char *const *assignments)
@@ -127,7 +127,7 @@ static inline int extraction_map_index(const struct neph_extractor *extractor, c
     return -1;
 }
 
-/* Rows of a map in strips of `strip_rows`, planes one after another. */
+/* Computes rows of a map in strips of `strip_rows`, planes one after another. */
 static inline void extraction_fill(const struct extraction *extraction, int map, int strip_rows,
                                    double *values)
 {
@@ -143,8 +143,8 @@ static inline void extraction_fill(const struct extraction *extraction, int map,
     }
 }
 
-/* A whole map, three planes of memory whatever it has; for the caller to free. Bits that depend on
- * the strips fail the test, and so does a value that is infinite. */
+/* A whole map, with memory for three planes; for the caller to free. The test fails if bits depend
+ * on the strips, or if a value is infinite. */
 static inline double *extraction_map(const struct extraction *extraction, int map)
 {
     size_t pixel_count = (size_t)extraction->width_px * (size_t)extraction->height_px;
@@ -193,8 +193,7 @@ static inline void extraction_end(struct extraction *extraction)
     extraction->memory = NULL;
 }
 
-/* What every table must hold to: names and help, metrics that point at maps, pictures with a
- * scale. */
+/* Conditions on every table: names and help, metrics with a map, images with a scale. */
 static inline void extraction_check_table(const struct neph_extractor *extractor)
 {
     assert_true(extractor->name && extractor->help && extractor->source);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the tests of flicker share: sequences in memory, the extractor over them, and an evaluation
- * of the definitions that stores all frames, in long double and with libm.
+ * Helpers for tests of flicker: sequences in memory, the extractor on them, and an evaluation of
+ * the definitions that stores all frames, in long double and with libm.
  */
 #ifndef NEPH_TESTS_FLICKER_TEST_H
 #define NEPH_TESTS_FLICKER_TEST_H
@@ -46,7 +46,7 @@ static inline void sequence_set(struct sequence *sequence, int frame, int x, int
     sequence_plane(sequence, frame, 2)[pixel] = (float)b;
 }
 
-/* The linear grey whose luma this is; within 12.92 * 0.0031308 = 0.04045 it is proportional. */
+/* The linear grey with this luma; proportional up to 12.92 * 0.0031308 = 0.04045. */
 static inline double linear_of(double luma)
 {
     return luma <= 0.04045 ? luma / 12.92 : pow((luma + 0.055) / 1.055, 2.4);
@@ -59,7 +59,7 @@ static inline void sequence_set_luma(struct sequence *sequence, int frame, int x
     sequence_set(sequence, frame, x, y, grey, grey, grey);
 }
 
-/* IEC 61966-2-1 and BT.709, of the samples as they are stored. */
+/* IEC 61966-2-1 and BT.709, of the stored samples. */
 static inline long double luma_of(const struct sequence *sequence, int frame, int x, int y,
                                   double exposure_ev)
 {
@@ -83,7 +83,7 @@ static inline double normal(uint64_t *random)
     return sqrt(-2.0 * log(u)) * cos(neph_test_uniform(random, 0.0, 2.0 * M_PI));
 }
 
-/* ---- the extractor over a sequence ----------------------------------------------------------- */
+/* ---- the extractor on a sequence ------------------------------------------------------------- */
 
 static inline struct neph_frame_pair flicker_pair(const struct sequence *reference,
                                                   const struct sequence *test, int frame,
@@ -106,7 +106,7 @@ static inline struct neph_frame_pair flicker_pair(const struct sequence *referen
     return pair;
 }
 
-/* All frames; a reference of one frame stands still. End with extraction_end(). */
+/* All frames; a reference of one frame is static. End with extraction_end(). */
 static inline struct extraction flicker_run(const struct sequence *reference,
                                             const struct sequence *test,
                                             const struct neph_viewing *viewing,
@@ -142,7 +142,7 @@ static inline double flicker_at(const struct extraction *extraction, const char 
 
 struct flicker_truth {
     double std, p2p, mad;
-    double a4_squared, a2_squared;    /* less the noise floors, which may leave less than 0 */
+    double a4_squared, a2_squared;    /* minus the noise floors; may be negative */
     double quarter_noise, half_noise; /* mean square amplitude of the neighbouring bins */
     double variance;                  /* detrended or not */
 };
@@ -162,8 +162,8 @@ static inline long double bin_power(const long double *d, int n, int k)
 enum { FIT_TERMS = 5 };
 
 /* Least squares of 1, t, cos(pi t / 2), sin(pi t / 2) and (-1)^t together, by elimination in the
- * normal equations, which stay far from singular for t scaled to 0 .. 1; of it the line is taken
- * out of the signal. */
+ * normal equations, which stay far from singular for t scaled to 0 .. 1. Only the fitted line is
+ * subtracted from the signal. */
 static inline void detrend_signal(long double *d, int n)
 {
     static const long double cosine[4] = {1.0L, 0.0L, -1.0L, 0.0L};
@@ -199,7 +199,7 @@ static inline long double variance_of(const long double *d, int n)
     return sum / (long double)n;
 }
 
-/* Detrends `d` in place when asked to. */
+/* Detrends `d` in place if `detrend`. */
 static inline struct flicker_truth truth_of(long double *d, int n, bool detrend)
 {
     struct flicker_truth truth = {.std = (double)sqrtl(variance_of(d, n))};

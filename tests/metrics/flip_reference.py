@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""FLIP a second time, with numpy and scipy-free 2-D kernels, written from the two papers' formulas
-and not from metrics/extractors/flip.c: no separation, no tiles, no opponents, published YCxCz in
-full.
+"""A second implementation of FLIP, with numpy and scipy-free 2-D kernels, from the two papers'
+formulas and independent of metrics/extractors/flip.c: no separation, no tiles, no opponents,
+published YCxCz in full.
 
     python3 tests/metrics/flip_reference.py > tests/metrics/flip_reference.h
 
-The pictures are made of integers by the same rules in test_flip.c, so both see the same bits.
-"""
+Images are made from integers by the same rules as in test_flip.c, so both have the same bits."""
 import numpy as np
 
 MASK = 0xFFFFFFFF
@@ -112,7 +111,7 @@ def picture(kind, width, height, seed, test):
     return np.array(values).astype(np.float32).astype(np.float64)
 
 
-# ---- the display ---------------------------------------------------------------------------------
+# ---- display -------------------------------------------------------------------------------------
 
 CURVES = {
     "none": (0, 1, 0, 0, 0, 1),
@@ -216,7 +215,7 @@ def features(plane, ppd):
 
 
 def flip(reference, test, ppd):
-    """Of display values in [0, 1]."""
+    """FLIP of display values in [0, 1]."""
     kernels = [contrast_kernel(t, ppd)
                for t in ([(1, 0.0047)], [(1, 0.0053)], [(34.1, 0.04), (13.5, 0.025)])]
     lab, edges, points = [], [], []
@@ -238,7 +237,7 @@ def flip(reference, test, ppd):
 
 
 def exposures(reference, tone):
-    """Published rule; when the median is not positive, the median of what is."""
+    """The published rule; if the median is not positive, the median of the positive values."""
     a, b, c, d, e, f = CURVES[tone]
     p, q, r = a - 0.85 * d, b - 0.85 * e, c - 0.85 * f
     xm = -r / q if p == 0 else max(np.roots([p, q, r]))
@@ -261,7 +260,7 @@ def hdr_flip(reference, test, ppd, tone):
     return result, start, stop, count
 
 
-# ---- the header ----------------------------------------------------------------------------------
+# ---- header --------------------------------------------------------------------------------------
 
 
 def numbers(m):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Writes image_reference.h: image metrics of made-up frames, evaluated with numpy from the
-definitions and sharing no line with metrics/. Run by hand: python3 image_reference.py"""
+"""Writes image_reference.h: image metrics of synthetic frames, evaluated with numpy from the
+definitions, independent of metrics/. Run by hand: python3 image_reference.py"""
 
 import pathlib
 
@@ -27,7 +27,7 @@ def pattern(x, y, c):
 
 def frames(width, height, seed):
     """Reference, test, second reference: height x width x 3, exact in single precision. The test is
-    noisier, and moved by up to a pixel in tiles of 16 px."""
+    noisier, and shifted by up to a pixel in tiles of 16 px."""
     draw = splitmix(seed)
     out = np.zeros((3, height, width, 3))
     for y in range(height):
@@ -83,7 +83,7 @@ def ssim(x, y, peak):
 
 
 def shrunk(image, kernel, factor, out_shape):
-    """Each pixel of the result a sum over the plane, with numpy's symmetric border."""
+    """Each pixel of the result is a sum over the plane, with numpy's symmetric border."""
     taps = kernel.shape[0]
     before, after = taps // 2, taps + factor
     padded = np.pad(image, ((before, after), (before, after)), mode="symmetric")
@@ -118,7 +118,7 @@ def decimated(image):
 
 
 def shifted_squares(reference, test):
-    """Mean square over colours, every 8x8 block under the best of nine moves."""
+    """Mean square over colours; every 8x8 block has the best of nine shifts."""
     height, width = reference.shape[:2]
     padded = np.pad(test, ((1, 1), (1, 1), (0, 0)), mode="edge")
     squares = {(dy, dx): ((padded[1 + dy:1 + dy + height, 1 + dx:1 + dx + width] - reference) ** 2)
@@ -129,7 +129,7 @@ def shifted_squares(reference, test):
             block = np.s_[y:y + 8, x:x + 8]
             ranked = sorted(squares, key=lambda m: squares[m][block].sum())
             best, next_best = squares[ranked[0]][block], squares[ranked[1]][block]
-            # No tie that rounding could break, unless it does not matter (past the border).
+            # No tie that rounding could break, unless it has no effect (past the border).
             assert next_best.sum() > best.sum() * 1.00001 or np.array_equal(best, next_best)
             out[block] = squares[ranked[0]][block]
     return out

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the tests of metrics share: small images from numbers, and a measurement by its name.
+ * Helpers for tests of metrics: small images from numbers, and a measurement by its name.
  */
 #ifndef NEPH_TESTS_METRICS_TEST_H
 #define NEPH_TESTS_METRICS_TEST_H
@@ -19,7 +19,7 @@ static inline struct neph_image *create_image(int width_px, int height_px)
     return image;
 }
 
-/* Add a channel; NULL values: all zero. */
+/* Adds a channel; NULL values: all zero. */
 static inline float *add_channel(struct neph_image *image, const char *name, const float *values)
 {
     float *samples = NULL;
@@ -30,7 +30,7 @@ static inline float *add_channel(struct neph_image *image, const char *name, con
     return samples;
 }
 
-/* Add R G B of a layer from interleaved values; NULL layer: radiance. */
+/* Adds R G B of a layer from interleaved values; NULL layer: radiance. */
 static inline void add_rgb(struct neph_image *image, const char *layer, const float *interleaved)
 {
     float *planes[3];
@@ -56,7 +56,7 @@ struct measured {
     int count;
 };
 
-/* What one extractor at its defaults says of a pair of images over one mask. */
+/* The measurements of one extractor with default settings, for a pair of images over one mask. */
 static inline struct measured measure_with(const struct neph_extractor *extractor,
                                            const struct neph_image *reference,
                                            const struct neph_image *test, const char *quantity,
@@ -107,7 +107,7 @@ static inline double value_of(const struct measured *measured, const char *name)
     return found->value;
 }
 
-/* NEPH_TEST_SEED, or the given one; printed, so that a failure can be run again. */
+/* NEPH_TEST_SEED, or the given seed; printed, so that a failure can be reproduced. */
 static inline uint64_t test_seed(uint64_t usual)
 {
     const char *wanted = getenv("NEPH_TEST_SEED");

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Frames that have everything a frame can have, of any size, for tests and the benchmark of all
- * extractors at once: a ground with posts before a sky, a drifting cloud, sub-pixel noise. Knows no
- * test library. Nothing in it means to look right; that each code path has food is what counts.
+ * Frames with every kind of layer, of any size, for tests and the benchmark of all extractors: a
+ * ground with posts before a sky, a drifting cloud, sub-pixel noise. Independent of the test
+ * library. The frames are not physical; they exercise each code path.
  */
 #ifndef NEPH_TESTS_SYNTHETIC_H
 #define NEPH_TESTS_SYNTHETIC_H
@@ -13,7 +13,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* The settings of an extractor: defaults, but for what these frames must be told of. */
+/* The settings of an extractor: defaults, and the properties of these frames. */
 static inline struct neph_settings synthetic_settings(const struct neph_extractor *extractor)
 {
     static const struct {
@@ -35,8 +35,8 @@ struct synthetic {
     int width_px, height_px;
     int frame;     /* of the sequence; the cloud drifts, the test blinks */
     uint64_t seed; /* of the noise; 0: none */
-    bool is_test;  /* a little brighter, and blinks every other frame at the posts */
-    bool all;      /* all layers; else R G B alone */
+    bool is_test;  /* slightly brighter, and blinks every other frame at the posts */
+    bool all;      /* all layers; otherwise only R G B */
 };
 
 /* -0.5 .. 0.5 */
@@ -79,7 +79,7 @@ static inline float synthetic_radiance(const struct synthetic *what,
            (blinks ? 0.02f : 0.0f);
 }
 
-/* The planes beside radiance. */
+/* The planes next to radiance. */
 struct synthetic_layers {
     float *volume[3], *transmittance[3];
     float *depth, *motion_x, *motion_y, *distance, *cloud, *fog, *sun, *thin, *card;
@@ -107,7 +107,7 @@ static inline enum neph_status synthetic_add_layers(struct neph_image *image,
     return status;
 }
 
-/* One row of the layers beside radiance. */
+/* One row of the layers next to radiance. */
 static inline void synthetic_fill_layers(const struct synthetic *what, int y,
                                          const struct synthetic_layers *layers)
 {

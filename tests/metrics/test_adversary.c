@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Someone who wants a low score of flicker without flickering less: a search over lengths of the
- * jitter, holds and waveforms, against what is known of the light itself: its Fourier series, and
- * how well the eye sees each term. What a search found is a case with a name.
+ * Attempts to obtain a low score of flicker without less flicker: a search over jitter lengths,
+ * holds and waveforms. The score is compared with the light's Fourier series, weighted by the eye's
+ * sensitivity to each term. Results of a search are named cases.
  */
 #include "tests/metrics/extractor_test.h"
 
@@ -12,11 +12,11 @@
 
 enum { W = 6, H = 6, LENGTH_MAX = 16, HOLD_MAX = 4, PERIOD_MAX = LENGTH_MAX * HOLD_MAX };
 
-/* A waveform of `length` values, each shown for `hold` frames. */
+/* A waveform of `length` values, each displayed for `hold` frames. */
 struct dodge {
     int length, hold;
     double values[LENGTH_MAX]; /* of mean 0 */
-    double cycle_count;        /* that are shown, at least */
+    double cycle_count;        /* displayed cycles, at least */
     double frame_rate_hz;
 };
 
@@ -44,10 +44,10 @@ static void center(struct dodge *dodge)
         dodge->values[i] -= mean;
 }
 
-/* ---- what the light does --------------------------------------------------------------------- */
+/* ---- the light ------------------------------------------------------------------------------- */
 
-/* Amplitude of term m of the Fourier series of the light: a display holds its frames, and repeats
- * the spectrum of these above half of its rate. */
+/* Amplitude of term m of the light's Fourier series: a display holds its frames, and repeats the
+ * spectrum of the frames above half of its rate. */
 static double amplitude_of(const struct dodge *dodge, int m)
 {
     const int period = period_of(dodge);
@@ -60,7 +60,7 @@ static double amplitude_of(const struct dodge *dodge, int m)
     return 2.0 * hypot(re, im) * fabs(sin(x) / x);
 }
 
-/* Variance of the frames that are shown, about their mean. */
+/* Variance of the displayed frames about their mean. */
 static double variance_of(const struct dodge *dodge, int frame_count)
 {
     double sum = 0.0, squares = 0.0;
@@ -73,7 +73,7 @@ static double variance_of(const struct dodge *dodge, int frame_count)
 
 static const double mean_light = 0.5, white_cd_per_m2 = 100.0;
 
-/* Contrast over threshold of a disk of one degree. */
+/* Contrast of a disk of one degree, relative to its threshold. */
 static double seen_by_the_eye(const struct dodge *dodge)
 {
     const int period = period_of(dodge);
@@ -87,9 +87,10 @@ static double seen_by_the_eye(const struct dodge *dodge)
     return sqrt(sum);
 }
 
-/* ---- what the metrics say -------------------------------------------------------------------- */
+/* ---- the metrics ----------------------------------------------------------------------------- */
 
-/* Light everywhere alike: what is seen does not depend on where, nor the budget on whom. */
+/* The same light in the whole frame: visibility does not depend on position, nor the budget on
+ * pixels. */
 static struct extraction run(const struct neph_extractor *extractor, const struct dodge *dodge,
                              double contrast, const char *declared)
 {
@@ -150,11 +151,11 @@ static double a4_of(const struct dodge *dodge)
     return a4;
 }
 
-/* How much of the light's power the periods have by name; and of its variance in the frames that
- * are shown all parts together. */
+/* The fraction of the light's power that is attributed to periods; and the sum of all parts as a
+ * fraction of the variance of the displayed frames. */
 static void budget_of(const struct dodge *dodge, const char *declared, double *named, double *all)
 {
-    const double contrast = 0.002; /* small: the display's curve is a line */
+    const double contrast = 0.002; /* small: the display's curve is linear */
     struct extraction extraction = run(&neph_extractor_cycles, dodge, contrast, declared);
     const double step = 1.055 / 2.4 * pow(mean_light, 1.0 / 2.4 - 1.0) * mean_light * contrast;
     double sum = 0.0;
@@ -174,7 +175,7 @@ static void budget_of(const struct dodge *dodge, const char *declared, double *n
     *all = (sum + rest) / (step * step * variance_of(dodge, frames_of(dodge)));
 }
 
-/* ---- the search ------------------------------------------------------------------------------ */
+/* ---- search ---------------------------------------------------------------------------------- */
 
 static struct dodge draw(uint64_t *random)
 {
@@ -191,7 +192,7 @@ static struct dodge draw(uint64_t *random)
     return dodge;
 }
 
-/* A little otherwise: one value, the length, the hold, or how long it is watched. */
+/* A small change: of one value, the length, the hold, or the duration. */
 static struct dodge change(const struct dodge *dodge, uint64_t *random)
 {
     struct dodge changed = *dodge;
@@ -215,7 +216,7 @@ static struct dodge change(const struct dodge *dodge, uint64_t *random)
     return changed;
 }
 
-/* The lowest `score` that `count` tries find: by chance, then from the best so far. */
+/* The lowest `score` of `count` tries: random ones first, then changes of the best. */
 static struct dodge search(double (*score)(const struct dodge *), int count, uint64_t seed,
                            double *lowest)
 {
@@ -244,7 +245,7 @@ static double seen_over_the_eye(const struct dodge *dodge)
     return seen_of(dodge) / fmax(seen_by_the_eye(dodge), 1e-6);
 }
 
-/* Four times as many tries found 0.83: see the next one. */
+/* Four times as many tries found 0.83: see the next test. */
 static void test_nobody_gets_below_what_the_eye_sees(void **state)
 {
     double lowest = 0.0;
@@ -253,8 +254,8 @@ static void test_nobody_gets_below_what_the_eye_sees(void **state)
     assert_true(lowest > 0.9);
 }
 
-/* Where flicker begins, half a hertz, half of a line is drift: what the longest of those searches
- * found. */
+/* At the lower limit of flicker, half a hertz, half of a line counts as drift: found by the longest
+ * of these searches. */
 static void test_a_period_of_two_seconds_loses_little(void **state)
 {
     uint64_t random = 12;
@@ -278,7 +279,7 @@ static double least_named(const struct dodge *dodge)
     return named;
 }
 
-/* A declared period has its power by name, whatever its waveform. */
+/* A declared period gets its power, whatever its waveform. */
 static void test_nobody_hides_a_declared_period(void **state)
 {
     double lowest = 0.0;
@@ -294,7 +295,7 @@ static double least_kept(const struct dodge *dodge)
     return -fabs(all - 1.0);
 }
 
-/* What is not declared may be called noise, drift or another period, but it does not vanish. */
+/* An undeclared period may be counted as noise, drift or another period, but it does not vanish. */
 static void test_nobody_takes_out_of_the_budget(void **state)
 {
     double lowest = 0.0;
@@ -303,9 +304,9 @@ static void test_nobody_takes_out_of_the_budget(void **state)
     assert_true(lowest > -0.02);
 }
 
-/* ---- what was found -------------------------------------------------------------------------- */
+/* ---- found cases ----------------------------------------------------------------------------- */
 
-/* Halton's numbers of base 2, as jitters have them, of one amplitude for any length. */
+/* Halton's numbers of base 2, as used for jitter, with the same amplitude for any length. */
 static struct dodge jitter_of(int length)
 {
     struct dodge dodge = {
@@ -324,8 +325,9 @@ static struct dodge jitter_of(int length)
     return dodge;
 }
 
-/* The dodge that four-frame flicker fell for: 7 is prime to 4. What a person sees, and the budget,
- * change from 7 to 8 by what the eye's weights explain; four-frame flicker by all. */
+/* The waveform that four-frame flicker missed: 7 is coprime to 4. Visible flicker and the budget
+ * change from 7 to 8 by the ratio of the eye's weights; four-frame flicker changes from nothing to
+ * all. */
 static void test_a_jitter_of_seven_hides_from_no_one(void **state)
 {
     const struct dodge seven = jitter_of(7), eight = jitter_of(8);
@@ -344,8 +346,8 @@ static void test_a_jitter_of_seven_hides_from_no_one(void **state)
     }
 }
 
-/* Eleven values held for three frames: a period of 33 is not looked for unless it is declared, and
- * counts as noise then. */
+/* Eleven values held for three frames: a period of 33 is searched only if it is declared, and
+ * otherwise counts as noise. */
 static void test_a_held_jitter_is_noise_until_it_is_declared(void **state)
 {
     struct dodge held = jitter_of(11);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Out of memory while flicker is taken: see tests/allocation.h.
+ * Out of memory while flicker is measured: see tests/allocation.h.
  */
 #include "tests/allocation.h"
 
@@ -13,7 +13,7 @@ struct life {
     int moves_at; /* frame in which the reference moves */
 };
 
-/* A whole life. */
+/* From creation to destruction. */
 static enum neph_status live(void *context, struct neph_diag *diag)
 {
     const struct life *life = context;

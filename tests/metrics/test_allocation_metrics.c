@@ -12,7 +12,7 @@
 
 enum { WIDTH = 17, HEIGHT = 4, FRAMES_MAX = 20 };
 
-/* Frames, made while nothing fails, and what is asked of them. */
+/* Frames, created without failures, and the requested measurements. */
 struct job {
     struct neph_image *reference[FRAMES_MAX], *second[FRAMES_MAX], *test[FRAMES_MAX];
     int frame_count;
@@ -132,7 +132,7 @@ static void test_extractors(void **state)
     }
 }
 
-/* They take most of the time and are the same for all. */
+/* Intervals take most of the time and are the same for all. */
 static void test_intervals(void **state)
 {
     struct job job = create_job(1, false);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the display does not show is said beside every number of a metric of display values, by
- * mask, frame and sequence; and two pictures that differ there are not without an error.
+ * The share of pixels that a display clips is reported with every measure of display values, by
+ * mask, frame and sequence; and two images that differ only in clipped pixels do not have an error
+ * of zero.
  */
 #include "tests/metrics/metrics_test.h"
 
@@ -22,7 +23,7 @@ static struct neph_image *grey(const float *values)
     return image;
 }
 
-/* `bright` in the first `count` pixels, 0.5 elsewhere; the upper half is a mask of its own. */
+/* `bright` in the first `count` pixels, 0.5 elsewhere; the upper half is a mask. */
 static struct neph_image *partly(float bright, int count)
 {
     float values[ALL], upper[ALL];
@@ -111,7 +112,7 @@ static void test_shares_by_mask_frame_and_sequence(void **state)
     neph_image_destroy(reference);
 }
 
-/* A stop down there is nothing above white; white itself is shown. */
+/* One stop lower nothing is above white; white itself is not clipped. */
 static void test_exposure_and_white_itself(void **state)
 {
     static const char *const names[] = {"flip", NULL};
@@ -160,7 +161,7 @@ static void test_an_error_beyond_the_display_is_no_perfect_match(void **state)
     neph_image_destroy(test);
 }
 
-/* Two steps of light, both above white: there is a change that the display does not show. */
+/* Two steps of light, both above white: a change that the display does not show. */
 static void test_a_change_beyond_the_display_is_no_perfect_match(void **state)
 {
     static const char *const names[] = {"residual_change", NULL};
@@ -195,7 +196,7 @@ static void test_the_bound_of_ssim_is_that_of_its_codes(void **state)
     neph_image_destroy(image);
 }
 
-/* Colours about either bound; PU21's end is 100 at a white of 100 cd/m2. */
+/* Colours near both bounds; PU21's upper bound is 100 at a white of 100 cd/m2. */
 static void fill_about_bounds(float *const planes[3], size_t count, uint64_t *random)
 {
     for (int c = 0; c < 3; c++)

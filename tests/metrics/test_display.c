@@ -6,7 +6,7 @@
 
 #include "metrics/display.h"
 
-enum { RAMP = 3 * 4096 + 7 }; /* more than one block of the encoder, and not whole blocks */
+enum { RAMP = 3 * 4096 + 7 }; /* more than one block of the encoder, with a partial block */
 
 static double srgb(double linear)
 {
@@ -59,8 +59,8 @@ static void test_outside_the_range(void **state)
     }
 }
 
-/* One channel follows the curve while the others hold still. The exact code lies within rounding,
- * and 0.02 more for the float arithmetic of the encoder. */
+/* One channel follows the curve, the others are constant. The exact code is within rounding, and
+ * 0.02 more for the float arithmetic of the encoder. */
 static void test_ramp_against_closed_form(void **state)
 {
     float *planes[3];
@@ -93,7 +93,7 @@ static void test_ramp_against_closed_form(void **state)
     free(out);
 }
 
-/* Around each threshold, and everywhere else: the table gives the encoder's own codes. */
+/* Near each threshold, and everywhere else: the table gives the same codes as the encoder. */
 static void test_the_baked_table_is_the_encoder(void **state)
 {
     enum { NEAR = 3 * 255, COUNT_ALL = NEAR + 4096 };
@@ -152,7 +152,7 @@ static void test_stops_and_marks(void **state)
         assert_true(i == 0 || stop->position > stop[-1].position);
         assert_difference(8.0f, 8.0f + (float)(4.0 * stop->position), 4.0, stop->rgb);
     }
-    assert_difference(8, 4, 4, legend->stops[0].rgb); /* the end of the scale is on it */
+    assert_difference(8, 4, 4, legend->stops[0].rgb); /* the end of the scale is included */
     assert_difference(8, 3.99f, 4, legend->below);
     assert_difference(8, 12.01f, 4, legend->above);
     assert_difference(8, NAN, 4, legend->not_a_number);
@@ -161,7 +161,7 @@ static void test_stops_and_marks(void **state)
     assert_difference(1, 1.4f, 4, between);
 }
 
-/* Blue for darker, red for brighter, at any strength. */
+/* Blue for darker, red for brighter, at any size of the difference. */
 static void test_hue_tells_the_sign(void **state)
 {
     for (int i = 1; i <= 100; i++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A view of a config that is written here, baked: its nodes against the closed form.
+ * A view of an OpenColorIO config that the test writes, baked: its nodes against the closed form.
  */
 #include "tests/base/scratch.h"
 #include "tests/neph_test.h"
@@ -8,7 +8,7 @@
 #include "base/files.h"
 #include "metrics/display_cube.h"
 
-/* Red and blue change places, so that a table of curves would not do; then a curve. */
+/* Swaps red and blue, which no table of curves can do; then a curve. */
 static const char config_text[] =
     "ocio_profile_version: 2\n"
     "roles: {default: linear, scene_linear: linear}\n"
@@ -31,7 +31,7 @@ static const char config_text[] =
     "    name: torn\n"
     "    from_scene_reference: !<FileTransform> {src: torn.cube, interpolation: nearest}\n";
 
-/* One of its eight colours is none. */
+/* One of its eight colours is NaN. */
 static const char torn_text[] = "LUT_3D_SIZE 2\n"
                                 "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\nnan nan nan\n";
 
@@ -52,16 +52,16 @@ static void test_nodes_are_the_view(void **state)
     struct neph_display_cube cube;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_display_cube_bake(&choice, &cube, &diag), &diag);
-    assert_string_equal(cube.name, "swapped on screen"); /* what the config shows by itself */
+    assert_string_equal(cube.name, "swapped on screen"); /* the config's default view */
     for (int i = 0; i < SIDE * SIDE * SIDE; i += 37) {
         const int steps[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
         for (int c = 0; c < 3; c++) {
-            const double place = (double)steps[2 - c] / (SIDE - 1); /* of the other end */
+            const double place = (double)steps[2 - c] / (SIDE - 1); /* of the swapped channel */
             const double linear = cube.knee * (pow(1.0 + cube.top / cube.knee, place) - 1.0);
             neph_assert_close((double)cube.nodes[c][i], 255.0 * sqrt(linear), 1e-5, 0.01);
         }
     }
-    /* Between the first two nodes a root bends most: at a quarter of the way it is at a half. */
+    /* A root bends most between the first two nodes: at a quarter of the interval it is at 1/2. */
     const double second = (double)cube.nodes[1][SIDE];
     assert_true(cube.error_max > 0.1 * second && cube.error_max < 0.26 * second);
     assert_true(cube.error_mean > 0.0 && cube.error_mean < 0.3);
@@ -80,11 +80,11 @@ static void test_a_view_by_name(void **state)
     neph_assert_ok(neph_display_cube_bake(&choice, &cube, &diag), &diag);
     assert_string_equal(cube.name, "raw on screen");
     neph_assert_close((double)cube.nodes[0][SIDE - 1], 255.0 * cube.top, 1e-6, 0);
-    neph_assert_close((double)cube.nodes[2][SIDE - 1], 0.0, 0, 0); /* red alone is red alone */
+    neph_assert_close((double)cube.nodes[2][SIDE - 1], 0.0, 0, 0); /* pure red stays pure red */
     neph_display_cube_finish(&cube);
 }
 
-/* Colours that are none are counted; OpenColorIO itself takes them for 0. */
+/* Colours that are NaN are counted; OpenColorIO itself treats them as 0. */
 static void test_a_view_that_gives_no_numbers(void **state)
 {
     char path[SCRATCH_PATH_MAX], torn[SCRATCH_PATH_MAX];

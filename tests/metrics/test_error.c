@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Errors of tiny images worked out by hand. All inputs are exact in float; the decimal numbers were
+ * Errors of tiny images computed by hand. All inputs are exact in float; the decimal numbers were
  * computed in rational arithmetic from the definitions in metrics/extractors/error.c.
  */
 #include "tests/metrics/metrics_test.h"
@@ -79,7 +79,7 @@ static void test_two_pixels_by_hand(void **state)
     }
 }
 
-/* The mask picks the samples; the scene mean of rel_mse and max_rel stays that of the frame. */
+/* The mask selects samples; the scene mean of rel_mse and max_rel is still the whole frame's. */
 static void test_mask_and_scene_mean(void **state)
 {
     struct neph_image *reference = rgb_image(2, 1, NULL, two_pixels_reference);
@@ -142,8 +142,8 @@ static void test_identical_images_are_exactly_zero(void **state)
     neph_image_destroy(image);
 }
 
-/* Fireflies that a clamp made equal are trimmed like others: of 4800 samples the largest 5, though
- * 12 have the same error. */
+/* Equal fireflies (after a clamp) are trimmed like others: of 4800 samples the largest 5, though 12
+ * have the same error. */
 static void test_equal_fireflies_are_trimmed(void **state)
 {
     enum { SIDE = 40 };
@@ -168,7 +168,7 @@ static void test_equal_fireflies_are_trimmed(void **state)
     neph_image_destroy(test);
 }
 
-/* Only where both see a solid; what one of them misses is a number of its own. */
+/* Only where both have a solid; solids that one of them misses are a separate measure. */
 static void test_depth_by_hand(void **state)
 {
     struct neph_image *reference = create_image(5, 1), *test = create_image(5, 1);
@@ -216,8 +216,8 @@ static void assert_all_undefined(const struct measured *m, const char *because, 
 
 static const char bad_pixel[] = "a pixel of the mask is not finite in one of the images";
 
-/* A bad pixel is never skipped, in whichever image and channel; outside the mask it is only the
- * scene mean that it spoils. */
+/* A bad pixel is never skipped, in either image and any channel; outside the mask it affects only
+ * the scene mean. */
 static void test_bad_pixels_make_undefined(void **state)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY};
@@ -304,7 +304,8 @@ static void test_empty_mask_and_reference_without_a_mean(void **state)
     neph_image_destroy(grey);
 }
 
-/* Twice the light, twice the absolute and the same relative errors: no absolute epsilon hides. */
+/* Twice the light gives twice the absolute and the same relative errors: there is no absolute
+ * epsilon. */
 static void test_relative_metrics_do_not_know_the_unit(void **state)
 {
     for (int power = -60; power <= 60; power += 20) {
@@ -327,9 +328,9 @@ static void test_relative_metrics_do_not_know_the_unit(void **state)
     }
 }
 
-/* Ten million pixels (under the sanitizers fewer) at 1e6 with differences of one float ulp that
- * cancel but for one pixel. A float sum loses them: it stops growing once the addend is below half
- * its ulp. */
+/* Ten million pixels (fewer under the sanitizers) at 1e6 with differences of one float ulp that
+ * cancel except in one pixel. A float sum loses them: it stops growing once the addend is below
+ * half its ulp. */
 static void test_sums_are_in_double(void **state)
 {
     enum { SIDE = NEPH_TEST_EVERY > 1 ? 1200 : 3200 };
@@ -380,7 +381,7 @@ static void test_refusals(void **state)
     assert_int_equal(neph_meter_frame(meter, small, NULL, large, &diag), NEPH_ERR_INPUT);
     assert_int_equal(neph_meter_frame(meter, large, NULL, large, &diag), NEPH_ERR_INPUT);
     assert_non_null(strstr(diag.message, "the mask 'all' is 1x1 pixels, the images 2x1"));
-    add_channel(small, "transmittance.R", NULL); /* one of three is not the layer */
+    add_channel(small, "transmittance.R", NULL); /* one channel of three is not a layer */
     neph_assert_ok(neph_meter_frame(meter, small, NULL, small, &diag), &diag);
     int count = 0;
     const struct neph_measurement *all = neph_meter_measurements(meter, &count);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * All extractors and masks of the tables, through the meter, at sizes that nobody thinks of, with
- * values that nobody wants and settings at their ends: whatever comes out is a finite number within
- * its range, or a reason. New extractors and masks are tried without being named here. By day and
- * under the sanitizers sequences see few of these values, images all. Under the sanitizers each
- * mask is made, and few are measured over: a mask is a plane of bytes, whatever made it.
+ * All extractors and masks of the tables, through the meter, at unusual sizes, with extreme values
+ * and settings at their limits: every result is a finite number within its range, or a reason. New
+ * extractors and masks are tested without a change here. By day and under the sanitizers sequences
+ * get only a few of these values; single frames get all. Under the sanitizers every mask is
+ * created, but only few are measured: a mask is a plane of bytes, whatever created it.
  */
 #include "metrics/extractors/extractors.h"
 #include "tests/metrics/synthetic.h"
@@ -14,7 +14,7 @@
 
 enum { CHOICES_MAX = 64, MASKS_MAX = 64, SEQUENCE_FRAMES = 180 };
 
-/* Everything that there is, over every mask that the frames allow. */
+/* All extractors, over every mask that the frames support. */
 struct setup {
     struct neph_meter_choice choices[CHOICES_MAX];
     int choice_count;
@@ -49,7 +49,7 @@ static void keep_some_masks(struct setup *setup)
     setup->mask_count = kept;
 }
 
-/* Intervals take most of the time and are the same for all masks: with them, only two. */
+/* Intervals take most of the time and are the same for all masks: only two masks get them. */
 static struct setup set_up(const struct neph_image *reference, bool temporal, bool intervals)
 {
     struct setup setup = {.choice_count = 0};
@@ -98,7 +98,7 @@ static struct neph_meter *start_meter(const struct setup *setup, int frame_count
     return meter;
 }
 
-/* ---- what must hold of every number ---------------------------------------------------------- */
+/* ---- conditions on every value --------------------------------------------------------------- */
 
 static void assert_sane(const struct neph_measurement *m, int width_px, int height_px)
 {
@@ -131,7 +131,7 @@ static void assert_all_sane(const struct neph_meter *meter, int width_px, int he
         assert_sane(&all[i], width_px, height_px);
 }
 
-/* No map for showing holds an infinity; NaN is "no value". */
+/* No displayed map has an infinity; NaN is "no value". */
 static void assert_maps_sane(const struct neph_meter *meter, const struct setup *setup)
 {
     for (int q = 0; q < neph_quantity_count(); q++)
@@ -220,7 +220,7 @@ static void fill(struct neph_image *image, const char *prefix, float value)
                 image->channels[c].samples[i] = value;
 }
 
-/* Black, all alike, the largest and the smallest floats, nothing but sky, nothing but ground. */
+/* Black, uniform, the largest and the smallest floats, only sky, only ground. */
 static void test_flat_and_extreme_contents(void **state)
 {
     static const struct {
@@ -262,7 +262,7 @@ static void test_flat_and_extreme_contents(void **state)
 
 enum { PLANT_WIDTH = 27, PLANT_HEIGHT = 25 };
 
-/* Where a bad value is put. */
+/* Position of a bad value. */
 struct plant {
     const char *channel;
     bool in_test;
@@ -288,8 +288,8 @@ static bool holds_channel(const struct neph_quantity *quantity, const char *chan
     return strncmp(channel, quantity->layer, strlen(quantity->layer)) == 0;
 }
 
-/* The number of the same frames without the plant, looked for from *place on: numbers come in the
- * same order, but a quantity with a bad value has fewer. */
+/* The measurement of the same frames without the bad value, searched from *place on: measurements
+ * have the same order, but a quantity with a bad value has fewer. */
 static void assert_same(const struct neph_measurement *m, const struct neph_measurement *clean,
                         int clean_count, int *place)
 {
@@ -328,8 +328,9 @@ static struct neph_meter *measure_planted(const struct setup *setup, const struc
     return meter;
 }
 
-/* In the quantity with the bad value, what looks at it is undefined and says how many pixels were
- * bad; every other number is what it is without. A number of a sequence is of all its frames. */
+/* In the quantity with the bad value, every extractor that reads it is undefined and reports the
+ * number of bad pixels; every other value is unchanged. A value of a sequence depends on all of its
+ * frames. */
 static void assert_plant_is_told(const struct setup *setup, const struct plant *plant,
                                  const struct neph_meter *meter, const struct neph_meter *without)
 {
@@ -387,8 +388,8 @@ static void test_bad_values_are_never_silent(void **state)
     neph_image_destroy(reference);
 }
 
-/* What stands beside the quantities: whatever is made of a bad value there is sane or not at all,
- * and a mask is made of no bad value. */
+/* Layers next to the quantities: results from a bad value are valid or absent, and no mask is made
+ * from a bad value. */
 static void test_bad_values_in_further_layers(void **state)
 {
     static const struct plant plants[] = {
@@ -440,7 +441,7 @@ static void measure_with(const struct neph_extractor *extractor, struct neph_set
     tear_down(&setup);
 }
 
-/* Each setting at its least and its largest, each word of a choice; the others as ever. */
+/* Each setting at its minimum and maximum, each word of a choice; the others at their defaults. */
 static void test_settings_at_their_ends(void **state)
 {
     struct neph_image *reference[2], *test[2];

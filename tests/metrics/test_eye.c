@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The eye against people: the thresholds of six published experiments (tests/data), and those of
- * two sources in percent. NEPH_FLICKER_THRESHOLDS names another file of the same columns, with any
- * further experiments in it.
+ * The model of the eye against measurements: thresholds of six published experiments (tests/data),
+ * and thresholds of two sources in percent. NEPH_FLICKER_THRESHOLDS names another file with the
+ * same columns, which may have further experiments.
  */
 #include "tests/neph_test.h"
 
@@ -10,7 +10,7 @@
 
 enum { EXPERIMENTS_MAX = 32, NAME_MAX_SIZE = 64 };
 
-/* A threshold that was measured. */
+/* A measured threshold. */
 struct threshold {
     double luminance_cd_per_m2, cycles_per_degree, radius_deg, area_deg2;
     char experiment[NAME_MAX_SIZE];
@@ -47,7 +47,7 @@ static double spread_db(const struct residuals *residuals)
     return sqrt(fmax(residuals->sum_of_squares_db / residuals->count - mean * mean, 0.0));
 }
 
-/* ---- the file -------------------------------------------------------------------------------- */
+/* ---- file ------------------------------------------------------------------------------------ */
 
 static bool read_threshold(const char *line, struct threshold *t)
 {
@@ -61,7 +61,7 @@ static bool read_threshold(const char *line, struct threshold *t)
 
 static const char usual_path[] = NEPH_SOURCE_DIR "/tests/data/flicker_thresholds.csv";
 
-/* Call `look` for each line of the file; returns their number. */
+/* Calls `look` for each line of the file; returns their number. */
 static int read_thresholds(const char *path, void (*look)(const struct threshold *, void *),
                            void *context)
 {
@@ -97,12 +97,11 @@ static double ours(const struct threshold *t)
 static void test_check_value(void **state)
 {
     neph_assert_close(neph_eye_elatcsf(10.0, 3.0, 10.0, 20.0), 398.1, 0.0, 0.05);
-    /* A disk off the gaze is seen worse, a larger one better, and nothing is seen of none. */
+    /* A disk away from the gaze is less visible, a larger one more, one of size 0 not at all. */
     assert_true(neph_eye_elatcsf(10.0, 3.0, 10.0, 1.0) < neph_eye_elatcsf(10.0, 3.0, 0.0, 1.0));
     assert_true(neph_eye_elatcsf(10.0, 3.0, 0.0, 5.0) > neph_eye_elatcsf(10.0, 3.0, 0.0, 1.0));
     assert_true(neph_eye_elatcsf(10.0, 3.0, 0.0, 0.0) == 0.0);
-    /* What the notes of the model say of area, at 15 Hz: 0.65 % at 1 deg, 0.30 % at 5, 0.21 % at
-     * 20. */
+    /* The model's notes on area, at 15 Hz: 0.65 % at 1 deg, 0.30 % at 5, 0.21 % at 20. */
     neph_assert_close(100.0 / neph_eye_elatcsf(15.0, 100.0, 0.0, 1.0), 0.65, 0.0, 0.01);
     neph_assert_close(100.0 / neph_eye_elatcsf(15.0, 100.0, 0.0, 5.0), 0.30, 0.0, 0.01);
     neph_assert_close(100.0 / neph_eye_elatcsf(15.0, 100.0, 0.0, 20.0), 0.21, 0.0, 0.01);
@@ -120,8 +119,8 @@ static void add_to_experiment(const struct threshold *t, void *context)
     add(&experiments[e].published, published(t) / t->sensitivity);
 }
 
-/* elaTCSF's spread of an experiment [dB], as computed by others, to one decimal; that of one which
- * nobody has told us about is what the published model has here. */
+/* elaTCSF's spread of an experiment [dB] from its publication, to one decimal. For an experiment
+ * without a published spread: the spread of the published model on the same data. */
 static double bound_db(const struct experiment *experiment)
 {
     static const struct {
@@ -160,7 +159,7 @@ static void add_to_level(const struct threshold *t, void *context)
         add(context, published(t) / t->sensitivity);
 }
 
-/* The constant is what it says it is. */
+/* The constant equals its definition. */
 static void test_level(void **state)
 {
     struct residuals level = {0};
@@ -172,9 +171,9 @@ static void test_level(void **state)
     neph_assert_close(NEPH_EYE_LEVEL_DB, -offset_db(&level), 0.0, 0.005);
 }
 
-/* De Lange, a disk of 1 degree radius at 159 cd/m2; Denes and Mantiuk 2020 (18 pictures, 19
+/* De Lange, a disk of 1 degree radius at 159 cd/m2; Denes and Mantiuk 2020 (18 images, 19
  * observers) by their formula at 100 cd/m2, gratings of 1 and of 16 cycles per degree. Within 3 dB:
- * the spread of elaTCSF about one experiment of the best. */
+ * elaTCSF's spread on one of its best experiments. */
 static void test_thresholds_in_percent(void **state)
 {
     static const struct {

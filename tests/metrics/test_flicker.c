@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Flicker before a camera that stands still: closed forms of pure signals, moments of white noise,
- * and the definitions evaluated frame by frame.
+ * Flicker with a static camera: closed forms of pure signals, moments of white noise, and the
+ * definitions evaluated frame by frame.
  */
 #include "tests/metrics/flicker_test.h"
 
@@ -13,16 +13,15 @@
 
 #include <sched.h>
 
-/* The luma of a stored sample differs from the wanted one by the rounding of the linear float,
- * 2^-24 of it, which the encoding passes on by at most a factor of 1 (12.92 c / 12.92 c; above the
- * step less). Amplitudes are means of such errors. */
+/* The luma of a stored sample differs from the intended one by the rounding of the linear float,
+ * 2^-24 of it. The encoding multiplies this by at most 1 (12.92 c / 12.92 c; less above the step).
+ * Amplitudes are means of such errors. */
 static const double of_float = 0x1p-24;
 
-/* The encoding is good to 2e-15; differences, and sums of 200 frames of them, lose no more than two
- * digits. */
+/* The encoding is accurate to 2e-15; differences and sums of 200 frames lose at most two digits. */
 static const double of_double = 2e-13;
 
-/* ---- the signal ------------------------------------------------------------------------------ */
+/* ---- signal ---------------------------------------------------------------------------------- */
 
 static void test_luma_is_that_of_the_standard(void **state)
 {
@@ -60,7 +59,7 @@ static void test_luma_at_its_ends(void **state)
 
 /* ---- pure signals ---------------------------------------------------------------------------- */
 
-/* A grey of frame 0 of `test`, so that d starts at 0 wherever the signal does. */
+/* A grey equal to frame 0 of `test`: d starts at 0 as the signal does. */
 static struct sequence still(int width_px, int height_px, double luma)
 {
     struct sequence reference = sequence_create(width_px, height_px, 1);
@@ -70,8 +69,8 @@ static struct sequence still(int width_px, int height_px, double luma)
     return reference;
 }
 
-/* x = 0.5 + A cos(pi t / 2 + phase), a pixel per phase: a4 = A, std = A / sqrt 2, and all of it is
- * the cycle. */
+/* x = 0.5 + A cos(pi t / 2 + phase), a pixel per phase: a4 = A, std = A / sqrt 2, and the cycle's
+ * share is 1. */
 static void test_period_of_four(void **state)
 {
     enum { PHASES = 23, N = 32 };
@@ -125,8 +124,8 @@ static void test_period_of_two(void **state)
     sequence_destroy(&test);
 }
 
-/* One frame in four: h, 0, 0, 0 is h / 4 of each part, a4 = h / 2 and a2 = h / 4. The two lumas are
- * those of exact floats, so the closed form holds to double precision. */
+/* One frame in four: h, 0, 0, 0 has h / 4 in each part, a4 = h / 2 and a2 = h / 4. Both lumas
+ * belong to exact floats, so the closed form is valid to double precision. */
 static void test_blink(void **state)
 {
     enum { N = 20 };
@@ -147,7 +146,7 @@ static void test_blink(void **state)
 }
 
 /* In the dark the luma is 12.92 times the linear value, and multiples of 2^-16 are exact: a ramp
- * without rounding. It leaks sqrt(2) and 1/2 of its slope into a4 and a2 unless it is taken out. */
+ * without rounding. Without detrending, sqrt(2) and 1/2 of its slope leak into a4 and a2. */
 static void test_ramp(void **state)
 {
     enum { N = 128 };
@@ -174,8 +173,8 @@ static void test_ramp(void **state)
     sequence_destroy(&test);
 }
 
-/* Whatever stands still is exactly 0, also at an exposure and far beyond white; and so is a test
- * that does what the reference does. */
+/* A static signal is exactly 0, also at an exposure and far beyond white; and so is a test that
+ * equals the reference. */
 static void test_nothing_is_exactly_nothing(void **state)
 {
     enum { W = 19, H = 3, N = 24 };
@@ -232,7 +231,7 @@ static void check_pixel(double *const *maps, int pixel, const struct flicker_tru
     neph_assert_close(maps[0][pixel], truth->std, 0.0, of_double);
     neph_assert_close(maps[1][pixel], truth->p2p, 0.0, of_double);
     neph_assert_close(maps[2][pixel], truth->mad, 0.0, of_double);
-    /* Where almost nothing is left above the noise the root magnifies rounding: compare squares. */
+    /* Where almost nothing remains above the noise the root magnifies rounding: compare squares. */
     const double noise4 = given->subtract_noise ? 0.0 : truth->quarter_noise;
     const double noise2 = given->subtract_noise ? 0.0 : truth->half_noise;
     const double a4_squared = truth->a4_squared + noise4, a2_squared = truth->a2_squared + noise2;
@@ -332,7 +331,7 @@ static void test_small_flicker_on_a_large_value(void **state)
     sequence_destroy(&test);
 }
 
-/* The same memory with another content is another frame. */
+/* The same memory with different content is a different frame. */
 static void test_reference_is_compared_by_value(void **state)
 {
     enum { N = 16 };
@@ -360,12 +359,12 @@ static void test_reference_is_compared_by_value(void **state)
 
 /* ---- blocks ---------------------------------------------------------------------------------- */
 
-/* A dither that turns through the 2x2 is there for pixels and gone for blocks; partial blocks at
- * odd borders keep what they hold. */
+/* A dither that rotates through the 2x2 is present in pixels and absent in blocks; partial blocks
+ * at odd borders keep their remaining flicker. */
 static void test_blocks(void **state)
 {
     enum { W = 5, H = 3, N = 16 };
-    static const int turn[4] = {0, 1, 3, 2}; /* phase: place in the clockwise order */
+    static const int turn[4] = {0, 1, 3, 2}; /* phase: position in the clockwise order */
     const double height = 0.1;
     struct sequence reference = still(W, H, 0.4), test = sequence_create(W, H, N);
     for (int t = 0; t < N; t++)
@@ -378,8 +377,8 @@ static void test_blocks(void **state)
     double *block2 = flicker_map(&run, "block_a2");
     for (int y = 0; y < H; y++) {
         for (int x = 0; x < W; x++) {
-            /* Right: two pixels a quarter turn apart, 1 and 1 of 2 in turn: their parts add up at
-             * right angles. Below: the same. Corner: one pixel alone. */
+            /* Right: two pixels a quarter period apart, alternately 1 and 1 of 2: their parts add
+             * as perpendicular vectors. Below: the same. Corner: one pixel. */
             const bool right = x == W - 1, below = y == H - 1;
             const double expected = right && below   ? height / 2.0
                                     : right || below ? height / 2.0 / sqrt(2.0)
@@ -394,8 +393,8 @@ static void test_blocks(void **state)
     free(block);
     free(block2);
     extraction_end(&run);
-    /* With slots of 2 px the first block is 4 px wide and has 3 rows: 12 pixels, of which the
-     * lowest row is not balanced. */
+    /* With slots of 2 px the first block is 4 px wide and has 3 rows: 12 pixels; the lowest row is
+     * not balanced. */
     run = flicker_run(&reference, &test, NULL, (const char *const[]){"slot_px=2", NULL});
     neph_assert_close(flicker_at(&run, "block_a4", 0, 0), height * sqrt(2.0) / 12.0, 1e-6, 0.0);
     extraction_end(&run);
@@ -431,8 +430,8 @@ static struct neph_flicker_spectrum spectrum_of(const double *v, int n,
 /* White noise of standard deviation s: a4^2 and its floor have the mean 4 s^2 / N, a2^2 and its
  * floor s^2 / N. The first is chi-square with 2 degrees of freedom per pixel, the floor with 8,
  * a2^2 with 1 and its floor with 4: relative standard errors over m pixels of sqrt(2 / (dof m)),
- * five of which are allowed. Detrending takes a share of about 1 / N, in bins far from these less.
- * The two probabilities are uniform: the share below p is binomial. */
+ * five of which are allowed. Detrending removes a fraction of about 1 / N, less in bins far from
+ * these. The two probabilities are uniform: the share below p is binomial. */
 static void test_white_noise(void **state)
 {
     enum { M = 20000, N = 32 };
@@ -485,7 +484,7 @@ static void test_significance_of_a_cycle(void **state)
     neph_assert_close(neph_flicker_half_p(&deep), 6.0 / 1e16, 1e-7, 0.0);
 }
 
-/* A line under a signal changes nothing: in the dark, where lines are exact. */
+/* A line added to a signal changes nothing: in the dark, where lines are exact. */
 static void test_a_trend_changes_nothing(void **state)
 {
     enum { W = 8, N = 48 };
@@ -517,11 +516,11 @@ static void test_a_trend_changes_nothing(void **state)
     sequence_destroy(&rising);
 }
 
-/* ---- which frames count ---------------------------------------------------------------------- */
+/* ---- counted frames -------------------------------------------------------------------------- */
 
 static void test_only_whole_cycles_after_the_warm_up(void **state)
 {
-    enum { N = 27, WARM_UP = 6 }; /* 21 are left, 20 count */
+    enum { N = 27, WARM_UP = 6 }; /* 21 remain, 20 count */
     uint64_t random = 8;
     struct sequence reference = still(3, 2, 0.5), all = sequence_create(3, 2, N);
     struct sequence used = sequence_create(3, 2, 20);
@@ -606,7 +605,7 @@ static void test_slots_are_traced_in_turn(void **state)
             assert_int_equal(neph_phase_of(&scheme, x, y), x + 2 * y);
             for (int age = 0; age < 4; age++)
                 assert_int_equal(neph_frame_of_age(&scheme, x + 6, y + 2, age), (t + age) % 4);
-            scheme.first_slot = 3; /* frame 0 traces the last place, frame 1 the first */
+            scheme.first_slot = 3; /* frame 0 traces the last slot, frame 1 the first */
             assert_int_equal(neph_frame_of_age(&scheme, x, y, 0), (t + 1) % 4);
             scheme = (struct neph_phase_age){(enum neph_slot_order)order, 0, 3, true};
             assert_int_equal(neph_frame_of_age(&scheme, 3 * x + 2, 3 * y + 1, 0), (t + 3) % 4);
@@ -615,7 +614,7 @@ static void test_slots_are_traced_in_turn(void **state)
     }
 }
 
-/* A planted table of means by phase and age comes back, and so do its ages and its slope. */
+/* A planted table of means by phase and age is recovered, and so are its ages and its slope. */
 static void test_phase_age_table(void **state)
 {
     enum { W = 7, H = 5, N = 24 };
@@ -662,7 +661,7 @@ static void test_a_phase_that_is_not_there(void **state)
     sequence_destroy(&test);
 }
 
-/* ---- the house ------------------------------------------------------------------------------- */
+/* ---- conventions ----------------------------------------------------------------------------- */
 
 static void allow_processors(const cpu_set_t *allowed)
 {
@@ -706,7 +705,7 @@ static void test_table(void **state)
     assert_ptr_equal(neph_extractor_find("flicker"), &neph_extractor_flicker);
     for (const struct neph_metric *m = neph_extractor_flicker.metrics; m->name; m++) {
         const struct neph_extractor *owner = NULL;
-        assert_ptr_equal(neph_metric_find(m->name, &owner), m); /* no other has its name */
+        assert_ptr_equal(neph_metric_find(m->name, &owner), m); /* the name is unique */
         assert_ptr_equal(owner, &neph_extractor_flicker);
     }
 }

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The budget of flicker by period: what is planted is found and nothing else, the parts add up to
- * the variance, and a number that is not there says why. bench_cycles does the same with all
- * periods.
+ * The budget of flicker by period: planted periods are found, no others are, the parts add up to
+ * the variance, and a missing value has a reason. bench_cycles does the same with all periods.
  */
 #include "tests/metrics/flicker_test.h"
 
@@ -32,8 +31,8 @@ static bool has_period(const struct neph_cycle_frequencies *frequencies, int per
     return false;
 }
 
-/* Farey's sequence of order 32 between 0 and 1/2: half of the sum of Euler's totients 2..32, 323,
- * and the one half of that of 2. */
+/* Farey's sequence of order 32 between 0 and 1/2: half of the sum of Euler's totients of 2..32,
+ * 323, and the one half that belongs to 2. */
 static void test_each_frequency_has_one_period(void **state)
 {
     struct neph_arena memory = {0};
@@ -69,7 +68,7 @@ static void test_declared_periods_and_their_beats(void **state)
         256, "slot 4, TAA jitter 7, ray 9,long 65", &memory);
     assert_true(has_period(&frequencies, 36));  /* of 4 and 9 */
     assert_true(has_period(&frequencies, 63));  /* of 7 and 9 */
-    assert_false(has_period(&frequencies, 65)); /* fewer than four of it */
+    assert_false(has_period(&frequencies, 65)); /* fewer than four periods */
     assert_false(has_period(&frequencies, 56));
     neph_arena_finish(&memory);
     const char *const bad[] = {"slot",    "slot 1",   "7.5,slot",
@@ -105,7 +104,7 @@ static void test_who_made_a_period(void **state)
     }
 }
 
-/* ---- what is found --------------------------------------------------------------------------- */
+/* ---- found periods --------------------------------------------------------------------------- */
 
 static void assert_found(const struct cycle_plan *plan, int side_px, int frame_count,
                          double tolerance)
@@ -120,9 +119,9 @@ static void assert_found(const struct cycle_plan *plan, int side_px, int frame_c
                  result.worst_period);
 }
 
-/* The hardest neighbours, what shares bins, and primes; sines and waveforms, in phase and not. What
- * is left is the rounding of floats, 2^-24 of 0.1, and that of an inverse in which two waves are
- * told apart by 0.2. */
+/* The closest periods, periods that share bins, and primes; sines and waveforms, in phase and not.
+ * The remaining error is the rounding of floats, 2^-24 of 0.1, and that of an inverse in which two
+ * waves differ by 0.2. */
 static void test_pairs_are_found(void **state)
 {
     const int pairs[][2] = {{31, 32}, {30, 32}, {16, 32}, {7, 8}, {2, 4}, {29, 3}, {13, 26}};
@@ -153,7 +152,7 @@ static void test_cycles_are_found_in_noise(void **state)
     }
 }
 
-/* At a level of 0.1 % none of these 30 is expected to be. */
+/* At a level of 0.1 % no period is expected in these 30. */
 static void test_noise_has_no_cycles(void **state)
 {
     for (int i = 0; i < neph_test_paths(3 * CYCLE_COLOUR_COUNT); i++) {
@@ -164,8 +163,8 @@ static void test_noise_has_no_cycles(void **state)
     }
 }
 
-/* In four pixels under noise of four times the RMS 31 frames are not always told from 30 or 32: a
- * period that is not the one says that it may be. */
+/* In four pixels under noise of four times the RMS, 31 frames cannot always be distinguished from
+ * 30 or 32: a wrong period states that it is uncertain. */
 static void test_a_wrong_period_says_so(void **state)
 {
     int wrong = 0;
@@ -187,10 +186,10 @@ static void test_a_wrong_period_says_so(void **state)
         }
         neph_arena_finish(&memory);
     }
-    assert_true(wrong > 0 || neph_test_path_step() > 1); /* of the few there need not be one */
+    assert_true(wrong > 0 || neph_test_path_step() > 1); /* few tests may have none */
 }
 
-/* ---- the budget ------------------------------------------------------------------------------ */
+/* ---- budget ---------------------------------------------------------------------------------- */
 
 static struct extraction run_cycles(const struct sequence *reference, const struct sequence *test)
 {
@@ -207,7 +206,7 @@ static struct extraction run_cycles(const struct sequence *reference, const stru
 
 enum { W = 20, H = 3, N = 256 };
 
-/* Luma of pixel x in frame t: rows differ in what there is beside the cycles. */
+/* Luma of pixel x in frame t: rows differ in the signal next to the cycles. */
 static double budget_luma(int x, int y, int t, double noise)
 {
     const double u = (double)t / (double)N;
@@ -231,8 +230,8 @@ static double *part_map(const struct extraction *extraction, const char *name)
     return extraction_map(extraction, extraction_map_index(extraction->extractor, name));
 }
 
-/* Parseval: what each period, the line and the noise have, each worked out by itself, and what they
- * share is the variance of the frames as they are stored. d is kept as a float. */
+/* Parseval: the variances of each period, of the line and of the noise, each computed separately,
+ * and their cross terms add up to the variance of the stored frames. d is stored as a float. */
 static void test_parts_add_up_to_the_variance(void **state)
 {
     struct sequence test = sequence_create(W, H, N), reference = sequence_create(W, H, 1);
@@ -263,13 +262,13 @@ static void test_parts_add_up_to_the_variance(void **state)
     sequence_destroy(&test);
 }
 
-/* Without noise each part is what was planted, to the rounding of d to a float. */
+/* Without noise each part is as planted, to the rounding of d to a float. */
 static void test_parts_are_what_was_planted(void **state)
 {
     struct sequence test = sequence_create(W, H, N), reference = sequence_create(W, H, 1);
     fill_budget(&test);
     struct extraction extraction = run_cycles(&reference, &test);
-    /* A pulse in one frame of four: half of its cosines' power at 1/4, the rest at 1/2. */
+    /* A pulse in one frame of four: half of its cosines' power at 1/4, half at 1/2. */
     const struct {
         const char *name;
         double square;
@@ -292,7 +291,7 @@ static void test_parts_are_what_was_planted(void **state)
     sequence_destroy(&test);
 }
 
-/* ---- over masks ------------------------------------------------------------------------------ */
+/* ---- masks ----------------------------------------------------------------------------------- */
 
 enum { MASK_W = 48, MASK_H = 32 };
 
@@ -302,7 +301,7 @@ struct over_masks {
     struct neph_meter *meter;
 };
 
-/* A sine of `period` where mask.thin is, noise of the same RMS everywhere. */
+/* A sine of `period` inside of mask.thin, noise of the same RMS everywhere. */
 static struct over_masks measure_masks(int period, int frame_count, const char *declared)
 {
     struct over_masks over = {.meter = NULL};
@@ -390,7 +389,7 @@ static void assert_undefined(const struct over_masks *over, const char *metric, 
         fail_msg("'%s' over '%s': %s", metric, mask, measured->undefined_because);
 }
 
-/* Half of the picture has it; an interval holds the truth. */
+/* Half of the frame has it; an interval contains the truth. */
 static void test_a_mask_without_a_cycle_says_so(void **state)
 {
     struct over_masks over = measure_masks(7, 256, NULL);
@@ -436,9 +435,9 @@ static void test_a_bad_declaration_is_told(void **state)
     end_masks(&over);
 }
 
-/* ---- the rest -------------------------------------------------------------------------------- */
+/* ---- further cases --------------------------------------------------------------------------- */
 
-/* A reference that flickers as the test does leaves nothing. */
+/* A reference with the same flicker as the test leaves nothing. */
 static void test_the_reference_is_taken_out(void **state)
 {
     struct sequence test = sequence_create(W, H, 64), reference = sequence_create(W, H, 64);

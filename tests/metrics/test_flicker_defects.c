@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Planted defects through the meter, as a user gets them: each must get its name, and no other.
+ * Planted defects through the meter: each must get its name, and no other.
  */
 #include "tests/metrics/flicker_test.h"
 
@@ -8,7 +8,7 @@
 #include "metrics/mask.h"
 #include "metrics/meter.h"
 
-/* A fence before a smooth sky: upright bars of 1 px, 100 apart, so 1 % of the pixels. */
+/* A fence in front of a smooth sky: vertical bars of 1 px, 100 apart, so 1 % of the pixels. */
 enum { W = 200, H = 48, N = 64, BAR_PITCH = 100, BAR_AT = 37 };
 
 static bool is_bar(int x)
@@ -16,9 +16,9 @@ static bool is_bar(int x)
     return x % BAR_PITCH == BAR_AT;
 }
 
-/* ---- defects: luma added to the picture ------------------------------------------------------ */
+/* ---- defects: luma added to the frame -------------------------------------------------------- */
 
-/* What a defect may look at. */
+/* The inputs of a defect. */
 struct place {
     int t, x, y;
     uint64_t *random;
@@ -26,7 +26,7 @@ struct place {
 
 typedef double defect_function(struct place place);
 
-/* One frame in four the bars are gone. */
+/* The bars are missing in one of four frames. */
 static double blinking_fence(struct place place)
 {
     return is_bar(place.x) && place.t % 4 == 2 ? 0.2 : 0.0;
@@ -38,7 +38,7 @@ static double alternating_fence(struct place place)
     return is_bar(place.x) && place.t % 2 ? 0.1 : 0.0;
 }
 
-/* The variance of 0.2 in one frame of four is 0.2^2 * 3 / 16, there on 1 % of the pixels. */
+/* The variance of 0.2 in one frame of four is 0.2^2 * 3 / 16; here on 1 % of the pixels. */
 static const double blink_std = 0.0866025403784438647;
 
 static double noise_of_equal_energy(struct place place)
@@ -51,7 +51,7 @@ static double noisy_fence(struct place place)
     return is_bar(place.x) ? blink_std * normal(place.random) : 0.0;
 }
 
-/* Noise of all pixels together, as a trembling exposure makes it. */
+/* Noise common to all pixels, as from a fluctuating exposure. */
 static double trembling(struct place place)
 {
     static const signed char steps[N] = {
@@ -99,14 +99,14 @@ static double everything(struct place place)
     return blinking_fence(place) + fade_smooth(place) + 0.01 * normal(place.random);
 }
 
-/* A dither that turns through the 2x2 everywhere. */
+/* A dither that rotates through the 2x2 everywhere. */
 static double turning_dither(struct place place)
 {
     static const int turn[4] = {0, 1, 3, 2};
     return place.t % 4 == turn[(place.x & 1) + 2 * (place.y & 1)] ? 0.1 : 0.0;
 }
 
-/* All at once. */
+/* All pixels at once. */
 static double blinking_wall(struct place place)
 {
     return place.t % 4 == 2 ? 0.1 : 0.0;
@@ -119,7 +119,7 @@ static double luma_at(int x, int y)
     return is_bar(x) ? 0.25 : 0.4 + 0.1 * y / H;
 }
 
-/* A frame with depth: the bars at 2 m, the wall behind at 10 m. */
+/* A frame with depth: bars at 2 m, a wall behind at 10 m. */
 static void fill_frame(struct neph_image *image, defect_function *defect, int t, uint64_t *random)
 {
     float *planes[3];
@@ -155,7 +155,7 @@ static struct neph_mask *create_mask(const struct neph_image *image, const char 
     return mask;
 }
 
-/* What is beside the edges. */
+/* The pixels outside of the edges. */
 static void invert(struct neph_mask *mask)
 {
     snprintf(mask->name, sizeof(mask->name), "beside");
@@ -273,7 +273,7 @@ static void test_defects_get_their_names(void **state)
     }
 }
 
-/* The numbers of the fence: a4 of h / 2, a2 of h / 4 on the bars alone; the mask of edges is 7 px
+/* The values of the fence: a4 of h / 2, a2 of h / 4 only on the bars. The mask of edges is 7 px
  * wide, so a seventh of it blinks. Floats of linear light shift lumas by up to 2^-24. */
 static void test_numbers_of_the_blinking_fence(void **state)
 {
@@ -284,7 +284,7 @@ static void test_numbers_of_the_blinking_fence(void **state)
     neph_assert_close(value_of(&measured, "cyclic_share", EDGE), 1.0 / 7.0, 1e-12, 0.0);
     neph_assert_close(value_of(&measured, "a4_share_4", ALL), 0.01, 1e-12, 0.0);
     neph_assert_close(value_of(&measured, "a4_p95", BESIDE), 0.0, 0.0, 1e-7);
-    /* 95 % of the pixels beside are as still as 0: the ratio stands on its floor of 1/1020. */
+    /* 95 % of the other pixels are exactly 0: the ratio is at its floor of 1/1020. */
     neph_assert_close(neph_flicker_edge_ratio(value_of(&measured, "a4_p95", EDGE),
                                               value_of(&measured, "a4_p95", BESIDE)),
                       0.1 * 1020.0, 1e-5, 0.0);
@@ -293,8 +293,8 @@ static void test_numbers_of_the_blinking_fence(void **state)
     finish(&measured);
 }
 
-/* By its mean deviation noise of equal energy is the worse of the two by far; what is judged is
- * what sticks out, and of what kind. */
+/* By its mean deviation, noise of equal energy is far worse. The verdict depends on outliers and
+ * their kind. */
 static void test_the_mean_would_not_tell(void **state)
 {
     struct measured fence = measure(blinking_fence), noise = measure(noise_of_equal_energy);
@@ -330,7 +330,7 @@ static void test_pure_functions(void **state)
     assert_int_equal(neph_flicker_verdict(0.01, 0.01), NEPH_FLICKER_CYCLIC);
     assert_int_equal(neph_flicker_verdict(NEPH_FLICKER_SHARE, NEPH_FLICKER_SHARE),
                      NEPH_FLICKER_CALM);
-    /* White noise keeps nearly all of its mad of 2 s / sqrt(pi); fades keep nothing. */
+    /* White noise keeps nearly all of its mad of 2 s / sqrt(pi); fades keep none. */
     neph_assert_close(neph_flicker_unrest(1.128, 5.0, 128), 1.128 - 10.0 / 127.0, 1e-12, 0.0);
     assert_true(neph_flicker_unrest(1.0 / 127.0, 1.0, 128) == 0.0);
 }
@@ -348,7 +348,7 @@ static double fireflies(uint64_t *random)
     return (neph_test_uniform(random, 0.0, 1.0) < 0.06 ? 0.4 : 0.0) + 3e-4 * normal(random);
 }
 
-/* How many of NOISE_PIXEL_COUNT pixels of noise are called cyclic. */
+/* The number of noise pixels, of NOISE_PIXEL_COUNT, that are called cyclic. */
 static int count_called_cyclic(double (*noise)(uint64_t *random), int frame_count)
 {
     uint64_t random = 4;
@@ -387,7 +387,7 @@ static void test_noise_is_not_called_cyclic(void **state)
     assert_true(count_called_cyclic(white_noise, 32) <= 6);
 }
 
-/* The level is that of normal noise; other noise is called cyclic more often, a mask is not. */
+/* The level is for normal noise; other noise is called cyclic more often, a mask is not. */
 static void test_fireflies_are_not_called_cyclic(void **state)
 {
     const double share_max = 0.5 * NEPH_FLICKER_SHARE;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * FLIP against a second implementation (flip_reference.py), against what follows from its
- * definition, and against what the public tool is known to print.
+ * FLIP against a second implementation (flip_reference.py), against consequences of its definition,
+ * and against known output of the public tool.
  */
 #include "tests/metrics/extractor_test.h"
 
@@ -13,7 +13,7 @@
 #include <float.h>
 #include <sched.h>
 
-/* ---- pictures by exact rules, the same as in flip_reference.py ------------------------------- */
+/* ---- images by exact rules, the same as in flip_reference.py --------------------------------- */
 
 typedef double picture_rule(uint32_t x, uint32_t y, uint32_t c, uint32_t seed, bool test);
 
@@ -108,7 +108,7 @@ struct hdr_case {
 
 enum { COUNT_OF_LDR = sizeof(ldr_cases) / sizeof(ldr_cases[0]) };
 
-/* A pair of pictures, R G B planes. */
+/* A pair of images, R G B planes. */
 struct pictures {
     int width_px, height_px;
     float *planes[2][3];
@@ -146,7 +146,7 @@ static void free_pictures(struct pictures *pictures)
         free(pictures->planes[i / 3][i % 3]);
 }
 
-/* NEPH_TEST_SEED, or the given one; printed, so that a failure can be run again. */
+/* NEPH_TEST_SEED, or the given seed; printed, so that a failure can be reproduced. */
 static uint64_t test_seed(uint64_t usual)
 {
     const char *wanted = getenv("NEPH_TEST_SEED");
@@ -155,9 +155,9 @@ static uint64_t test_seed(uint64_t usual)
     return seed;
 }
 
-/* ---- the core -------------------------------------------------------------------------------- */
+/* ---- core ------------------------------------------------------------------------------------ */
 
-/* The map for the caller to free; `first` 1: the pictures change places. */
+/* The map for the caller to free; `first` 1: the images are swapped. */
 static double *flip_of(const struct pictures *pictures, int first, double pixels_per_degree,
                        struct neph_flip_display display)
 {
@@ -200,9 +200,10 @@ static struct expected facts_of(const double *map, int width_px, int height_px)
     return facts;
 }
 
-/* Two evaluations in double precision, of 15 printed digits. What is compared are powers: of a
- * difference near rounding, c^0.7, and of features that are differences themselves, d^0.5, so a
- * flat place has features of sqrt(1e-16) = 1e-8, which move FLIP by 1e-8 |log FLIP| of itself. */
+/* Two evaluations in double precision, with 15 printed digits. The compared values are powers:
+ * c^0.7 of a difference near rounding, and d^0.5 of features that are differences themselves. So a
+ * flat image has features of sqrt(1e-16) = 1e-8, which change FLIP by a relative 1e-8 |log FLIP|.
+ */
 static void assert_facts(const struct expected *actual, const struct expected *expected)
 {
     neph_assert_close(actual->mean, expected->mean, 1e-7, 0.0);
@@ -255,7 +256,7 @@ static void test_uniform_greys(void **state)
     free_pictures(&pictures);
 }
 
-/* ---- what follows from the definition -------------------------------------------------------- */
+/* ---- consequences of the definition ---------------------------------------------------------- */
 
 static const double distances[] = {10.0, 30.0, 67.0206432765823, 131.7, 200.0};
 static picture_rule *const rules[] = {noise, near,  dark, bright,    wires,
@@ -306,8 +307,8 @@ static void test_properties(void **state)
     }
 }
 
-/* The same scene further right and lower: tiles, vectors and their tails fall elsewhere, so equal
- * bits mean that none of them matters. */
+/* The same scene further right and lower: tiles, vectors and their tails are at other positions, so
+ * equal bits mean that none of them matters. */
 static double moved_noise(uint32_t x, uint32_t y, uint32_t c, uint32_t seed, bool test)
 {
     return noise(x + 19, y + 11, c, seed, test);
@@ -330,7 +331,7 @@ static void test_tiles_do_not_show(void **state)
     free_pictures(&moved);
 }
 
-/* Several displays at once: of each pixel the largest of what they give one by one, to the bit. */
+/* Several displays at once: the largest of their values at each pixel, to the bit. */
 static void test_largest_of_displays(void **state)
 {
     const struct neph_flip_display displays[] = {
@@ -358,7 +359,7 @@ static void test_largest_of_displays(void **state)
             chosen[i] += together[p] == single[i][p];
     }
     for (int i = 0; i < 3; i++) {
-        assert_true(chosen[i] > 0); /* or the picture would not tell */
+        assert_true(chosen[i] > 0); /* otherwise the test has no power */
         free(single[i]);
     }
     free(together);
@@ -398,9 +399,9 @@ static void test_distance_out_of_range(void **state)
     }
 }
 
-/* ---- the extractors -------------------------------------------------------------------------- */
+/* ---- extractors ------------------------------------------------------------------------------ */
 
-/* A pair of frames whose images are the pictures; free_images() after it. */
+/* A pair of frames with these images; free_images() after it. */
 static struct neph_frame_pair pair_of(const struct pictures *pictures, int frame,
                                       const struct neph_viewing *viewing)
 {
@@ -431,7 +432,7 @@ static void test_tables(void **state)
     extraction_check_table(&neph_extractor_flip_alternation);
 }
 
-/* The map of a still extractor over a pair, for the caller to free. */
+/* The map of a single-frame extractor for a pair, for the caller to free. */
 static double *still_map(const struct neph_extractor *extractor, const struct pictures *pictures,
                          struct neph_viewing viewing, const char *const *assignments)
 {
@@ -484,7 +485,8 @@ static void test_hdr_second_implementation(void **state)
         struct extraction extraction = extraction_begin(&neph_extractor_hdr_flip, &pair,
                                                         (const char *[]){tone, NULL});
         extraction_frame(&extraction, &pair);
-        /* Luminance sums of three products in another order: 1e-15 relative, so of the stops. */
+        /* Luminance sums of three products in another order: 1e-15 relative, and the same for the
+         * stops. */
         neph_assert_close(extraction_scalar(&extraction, "hdr_flip_start_ev"), it->start_ev, 0.0,
                           1e-13);
         neph_assert_close(extraction_scalar(&extraction, "hdr_flip_stop_ev"), it->stop_ev, 0.0,
@@ -500,7 +502,7 @@ static void test_hdr_second_implementation(void **state)
     }
 }
 
-/* The published values are of single precision: a few of its last places, 2^-24 each. */
+/* The published values have single precision: a few units of 2^-24. */
 static void test_tone_inverses(void **state)
 {
     const double published[] = {
@@ -514,7 +516,7 @@ static void test_tone_inverses(void **state)
                           8 * 0x1p-24, 0.0);
 }
 
-/* NVlabs/flip 1.6 reports a mean of 0 and success for this pair, since its range has no end. */
+/* NVlabs/flip 1.6 reports success with a mean of 0 here, as its exposure range is infinite. */
 static void test_median_of_zero_is_no_agreement(void **state)
 {
     struct pictures pictures = draw(night, 40, 25, 35);
@@ -578,7 +580,7 @@ static void test_exposures_are_frozen(void **state)
     free_pictures(&second);
 }
 
-/* An exposure that is not given is that of the rule; 0 EV is given too. */
+/* A missing exposure follows the rule; 0 EV is a given exposure. */
 static void test_one_exposure_is_enough(void **state)
 {
     struct pictures pictures = draw(bright, 20, 12, 81);
@@ -618,8 +620,8 @@ static void test_one_exposure_is_enough(void **state)
     free_pictures(&pictures);
 }
 
-/* Light below zero is black, before any curve: those of the tool make it bright (aces shows -0.3 as
- * 0.675). With the exposures given, so that the reference's luminances have no say. */
+/* Light below zero is black, before any curve: the tool's curves make it bright (aces gives 0.675
+ * for -0.3). With given exposures, so that the reference's luminances have no effect. */
 static void test_negative_light_is_black(void **state)
 {
     static const char *const tones[] = {"tone=none", "tone=aces", "tone=reinhard", "tone=hable"};
@@ -642,8 +644,8 @@ static void test_negative_light_is_black(void **state)
     free_pictures(&clamped);
 }
 
-/* The exposures are the reference's, so reference and test cannot change places; but the unit of
- * radiance has no say: 16 times as bright is 4 stops less, to the bit. */
+/* The exposures are the reference's, so reference and test cannot be swapped. The unit of radiance
+ * has no effect: 16 times as bright is 4 stops less, to the bit. */
 static void test_hdr_symmetries(void **state)
 {
     struct pictures pictures = draw(sky, 41, 23, 83);
@@ -674,7 +676,7 @@ static void test_hdr_symmetries(void **state)
 
 /* ---- FLIP between frames --------------------------------------------------------------------- */
 
-/* Run frames[0 .. frame_count - 1] (indices of pictures; -1 as reference: the first one's). */
+/* Runs frames[0 .. frame_count - 1] (indices of images; -1 as reference: the first one's). */
 static struct extraction run_sequence(const struct pictures *pictures, const int *test,
                                       const int *reference, int frame_count,
                                       const struct neph_viewing *viewing, const char *cycles)
@@ -697,7 +699,7 @@ static struct extraction run_sequence(const struct pictures *pictures, const int
     return run;
 }
 
-/* What map number `map` of the extractor must be: `share` times FLIP of pictures 0 and 1. */
+/* The expected map number `map` of the extractor: `share` times FLIP of images 0 and 1. */
 static void assert_share(const struct extraction *run, int map, const double *pair_map,
                          double share)
 {
@@ -788,7 +790,7 @@ static void test_alternation_needs_whole_cycles(void **state)
 
 /* ---- through the meter ----------------------------------------------------------------------- */
 
-/* The numbers of extractor flip over the whole frame. */
+/* The values of extractor flip over the whole frame. */
 static struct neph_meter *measure(const struct pictures *pictures, double pixels_per_degree)
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
@@ -835,7 +837,7 @@ static void test_numbers_through_the_meter(void **state)
         struct pictures pictures = draw(it->rule, it->width_px, it->height_px, it->seed);
         struct neph_meter *meter = measure(&pictures, it->pixels_per_degree);
         neph_assert_close(measured(meter, "flip_mean")->value, it->expected.mean, 1e-7, 0.0);
-        /* Order statistics are kept as floats: half a last place more. */
+        /* Order statistics are stored as floats: half a unit in the last place more. */
         neph_assert_close(measured(meter, "flip_max")->value, it->expected.max, 2e-7, 0.0);
         neph_assert_close(measured(meter, "flip_wmedian")->value, it->expected.weighted_median,
                           2e-7, 0.0);
@@ -844,7 +846,7 @@ static void test_numbers_through_the_meter(void **state)
     }
 }
 
-/* idiff of OpenImageIO 2.4.7 passes such a picture, and FLIP's tool turns NaN into black. */
+/* idiff of OpenImageIO 2.4.7 passes such an image, and FLIP's tool turns NaN into black. */
 static void test_not_a_number_is_not_black(void **state)
 {
     struct pictures pictures = draw(noise, 16, 9, 90);
@@ -858,7 +860,7 @@ static void test_not_a_number_is_not_black(void **state)
     free_pictures(&pictures);
 }
 
-/* Dark wires over a bright sky, half of their pixels gone. */
+/* Dark wires before a bright sky, with half of their pixels missing. */
 static double broken_wires(uint32_t x, uint32_t y, uint32_t c, uint32_t seed, bool test)
 {
     (void)seed;
@@ -867,8 +869,8 @@ static double broken_wires(uint32_t x, uint32_t y, uint32_t c, uint32_t seed, bo
     return wire ? 0.02 : behind;
 }
 
-/* Every wire is damaged, and the mean lies below the 0.05 at which FLIP's tool fails a test. Closer
- * to the screen (fewer pixels per degree) the damage is seen better, yet the mean falls. */
+/* Every wire is damaged, and the mean is below the 0.05 at which FLIP's tool fails a test. Closer
+ * to the screen (fewer pixels per degree) the damage is more visible, yet the mean decreases. */
 static void test_a_mean_hides_wires(void **state)
 {
     struct pictures pictures = draw(broken_wires, 160, 90, 0);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Gain and phase lag under a sine of the light: filters whose answer is known in closed form.
+ * Gain and phase lag under a sine of the light: filters with a response in closed form.
  */
 #include "tests/metrics/extractor_test.h"
 
@@ -10,8 +10,7 @@ enum { WIDTH = 40, HEIGHT = 30, PIXELS = WIDTH * HEIGHT };
 
 static const struct neph_viewing viewing = {60.0, 67.0, 0.0, 100.0};
 
-/* The value of a pixel in a frame, of the reference or of the test; frames before 0 are the past.
- */
+/* The value of a pixel in a frame, of reference or test; frames before 0 are the past. */
 typedef double picture_function(int frame, int pixel);
 
 static struct neph_image *grey_image(picture_function *function, int frame)
@@ -47,7 +46,7 @@ static struct extraction run(picture_function *reference, picture_function *test
 
 static const char *const three_periods[] = {"period_1=16", "period_2=32", "period_3=64", NULL};
 
-/* The map of a metric's pool, at a pixel; NaN where the share of a map is asked for is no value. */
+/* The map of a metric's pool, at a pixel; NaN where the share of a map counts no value. */
 static double value_at(const struct extraction *extraction, const char *metric, int pixel)
 {
     for (const struct neph_metric *m = extraction->extractor->metrics; m->name; m++) {
@@ -62,7 +61,7 @@ static double value_at(const struct extraction *extraction, const char *metric, 
     return NAN;
 }
 
-/* Over all pixels that have a value; the count of those. */
+/* Over all pixels with a value; returns their count. */
 static int count_where(const struct extraction *extraction, const char *metric, double wanted)
 {
     int count = 0;
@@ -77,11 +76,11 @@ static int count_where(const struct extraction *extraction, const char *metric, 
     return count;
 }
 
-/* ---- pictures -------------------------------------------------------------------------------- */
+/* ---- images ---------------------------------------------------------------------------------- */
 
 static const double periods[3] = {16.0, 32.0, 64.0};
 
-/* Light that goes up and down at three periods; a pixel shows more or less of it. */
+/* Light that varies with three periods; its amplitude differs by pixel. */
 static double light(double frame)
 {
     double sum = 1.0;
@@ -95,8 +94,8 @@ static double lit(int frame, int pixel)
     return 0.1 + 0.3 * (1.0 + pixel % WIDTH / (double)WIDTH) * light(frame);
 }
 
-/* An exponential average of a function since long ago; what was before is worth (1 - 0.04)^500 =
- * 1e-9. */
+/* An exponential average of a function with a long past; the weight of earlier frames is (1 -
+ * 0.04)^500 = 1e-9. */
 static double average(double function(double), double alpha, int frame)
 {
     double value = function(frame - 500);
@@ -127,7 +126,7 @@ static double early(int frame, int pixel)
     return lit(frame + 2, pixel);
 }
 
-/* Drifts as well, the more the farther right. */
+/* With a drift that increases to the right. */
 static double drifting(int frame, int pixel)
 {
     return lit(frame, pixel) + 0.002 * frame * (pixel % WIDTH) / (double)WIDTH;
@@ -169,9 +168,9 @@ static double dark(int frame, int pixel)
     return (pixel == 7 ? 0.1 : 1e-4) * (2.0 + sin(2.0 * M_PI * frame / 32.0));
 }
 
-/* ---- the tests ------------------------------------------------------------------------------- */
+/* ---- tests ----------------------------------------------------------------------------------- */
 
-/* The closed form of follow.c. Pictures are floats: 3e-8 of a value, so better than 1e-6 here. */
+/* The closed form of follow.c. Images are floats: 3e-8 of a value, so better than 1e-6 here. */
 static void test_exponential_average(void **state)
 {
     static const int frame_counts[] = {128, 100, 256}; /* 100: no whole number of any period */
@@ -198,8 +197,8 @@ static void test_exponential_average(void **state)
     }
 }
 
-/* Numbers of the closed form, by hand: w = 2 pi / 32, a = 0.1: 1 - 0.9 cos w = 0.117294, 0.9 sin w
- * = 0.175581: gain 0.1 / 0.211155, lag 0.981850 / w. */
+/* Values of the closed form, by hand: w = 2 pi / 32, a = 0.1: 1 - 0.9 cos w = 0.117294, 0.9 sin w =
+ * 0.175581: gain 0.1 / 0.211155, lag 0.981850 / w. */
 static void test_published_number(void **state)
 {
     struct extraction extraction = run(lit, averaged, 128, three_periods);
@@ -229,7 +228,7 @@ static void test_delay(void **state)
     }
 }
 
-/* What drifts is fitted beside the sines, whatever the test makes of it. */
+/* Drift is fitted together with the sines, however the test follows it. */
 static void test_drift(void **state)
 {
     struct extraction extraction = run(drifting, drift_half_followed, 90, three_periods);
@@ -240,8 +239,8 @@ static void test_drift(void **state)
     extraction_end(&extraction);
 }
 
-/* White noise is no sine: 3600 draws at 1e-7 each. The sine under noise is found, and a test that
- * stands still has gain 0 and no lag. */
+/* White noise is no sine: 3600 draws at 1e-7 each. The sine under noise is found, and a static test
+ * has gain 0 and no lag. */
 static void test_noise(void **state)
 {
     struct extraction extraction = run(noisy, noisy, 128, three_periods);
@@ -264,7 +263,7 @@ static void test_noise(void **state)
     extraction_end(&extraction);
 }
 
-/* A swing that 8 bits do not show is none: 2e-4 from end to end is 2.6e-3 in luma, below 1/255. */
+/* A variation below 8 bits is none: 2e-4 peak to peak is 2.6e-3 in luma, below 1/255. */
 static void test_floor_and_periods_not_given(void **state)
 {
     static const char *const one[] = {"period_2=32", NULL};
@@ -287,7 +286,7 @@ static void test_obstacles(void **state)
         {{0, 0, 0}, 128, "period_1"},    {{16, 0, 2}, 128, "at least 3"},
         {{0, 64, 0}, 63, "shorter"},     {{0, 64, 0}, 64, NULL},
         {{16, 17, 0}, 128, "too close"}, {{16, 17, 0}, 272, NULL},
-        {{5, 3, 4}, 8, "fewer frames"},  {{16, 32, 64}, 0, NULL}, /* how many, nobody knows yet */
+        {{5, 3, 4}, 8, "fewer frames"},  {{16, 32, 64}, 0, NULL}, /* unknown length */
         {{32, 32, 0}, 128, "too close"},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {

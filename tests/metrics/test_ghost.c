@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Ghosts behind moving edges: cards that move at known speeds before filters whose answer is known.
+ * Ghosts behind moving edges: cards with known speeds, and filters with a known response.
  */
 #include "tests/metrics/extractor_test.h"
 
@@ -12,7 +12,7 @@ static const struct neph_viewing viewing = {60.0, 67.0, 0.0, 100.0};
 
 static const double card_value = 0.75;
 
-/* A frame of a picture that is the same in all rows. */
+/* A frame with equal rows. */
 struct frame {
     double reference[WIDTH], test[WIDTH];
     float depth_m[WIDTH], motion_px[WIDTH];
@@ -84,15 +84,15 @@ static double of_age(const struct extraction *extraction, const char *metric, in
     return value_of(extraction, name);
 }
 
-/* ---- a card before a wall, and an average ---------------------------------------------------- */
+/* ---- a card in front of a wall, and an average ----------------------------------------------- */
 
-/* The wall is not all alike. */
+/* The wall varies a little. */
 static double wall_value(int x)
 {
     return 0.2 + 0.001 * (x % 7);
 }
 
-/* The card's right side is at `speed` times the number of the frame; in frame 0 it is outside. */
+/* The card's right edge is at `speed` times the frame number; in frame 0 the card is outside. */
 static void move_card(double speed_px, int side_px, int number, double alpha, struct frame *frame)
 {
     for (int x = 0; x < WIDTH; x++) {
@@ -106,8 +106,8 @@ static void move_card(double speed_px, int side_px, int number, double alpha, st
     }
 }
 
-/* A pixel is under the card for side / speed frames, and the average then shows 1 - (1 - a)^n of
- * it. Pictures are floats: 6e-8 of 0.5 and less. */
+/* A pixel is under the card for side / speed frames, and the average then contains 1 - (1 - a)^n of
+ * it. Images are floats: 6e-8 of 0.5 and less. */
 static void check_card(double speed_px, int side_px, double alpha)
 {
     struct extraction extraction;
@@ -145,7 +145,7 @@ static void test_cards_behind_an_average(void **state)
             check_card(cards[c].speed_px, cards[c].side_px, alphas[a]);
 }
 
-/* A history that is thrown away too eagerly goes beyond: the residual has its sign. */
+/* A history that is rejected too strongly overshoots: the residual has this sign. */
 static void test_sign(void **state)
 {
     struct extraction extraction;
@@ -164,10 +164,11 @@ static void test_sign(void **state)
     extraction_end(&extraction);
 }
 
-/* ---- a card that is held before a camera that turns ------------------------------------------ */
+/* ---- a static card in front of a rotating camera --------------------------------------------- */
 
-/* The wall moves left by 3 px a frame and takes the ghost along: the age goes with it. The card's
- * left side is at 50; the place of a pixel that is `left` of it came out left / 3 frames ago. */
+/* The wall moves left by 3 px a frame together with the ghost, and the age moves with it. The
+ * card's left edge is at 50; the surface at a pixel `left` of it was disoccluded left / 3 frames
+ * ago. */
 static void test_ghost_that_moves_with_the_wall(void **state)
 {
     enum { CARD = 50, SIDE = 12, SPEED = 3 };
@@ -193,7 +194,7 @@ static void test_ghost_that_moves_with_the_wall(void **state)
     extraction_end(&extraction);
 }
 
-/* ---- what is no ghost ------------------------------------------------------------------------ */
+/* ---- no ghost -------------------------------------------------------------------------------- */
 
 static void test_nothing_to_see(void **state)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Image metrics as a user gets them: through the meter, over masks.
+ * Image metrics through the meter, over masks.
  */
 #include "tests/metrics/metrics_test.h"
 
@@ -8,7 +8,8 @@
 
 enum { WIDTH = 200, HEIGHT = 180, FENCE_STEP = 25 };
 
-/* A fence of posts 2 px wide, 5 m away, before a bright ground 100 m away with a faint pattern. */
+/* A fence of posts 2 px wide, 5 m away, in front of a bright ground 100 m away with a faint
+ * pattern. */
 static bool is_post(int x)
 {
     return (x + FENCE_STEP) % FENCE_STEP < 2;
@@ -33,7 +34,7 @@ static struct neph_image *fence(int moved_px, double fence_radiance, double nois
     return image;
 }
 
-/* One number of an extractor over a mask of the reference. */
+/* One value of an extractor over a mask of the reference. */
 static const struct neph_measurement *take(const char *metric, const struct neph_image *reference,
                                            const struct neph_image *test, const char *mask_name,
                                            struct measured *measured)
@@ -70,7 +71,7 @@ static const char *reason(const char *metric, const struct neph_image *reference
     return found->undefined_because;
 }
 
-/* Over the edges a fence that is a pixel off is told from one that is gone, or pale. */
+/* Over the edges, a fence moved by one pixel is distinguished from a missing or a pale one. */
 static void test_fence_off_by_a_pixel(void **state)
 {
     struct neph_image *reference = fence(0, 0.1, 0.0, 1), *moved = fence(1, 0.1, 0.01, 2),
@@ -80,7 +81,7 @@ static void test_fence_off_by_a_pixel(void **state)
     assert_true(number("shift_gain", reference, gone, "depth_edge") > 0.8);
     assert_true(number("shift_gain", reference, pale, "depth_edge") > 0.8);
     assert_true(number("shift_gain", reference, gone, "thin") > 0.8);
-    /* Where nothing is planted, all three have the same noise. */
+    /* Outside of the planted error, all three have the same noise. */
     neph_assert_close(number("rmse_shift1", reference, gone, "non_edge"), 0.01 / sqrt(3.0), 0.05,
                       0.0);
     neph_image_destroy(reference);
@@ -101,7 +102,7 @@ static void test_identical_images(void **state)
     neph_image_destroy(image);
 }
 
-/* A stop brighter everywhere is a stop everywhere; every other metric sees it too. */
+/* A uniform stop is a stop everywhere; every other metric reacts as well. */
 static void test_a_stop_brighter(void **state)
 {
     struct neph_image *image = fence(0, 0.1, 0.0, 1), *brighter = fence(0, 0.1, 0.0, 1);
@@ -123,8 +124,8 @@ static void test_a_stop_brighter(void **state)
     neph_image_destroy(brighter);
 }
 
-/* A NaN spoils what it can reach: a mask without it for metrics of single pixels, all for the
- * others. */
+/* A NaN affects every value that depends on it: for metrics of single pixels, masks with the NaN;
+ * for the others, all masks. */
 static void test_a_bad_pixel(void **state)
 {
     struct neph_image *reference = fence(0, 0.1, 0.0, 1), *test = fence(0, 0.1, 0.01, 2);
@@ -141,7 +142,7 @@ static void test_a_bad_pixel(void **state)
     neph_image_destroy(test);
 }
 
-/* SSIM has nothing to say of a mask in the margin of 5 px. */
+/* SSIM has no value for a mask in the margin of 5 px. */
 static void test_a_mask_in_the_margin(void **state)
 {
     struct neph_image *reference = fence(0, 0.1, 0.0, 1), *test = fence(0, 0.1, 0.01, 2);
@@ -171,7 +172,7 @@ static struct neph_image *fence_in_fog(int moved_px, double noise, uint64_t seed
     return image;
 }
 
-/* 10 log10 of the mean of a map of squared codes, as pu_psnr is. */
+/* 10 log10 of the mean of a map of squared codes, as in pu_psnr. */
 static double psnr_of_map(const struct neph_meter *meter, const char *quantity)
 {
     struct neph_image *map = NULL;
@@ -187,8 +188,8 @@ static double psnr_of_map(const struct neph_meter *meter, const char *quantity)
     return 10.0 * log10(256.0 * 256.0 * WIDTH * HEIGHT / sum);
 }
 
-/* Codes are made once for a pair and its quantity: two extractors, two quantities and two frames
- * together give to the bit what each gives alone. */
+/* Codes are computed once for a pair and its quantity: two extractors, two quantities and two
+ * frames together give the same bits as separately. */
 static void test_shared_codes(void **state)
 {
     struct neph_image *reference = fence_in_fog(0, 0.0, 1);

@@ -12,8 +12,8 @@
 #include "metrics/extractors/two_seed.h"
 #include "metrics/statistics.h"
 
-/* Both sides sum a few hundred thousand terms in double precision; nothing else is approximate but
- * the table of code values, which is held to its own bound below. */
+/* Both sides sum a few hundred thousand terms in double precision. The only further approximation
+ * is the table of code values, which has its own bound below. */
 static const double sums_relative = 1e-11;
 
 /* ---- frames ---------------------------------------------------------------------------------- */
@@ -101,7 +101,7 @@ static struct extraction run(const struct neph_extractor *extractor, const struc
     return extraction;
 }
 
-/* The values that a map has, all planes; for the caller to free. */
+/* The values of a map, all planes; for the caller to free. */
 static double *values_of(const struct extraction *extraction, int map, size_t *count)
 {
     int plane_count = extraction->extractor->maps[map].plane_count;
@@ -115,7 +115,7 @@ static double *values_of(const struct extraction *extraction, int map, size_t *c
     return values;
 }
 
-/* A metric of one map over the whole image, as its table says. */
+/* A metric of one map over the whole image, with the pool from its table. */
 static double pooled(const struct extraction *extraction, const char *name)
 {
     const struct neph_metric *metric = extraction->extractor->metrics;
@@ -276,8 +276,8 @@ static double display_code(double value)
     return 255.0 * (x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055);
 }
 
-/* 100 cd/m2 is the code 256 (Mantiuk and Azimi, section 3), to which the ten published digits of
- * the parameters lead within half a code; black is 0. */
+/* 100 cd/m2 is the code 256 (Mantiuk and Azimi, section 3). The parameters have ten published
+ * digits, which give it within half a code; black is 0. */
 static void test_pu21_published(void **state)
 {
     assert_int_equal(lround(pu21(100.0)), 256);
@@ -291,8 +291,8 @@ static void test_pu21_published(void **state)
     assert_true(neph_code_peak(NEPH_CODE_DISPLAY) == 255.0);
 }
 
-/* The table against the formula: over all its octaves, at the ends of its pieces and past its own
- * ends. 1e-10 is the bound that code_value.h states. */
+/* The table against the formula: over all its octaves, at the ends of its pieces and outside of its
+ * range. 1e-10 is the bound that code_value.h states. */
 static void test_codes_follow_their_formula(void **state)
 {
     enum { COUNT = 200000 };
@@ -331,7 +331,7 @@ static void test_codes_follow_their_formula(void **state)
     free(codes);
 }
 
-/* 100 against 50 cd/m2 everywhere, from the two codes alone. */
+/* 100 against 50 cd/m2 everywhere, from the two codes. */
 static void test_pu_psnr_closed_form(void **state)
 {
     struct frames frames = grey(3, 1, (float[]){1, 1, 1}, (float[]){0.5f, 0.5f, 0.5f});
@@ -349,8 +349,7 @@ static void test_pu_psnr_closed_form(void **state)
 
 static void test_stops_closed_form(void **state)
 {
-    /* Mean 2: the floor is 2e-4. Twice as bright, half, black against 2^-10, both below the floor.
-     */
+    /* Mean 2: the floor is 2e-4. Twice as bright, half, black against 2^-10, both below it. */
     struct frames frames = grey(4, 1, (float[]){4, 4 - 0x1p-10f, 0x1p-10f, 0},
                                 (float[]){8, 2 - 0x1p-11f, 0, 1e-5f});
     struct extraction extraction = run(&neph_extractor_stops, &frames, NULL);
@@ -473,7 +472,7 @@ static void test_ssim_of_small_images(void **state)
     drop(&frames);
 }
 
-/* A negative has a negative structure, of which there is no power. */
+/* A negative image has a negative structure, which has no real power. */
 static void test_ms_ssim_of_a_negative(void **state)
 {
     enum { SIDE = 176 };
@@ -521,7 +520,7 @@ static double gain_of(const struct frames *frames)
 
 enum { FIELD_WIDTH = 64, FIELD_HEIGHT = 48 };
 
-/* A bright band from x = 20, `width_px` wide, `lean` px to the right for each px down. */
+/* A bright band from x = 20, `width_px` wide, shifted by `lean` px to the right per row. */
 static void draw_band(float *values, int first_x, int width_px, double lean)
 {
     for (int y = 0; y < FIELD_HEIGHT; y++) {
@@ -543,9 +542,9 @@ static double gain_of_band(int reference_px, int test_px, int moved_px, double l
     return gain;
 }
 
-/* A band moved by n px is wrong over n px at each border, of which a move mends one:
- * sqrt((n - 1) / n). One that is wider by n is so at one border. One that is gone, or of another
- * brightness, is not to be had by moving. */
+/* A band moved by n px is wrong over n px at each border; a shift corrects one of them: sqrt((n -
+ * 1) / n). A band wider by n is wrong at one border. A missing band, or one of different
+ * brightness, cannot be corrected by a shift. */
 static void test_shift_tells_moved_from_wrong(void **state)
 {
     for (int moved_px = -1; moved_px <= 1; moved_px += 2) {
@@ -561,7 +560,8 @@ static void test_shift_tells_moved_from_wrong(void **state)
     neph_assert_close(gain_of_band(1, 0, 0, 0.7), 1.0, 1e-14, 0.0);
 }
 
-/* Half the contrast at the right place, and a pixel off under noise: the same two ends. */
+/* Half the contrast at the right position, and a shift by one pixel under noise: the same two
+ * extremes. */
 static void test_shift_of_noisy_edges(void **state)
 {
     float reference[FIELD_WIDTH * FIELD_HEIGHT], weak[FIELD_WIDTH * FIELD_HEIGHT],
@@ -581,12 +581,12 @@ static void test_shift_of_noisy_edges(void **state)
     double of_weak = gain_of(&frames);
     drop(&frames);
     print_message("gain: moved %.3f, weak %.3f\n", of_moved, of_weak);
-    /* Moved: only the noise of variance 0.1^2 / 12 is left of 2^2 on two pixels of each row. */
+    /* Moved: only the noise of variance 0.1^2 / 12 remains of 2^2 on two pixels of each row. */
     assert_true(of_moved < 1.1 * sqrt(0.01 / 12.0 / (4.0 * 2.0 / FIELD_WIDTH)));
     assert_true(of_weak > 0.95);
 }
 
-/* All eight directions are found, up to the border, where the outermost pixels go on. */
+/* All eight directions are found, up to the border, where the outermost pixels are repeated. */
 static void test_every_move(void **state)
 {
     enum { WIDTH = 29, HEIGHT = 19 };
@@ -615,7 +615,7 @@ static void test_every_move(void **state)
 /* ---- two seeds ------------------------------------------------------------------------------- */
 
 /* A known bias of 0.03 under noise of standard deviation 0.1 in the test and both references: the
- * product says 0.03^2 plus the test's own variance; against the mean of both, half a seed's
+ * product gives 0.03^2 plus the test's own variance; against the mean of both, half a seed's
  * variance more. Four standard errors of the mean of n products. */
 static void test_two_seeds_remove_the_noise(void **state)
 {

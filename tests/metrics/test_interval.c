@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Percentiles and sums by hand and against sorting; the bootstrap against what it promises: a 95 %
- * interval holds the truth in 95 % of all images.
+ * Percentiles and sums by hand and against sorting. Coverage of the bootstrap: a 95 % interval
+ * contains the truth in 95 % of all images.
  */
 #include "tests/metrics/metrics_test.h"
 
@@ -162,7 +162,7 @@ static bool weighted_sum(const void *context, const double *sums, double *value)
     return true;
 }
 
-/* The same resamples drawn one tile at a time, as interval.c says that it draws. */
+/* The same resamples, drawn one tile at a time with the generator of interval.c. */
 static void expected_draws(const double *tiles, int tile_count, int sum_count, double *draws)
 {
     uint64_t state = 0x6e6570685f626f6fu;
@@ -186,7 +186,7 @@ static void test_bootstrap_against_single_draws(void **state)
     enum { TILES_MAX = 1000, SUMS_MAX = 9 };
     static const int cases[][2] = {{20, 1}, {1000, 9}, {1000, 4}, {257, 3}, {256, 6}, {20, 9}};
     static double tiles[TILES_MAX * SUMS_MAX], draws[NEPH_BOOTSTRAP_RESAMPLES];
-    struct neph_resampling kept = {0}; /* through all of them, as a caller may */
+    struct neph_resampling kept = {0}; /* reused by all of them, as a caller may */
     uint64_t random = test_seed(7);
     for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
         const int tile_count = cases[c][0], sum_count = cases[c][1];
@@ -199,7 +199,7 @@ static void test_bootstrap_against_single_draws(void **state)
         neph_assert_ok(neph_bootstrap_tiles(&kept, tiles, tile_count, sum_count, &statistic, 1,
                                             &bounds, &diag),
                        &diag);
-        /* Sums of a thousand in another order. */
+        /* Sums of a thousand terms in another order. */
         neph_assert_close(bounds.low, neph_percentile(draws, NEPH_BOOTSTRAP_RESAMPLES, 0.025),
                           1e-12, 1e-10);
         neph_assert_close(bounds.high, neph_percentile(draws, NEPH_BOOTSTRAP_RESAMPLES, 0.975),
@@ -210,11 +210,11 @@ static void test_bootstrap_against_single_draws(void **state)
 
 /* ---- coverage -------------------------------------------------------------------------------- */
 
-/* Depth stands for any quantity: it is the one with one channel. */
+/* Depth represents any quantity: it has one channel. */
 static const double offset = 0.02, tile_sigma = 0.05, pixel_sigma = 0.05;
 static const double reference_low = 0.7, reference_high = 1.3;
 
-/* Two of them, which know nothing of each other (Box and Muller). */
+/* Two independent ones (Box and Muller). */
 struct gaussians {
     double first, second;
 };
@@ -227,7 +227,7 @@ static struct gaussians two_gaussians(uint64_t *random)
     return (struct gaussians){radius * cos(angle), radius * sin(angle)};
 }
 
-/* How errors hang together: in squares, the first of which begins outside the image. */
+/* Correlation of errors: in squares, the first of which begins outside of the image. */
 struct blocks {
     int side_px, shift_px;
 };
@@ -273,7 +273,7 @@ static void set_truth(struct coverage coverage[COVERED_METRICS])
 {
     double variance = tile_sigma * tile_sigma + pixel_sigma * pixel_sigma;
     double mean_square = offset * offset + variance;
-    double a = 0.01; /* epsilon is the square of it, the scene mean being 1 */
+    double a = 0.01; /* epsilon is its square, as the scene mean is 1 */
     double inverse_square = (atan(reference_high / a) - atan(reference_low / a)) / a /
                             (reference_high - reference_low);
     double folded = sqrt(2.0 * variance / M_PI) * exp(-offset * offset / (2.0 * variance)) +
@@ -289,8 +289,7 @@ static void set_truth(struct coverage coverage[COVERED_METRICS])
     memcpy(coverage, expected, sizeof(expected));
 }
 
-/* The extractor of errors with the covered metrics alone: percentiles would take most of the time.
- */
+/* The extractor of errors with only these metrics: percentiles would take most of the time. */
 static struct neph_extractor covered_errors(const struct coverage coverage[COVERED_METRICS],
                                             struct neph_metric metrics[COVERED_METRICS + 1])
 {
@@ -333,7 +332,7 @@ static void simulate(int side_px, struct blocks blocks, int image_count, uint64_
     neph_image_destroy(test);
 }
 
-/* The bounds are for all images; of a part of them the share has four standard deviations more. */
+/* The bounds are for all images; for a part of them the share has four standard deviations more. */
 static void assert_coverage(const struct coverage coverage[COVERED_METRICS], int image_count,
                             double least, double most)
 {
@@ -345,9 +344,9 @@ static void assert_coverage(const struct coverage coverage[COVERED_METRICS], int
     }
 }
 
-/* Errors that hang together over a whole tile, the worst that a tile can stand for. The share of
- * 1000 images itself has a standard deviation of 0.7 %, and a percentile interval of a mean square
- * holds a little less than it should: another seed may miss the lower limit by chance. */
+/* Errors that are equal over a whole tile, the largest correlation that a tile represents. The
+ * share of 1000 images itself has a standard deviation of 0.7 %, and a percentile interval of a
+ * mean square covers slightly too little: another seed may miss the lower limit by chance. */
 static void test_coverage(void **state)
 {
     enum { IMAGES = 1000 };
@@ -369,8 +368,8 @@ static void test_coverage_is_fair_elsewhere(void **state)
     assert_coverage(coverage, IMAGES, 0.86, 0.99);
 }
 
-/* What interval.h warns of: it must not get worse unseen, and the warning must go if it is cured.
- */
+/* The limitation that interval.h documents: it must not get worse unnoticed, and the documentation
+ * must change if it is removed. */
 static void test_coverage_of_errors_larger_than_tiles(void **state)
 {
     enum { IMAGES = 400 };

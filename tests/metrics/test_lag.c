@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Lag and trails: filters whose answer to a step is known in closed form.
+ * Lag and trails: filters with a step response in closed form.
  */
 #include "tests/metrics/extractor_test.h"
 
@@ -8,7 +8,7 @@
 
 enum { WIDTH = 7, HEIGHT = 5, PIXELS = WIDTH * HEIGHT };
 
-/* ---- sequences of one value a pixel, as grey pictures ---------------------------------------- */
+/* ---- sequences of one value per pixel, as grey images ---------------------------------------- */
 
 static struct neph_image *grey_image(const double values[PIXELS])
 {
@@ -25,7 +25,7 @@ static struct neph_image *grey_image(const double values[PIXELS])
 
 static const struct neph_viewing viewing = {60.0, 67.0, 0.0, 100.0};
 
-/* Begins at the frame 0. */
+/* Begins at frame 0. */
 static void feed(struct extraction *extraction, const char *const *assignments, int frame,
                  const struct neph_image *reference, const struct neph_image *test)
 {
@@ -36,8 +36,8 @@ static void feed(struct extraction *extraction, const char *const *assignments, 
     extraction_frame(extraction, &pair);
 }
 
-/* A reference that steps from `old` to `new` at frame 3, and a test of which `left(n, pixel)` of
- * the step is left in the n-th frame from then on. */
+/* A reference that steps from `old` to `new` at frame 3, and a test in which `left(n, pixel)` of
+ * the step remains in the n-th frame from then on. */
 typedef double left_function(int n, int pixel);
 
 static const double old_value = 0.25, new_value = 0.75;
@@ -76,20 +76,20 @@ static void assert_map(const struct extraction *extraction, const char *name, in
     free(values);
 }
 
-/* ---- the tests ------------------------------------------------------------------------------- */
+/* ---- tests ----------------------------------------------------------------------------------- */
 
 static const double alphas[4] = {0.05, 0.1, 0.2, 0.25};
 
-/* Each phase another weight. */
+/* Each phase has another weight. */
 static double average_left(int n, int pixel)
 {
     const int phase = (pixel % WIDTH & 1) + 2 * (pixel / WIDTH & 1);
     return pow(1.0 - alphas[phase], n);
 }
 
-/* The published half-lives of an ideal average. What is left of 0.5 is stored as a float near 0.75
- * and so good to 3e-8 / 0.25 in q; half-lives to that / 0.05 / 13 and less. The time to 1 % is as
- * uncertain as 3e-8 / 0.005 / (90 * 0.05). */
+/* The published half-lives of an ideal average. The remainder of 0.5 is stored as a float near
+ * 0.75, so q is accurate to 3e-8 / 0.25; half-lives to this / 0.05 / 13 and less. The time to 1 %
+ * has an uncertainty of 3e-8 / 0.005 / (90 * 0.05). */
 static void test_exponential_average(void **state)
 {
     static const double half_lives[4] = {13.5134, 6.5788, 3.1063, 2.4094};
@@ -148,7 +148,7 @@ static void test_overshoot(void **state)
     extraction_end(&extraction);
 }
 
-/* From 0.8 to -0.4: the straight line is at 0.5 after a quarter of the way. */
+/* From 0.8 to -0.4: the straight line is at 0.5 after a quarter of a frame. */
 static double crossing_left(int n, int pixel)
 {
     (void)pixel;
@@ -160,7 +160,7 @@ static void test_change_of_sign(void **state)
     struct extraction extraction = run_step(crossing_left, 8);
     assert_map(&extraction, "half_life", 0, 1.25, 1e-6, 0.0);
     assert_map(&extraction, "overshoot", 0, 0.4, 1e-6, 0.0);
-    /* The way from -0.4 to exactly 0 passes every limit at once. */
+    /* The segment from -0.4 to exactly 0 crosses every limit at once. */
     assert_map(&extraction, "frames_to_10", 0, 2.0, 1e-6, 0.0);
     extraction_end(&extraction);
 }
@@ -175,7 +175,7 @@ static double fade_left(int n, int pixel)
 static void test_fade(void **state)
 {
     struct extraction extraction = run_step(fade_left, 30);
-    /* q(10) = 0.5 may be rounded up: then the crossing comes no later than 1e-6 after. */
+    /* q(10) = 0.5 may be rounded up: then the crossing is at most 1e-6 later. */
     assert_map(&extraction, "half_life", 5, 10.0, 0.0, 1e-5);
     assert_map(&extraction, "frames_to_10", 5, 18.0, 0.0, 1e-5);
     assert_map(&extraction, "residual_16", 5, 0.2, 1e-6, 0.0);
@@ -204,7 +204,7 @@ static double never_left(int n, int pixel)
     if (pixel == 0)
         return 1.0; /* stuck */
     if (pixel == 1)
-        return n % 2 == 0 ? 0.8 : 0.05; /* down and up again; the last frame is up */
+        return n % 2 == 0 ? 0.8 : 0.05; /* alternating; the last frame is high */
     return pixel == 2 ? 0.3 : pow(0.5, n);
 }
 
@@ -222,7 +222,7 @@ static double metric_map_value(const struct extraction *extraction, const char *
     return NAN;
 }
 
-/* What does not settle counts with all frames and is seen in the shares. */
+/* Pixels that do not settle count with all frames and are reported in the shares. */
 static void test_never_settles(void **state)
 {
     struct extraction extraction = run_step(never_left, 20);
@@ -241,8 +241,8 @@ static void test_never_settles(void **state)
 
 /* ---- ghosts ---------------------------------------------------------------------------------- */
 
-/* 0.8^10 = 0.107, 0.8^11 = 0.086; 0.9^21 = 0.109, 0.9^22 = 0.098; pixel 2 is stuck, pixel 3 comes
- * back, and pixel 4 settles long after the 32 frames. */
+/* 0.8^10 = 0.107, 0.8^11 = 0.086; 0.9^21 = 0.109, 0.9^22 = 0.098; pixel 2 never changes, pixel 3
+ * rises again, and pixel 4 settles long after the 32 frames. */
 static double ghost_left(int n, int pixel)
 {
     switch (pixel) {
@@ -277,7 +277,7 @@ static void test_ghosts(void **state)
     extraction_end(&extraction);
 }
 
-/* What comes after the end is not known; what comes before is. */
+/* Values after the end are unknown; values before it are known. */
 static void test_ghosts_of_a_short_sequence(void **state)
 {
     struct extraction extraction = run_step(ghost_left, 9);
@@ -288,9 +288,9 @@ static void test_ghosts_of_a_short_sequence(void **state)
     extraction_end(&extraction);
 }
 
-/* ---- a reference that moves ------------------------------------------------------------------ */
+/* ---- a moving reference ---------------------------------------------------------------------- */
 
-/* Clouds that drift, their light four times as strong from frame 3 on. */
+/* Drifting clouds; their light is four times as strong from frame 3 on. */
 static double drifting(int frame, int pixel, bool stepped)
 {
     const double cloud = 0.3 + 0.2 * sin(0.9 * pixel - 0.35 * frame);
@@ -321,9 +321,9 @@ static struct extraction run_drift(const char *old, double alpha)
     return extraction;
 }
 
-/* A renderer that moves with the clouds and follows their light as an average. With the step of
- * the same moment its half-life is that of the average; with that of the first frame it is not,
- * since other parts of the cloud have come by. */
+/* A renderer that moves with the clouds and follows their light as an average. With the step at the
+ * same moment its half-life is the average's. With the first frame's step it is not, as other parts
+ * of the cloud have moved in. */
 static void test_step_of_a_moving_reference(void **state)
 {
     const double half_life = log(0.5) / log(0.9);
@@ -340,7 +340,7 @@ static void test_step_of_a_moving_reference(void **state)
     extraction_end(&fixed);
 }
 
-/* A pixel that once shows nothing that stepped cannot be followed. */
+/* A pixel that at some moment shows only surfaces without a step cannot be followed. */
 static void test_step_that_drifts_away(void **state)
 {
     static const char *const assignments[] = {"step_frame=1", "old=second", NULL};
@@ -368,9 +368,9 @@ static void test_step_that_drifts_away(void **state)
     extraction_end(&extraction);
 }
 
-/* Pixels that do not step have no lag and no part in any mean; a step below 1/255 of display luma
- * is none. The dark pixel steps by 1e-3, which is 12.92e-3 in luma; the bright one by 5e-3 at 0.9,
- * which is 0.0025. */
+/* Pixels that do not step have no lag and do not contribute to means; a step below 1/255 of display
+ * luma is none. The dark pixel steps by 1e-3, which is 12.92e-3 in luma; the bright one by 5e-3 at
+ * 0.9, which is 0.0025. */
 static void test_floor(void **state)
 {
     static const char *const assignments[] = {"step_frame=1", NULL};
@@ -418,7 +418,7 @@ static void test_obstacles(void **state)
     extraction_check_table(&neph_extractor_trail);
 }
 
-/* Where nothing steps, no ghost is no praise. */
+/* Without a step, an absence of ghosts is no good result. */
 static void test_nothing_steps(void **state)
 {
     static const char *const assignments[] = {"step_frame=1", NULL};
@@ -493,8 +493,8 @@ static struct extraction run_trail(double alpha)
     return extraction;
 }
 
-/* Pixels at the start have seen the card alone, so behind them the energy is (1 - alpha)^(2 a);
- * others saw it for 8 frames, and have settled to 1 - (1 - alpha)^8: 0.6^8 = 1.7 %. */
+/* Pixels at the start have only seen the card, so behind them the energy is (1 - alpha)^(2 a).
+ * Others saw it for 8 frames, and have settled to 1 - (1 - alpha)^8: 0.6^8 = 1.7 %. */
 static void test_trail_of_an_average(void **state)
 {
     struct extraction extraction = run_trail(0.4);
@@ -514,7 +514,7 @@ static void test_trail_map(void **state)
 {
     struct extraction extraction = run_trail(0.4);
     double *values = extraction_map(&extraction, 0);
-    /* The pixel 0 is uncovered in frame 1 for good, from 1 to 0.25. */
+    /* Pixel 0 is disoccluded permanently in frame 1, from 1 to 0.25. */
     double sum = 0.0;
     for (int age = 1; age <= 16; age++)
         sum += 0.5625 * pow(0.6, 2.0 * age) / 16.0;
@@ -528,7 +528,7 @@ static void test_no_trail(void **state)
     struct extraction extraction = run_trail(1.0);
     assert_true(extraction_scalar(&extraction, "trail_energy_1") == 0.0);
     extraction_end(&extraction);
-    extraction = run_trail(0.0); /* never moves: the card stays where it was at first */
+    extraction = run_trail(0.0); /* never moves: the card stays at its first position */
     double value = 0.0;
     assert_null(neph_extractor_trail.scalar(extraction.state, 1, &value));
     assert_true(value > 0.0 && value < 1.0);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Masks on depth maps made by hand, and the depth edge against its definition word by word.
+ * Masks on depth maps made by hand, and the depth edge against its literal definition.
  */
 #include "tests/metrics/metrics_test.h"
 
@@ -86,15 +86,15 @@ static void test_solid_against_sky_is_an_edge_on_both_sides(void **state)
 
 static void test_flat_depth_has_no_edge(void **state)
 {
-    struct neph_image *image = depth_map(3, 3, "........."); /* sky to sky is none */
+    struct neph_image *image = depth_map(3, 3, "........."); /* sky to sky is no edge */
     assert_mask(image, "depth_edge", 2, "---------");
     neph_image_destroy(image);
-    image = depth_map(3, 3, "abababaab"); /* 5 % is none */
+    image = depth_map(3, 3, "abababaab"); /* 5 % is no edge */
     assert_mask(image, "depth_edge", 2, "---------");
     neph_image_destroy(image);
 }
 
-/* The ratio is 1.1, exclusive, and does not depend on the distance. */
+/* The limit of the ratio is 1.1, exclusive, and does not depend on the distance. */
 static void test_ratio(void **state)
 {
     for (float near_m = 1e-3f; near_m < 1e6f; near_m *= 7.0f) {
@@ -106,7 +106,7 @@ static void test_ratio(void **state)
         depth_m[0] = depth_m[1];
         depth_m[1] = near_m;
         assert_mask(image, "depth_edge", 0, "##");
-        depth_m[1] = 0.0f; /* something on the lens */
+        depth_m[1] = 0.0f; /* depth 0, at the lens */
         assert_mask(image, "depth_edge", 0, "##");
         depth_m[0] = 0.0f;
         assert_mask(image, "depth_edge", 0, "--");
@@ -116,7 +116,7 @@ static void test_ratio(void **state)
 
 static void test_thin_wires(void **state)
 {
-    /* A wire one pixel wide is edge as a whole, with the pixels that it hides a bit of. */
+    /* A wire one pixel wide is completely edge, with the pixels that it partly hides. */
     struct neph_image *image = depth_map(9, 2,
                                          "ffffaffff"
                                          "ffffaffff");
@@ -176,7 +176,7 @@ static void test_smallest_images(void **state)
     }
 }
 
-/* The definition, pixel by pixel and without any cleverness. */
+/* The definition, pixel by pixel, without optimisation. */
 static bool is_edge_by_definition(const float *depth_m, int width_px, int height_px, int x, int y)
 {
     static const int neighbours[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
@@ -237,13 +237,13 @@ static void test_edge_is_its_definition(void **state)
     }
 }
 
-/* ---- rings and thin things ------------------------------------------------------------------- */
+/* ---- rings and thin objects ------------------------------------------------------------------ */
 
 static void test_rings_of_a_wall(void **state)
 {
     struct neph_image *image = depth_map(16, 1, "aaaaaaaaaaff....");
-    /* Two steps: the wall before what is far, and that before the sky, where it is the nearer one
-     * at an infinite ratio. */
+    /* Two steps: the wall in front of the far surface, and the far surface in front of the sky,
+     * where it is the nearer one at an infinite ratio. */
     assert_mask(image, "edge_near_0", 2, "---------#-#----");
     assert_mask(image, "edge_far_0", 2, "----------#-#---");
     assert_mask(image, "edge_near_1", 2, "--------#-------");
@@ -258,7 +258,7 @@ static void test_rings_of_a_wall(void **state)
     neph_image_destroy(image);
 }
 
-/* Equally close to both sides: near. A wire before the sky, and its corners. */
+/* At equal distance to both sides: near. A wire in front of the sky, and its corners. */
 static void test_sides_at_equal_distance(void **state)
 {
     struct neph_image *image = depth_map(7, 5,
@@ -279,7 +279,7 @@ static void test_sides_at_equal_distance(void **state)
                 "--#-#--"
                 "---#---"
                 "-------");
-    assert_mask(image, "edge_near_1", 0, /* the diagonals touch the wire and its sky alike */
+    assert_mask(image, "edge_near_1", 0, /* diagonals touch the wire and its sky equally */
                 "-------"
                 "--#-#--"
                 "-------"
@@ -294,7 +294,7 @@ static void test_sides_at_equal_distance(void **state)
     neph_image_destroy(image);
 }
 
-/* Which side a pixel between two steps is on: that of the larger ratio, near at a tie. */
+/* The side of a pixel between two steps: that with the larger ratio, near if equal. */
 static void test_steepest_step(void **state)
 {
     static const struct {
@@ -384,7 +384,7 @@ static void assert_thin_by_definition(const struct neph_image *image, const floa
     int across_px = width_px < 4 ? width_px : 4, down_px = height_px < 4 ? height_px : 4;
     for (int y = 0; y < height_px; y++) {
         for (int x = 0; x < width_px; x++) {
-            bool is_thin = true; /* until a square is found with nothing behind */
+            bool is_thin = true; /* until a square is found with no surface behind */
             for (int top = y - 3; top <= y; top++) {
                 for (int left = x - 3; left <= x; left++) {
                     if (top < 0 || left < 0 || top + down_px > height_px ||
@@ -443,7 +443,7 @@ static void test_thin_things(void **state)
                 "###---------"
                 "###---------");
     neph_image_destroy(image);
-    image = depth_map(7, 7, /* a slanted bar, 3 px wide either way */
+    image = depth_map(7, 7, /* a slanted bar, 3 px wide in both directions */
                       "aaa...."
                       ".aaa..."
                       "..aaa.."
@@ -462,7 +462,7 @@ static void test_thin_things(void **state)
     neph_image_destroy(image);
 }
 
-/* ---- masks from channels and pictures -------------------------------------------------------- */
+/* ---- masks from channels and images ---------------------------------------------------------- */
 
 static void test_channels_make_masks(void **state)
 {
@@ -477,7 +477,7 @@ static void test_channels_make_masks(void **state)
     assert_null(neph_mask_channel_at(image, 2));
     assert_null(neph_mask_channel_at(image, -1));
     assert_mask(image, "cloud", 2, "--##");
-    assert_mask(image, "sky", 2, "-#--"); /* what the scene says comes before what we find */
+    assert_mask(image, "sky", 2, "-#--"); /* the scene's data take precedence over detection */
     assert_mask(image, "solid", 2, "-##-");
     neph_image_destroy(image);
 }
@@ -491,7 +491,7 @@ static void test_mask_from_a_picture(void **state)
     assert_non_null(strstr(diag.message, "'wire'"));
     float *opacity = add_channel(image, "A", (float[]){1, 0, 1, 1});
     neph_assert_ok(neph_mask_from_image(image, "wire", &mask, &diag), &diag);
-    assert_int_equal(mask->pixel_count, 3); /* nothing but an A is a mask */
+    assert_int_equal(mask->pixel_count, 3); /* only an A is a mask */
     neph_mask_destroy(mask);
     add_channel(image, "R", (float[]){0, 1, 0.5f, 0});
     float *green = add_channel(image, "G", (float[]){0, 0, 0, 0.6f});
@@ -502,7 +502,7 @@ static void test_mask_from_a_picture(void **state)
     neph_mask_destroy(mask);
     mask = NULL;
     green[2] = NAN;
-    opacity[0] = NAN; /* is not looked at */
+    opacity[0] = NAN; /* not read */
     assert_int_equal(neph_mask_from_image(image, "wire", &mask, &diag), NEPH_ERR_GATE);
     assert_non_null(strstr(diag.message, "'G' is nan at pixel (2, 0)"));
     assert_null(mask);
@@ -540,7 +540,7 @@ static void test_medium_in_any_channel(void **state)
     struct neph_image *image = create_image(5, 1);
     add_rgb(image, "transmittance",
             (float[]){1, 1, 1,               /* nothing */
-                      1, 1, 0.9985f,         /* 1.5e-3 in blue alone */
+                      1, 1, 0.9985f,         /* 1.5e-3 only in blue */
                       0.9995f, 0.9995f, 1,   /* below the threshold of 1e-3 */
                       0, 0, 0,               /* a wall */
                       1.01f, 1.01f, 1.01f}); /* a noisy estimate of nothing */
@@ -598,7 +598,7 @@ static void test_refusals(void **state)
     neph_image_destroy(image);
 }
 
-/* What edges move over is no surrounding to compare them with. */
+/* Pixels that edges move over are no surroundings for a comparison. */
 static void test_non_edge_is_never_an_edge(void **state)
 {
     struct neph_image *first = depth_map(16, 1, "aa.............."),

@@ -7,7 +7,7 @@
 #include "metrics/extractors/extractors.h"
 #include "metrics/metric.h"
 
-/* Metric names that a row shows; `neph metrics NAME` lists all. */
+/* Metric names in a row; `neph metrics NAME` lists all. */
 enum { NAMES_MAX = 6 };
 
 static void print_names(FILE *file, const struct neph_extractor *extractor)

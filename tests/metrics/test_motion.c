@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Motion vectors against rays traced in both frames, and the residuals of sequences that are built
- * so that the numbers are known.
+ * Motion vectors against rays traced in both frames, and the residuals of sequences with known
+ * values.
  */
 #include "tests/metrics/extractor_test.h"
 
@@ -16,7 +16,7 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Turned left about +Y by `yaw`, then up by `pitch`; at 0 it looks along -Z. */
+/* Rotated left about +Y by `yaw`, then up by `pitch`; at 0 it looks along -Z. */
 static struct neph_motion_camera camera_at(double x_m, double y_m, double z_m, double yaw_rad,
                                            double pitch_rad)
 {
@@ -28,8 +28,8 @@ static struct neph_motion_camera camera_at(double x_m, double y_m, double z_m, d
                                        .vertical_fov_rad = 1.0};
 }
 
-/* Where the ray through a point of the picture meets the ground y = 0; false above the horizon.
- * `depth_m` is measured along the axis. */
+/* The intersection of the ray through a point of the frame with the ground y = 0; false above the
+ * horizon. `depth_m` is measured along the axis. */
 static bool meet_ground(const struct neph_motion_camera *camera, int width, int height, double x_px,
                         double y_px, double point_m[3], double *depth_m)
 {
@@ -75,8 +75,8 @@ static double texture(const double point_m[3])
     return 0.5 + 0.3 * sin(1.7 * point_m[0]) * cos(1.3 * point_m[2]);
 }
 
-/* The ray of the frame before, through where the vector says, must meet the ground at the same
- * point; the distance is told in pixels of that frame. */
+/* The previous frame's ray, through the position that the vector gives, must hit the ground at the
+ * same point; the distance is in pixels of that frame. */
 static void test_vectors_reproject_a_textured_plane(void **state)
 {
     const struct neph_motion_camera now = camera_at(3.0, 2.0, -1.0, 0.30, -0.35);
@@ -91,7 +91,7 @@ static void test_vectors_reproject_a_textured_plane(void **state)
             continue;
         assert_true(meet_ground(&before, WIDTH, HEIGHT, x + (double)motion->x_px[i],
                                 y + (double)motion->y_px[i], there_m, &before_m));
-        /* Foreshortening apart: across the line of sight. */
+        /* The component perpendicular to the line of sight, without foreshortening. */
         const double apart[3] = {here_m[0] - there_m[0], here_m[1] - there_m[1],
                                  here_m[2] - there_m[2]};
         const double px_per_m = 0.5 * HEIGHT / tan(0.5) / before_m;
@@ -104,12 +104,13 @@ static void test_vectors_reproject_a_textured_plane(void **state)
     }
     print_message("%d pixels: off by %.2g px, texture by %.2g\n", count, worst_px, worst_texture);
     assert_true(count > PIXELS / 2);
-    assert_true(worst_px < 1e-4); /* a tenth of what is asked for; floats are good to 1e-5 px */
+    assert_true(worst_px < 1e-4); /* a tenth of the requirement; floats are accurate to 1e-5 px */
     assert_true(worst_texture < 1e-4);
     free(motion);
 }
 
-/* At the centre a turn by an angle moves the sky by its tangent; moving on moves it not at all. */
+/* At the centre a rotation by an angle moves the sky by its tangent; a translation does not move
+ * the sky. */
 static void test_sky_moves_by_rotation_alone(void **state)
 {
     const struct neph_motion_camera start = camera_at(0.0, 1.0, 0.0, 0.0, 0.4);
@@ -139,7 +140,7 @@ static void test_sky_moves_by_rotation_alone(void **state)
     neph_assert_close((double)y_px, -0.5 / tan(0.5) * tan(0.1), 1e-6, 0.0);
 }
 
-/* The same place, told by its distance along the ray. */
+/* The same position, given by its distance along the ray. */
 static void test_distance(void **state)
 {
     const struct neph_motion_camera now = camera_at(3.0, 2.0, -1.0, 0.30, -0.35);
@@ -210,7 +211,7 @@ static struct neph_image *frame_of(int width, int height, const double *grey, co
     return image;
 }
 
-/* Measure through the meter, over all pixels. */
+/* Measures through the meter, over all pixels. */
 struct meter {
     struct neph_meter *meter;
     struct neph_mask *mask;
@@ -282,8 +283,8 @@ static double value_of(const struct meter *it, const char *name)
 
 /* ---- residual change ------------------------------------------------------------------------- */
 
-/* The reference moves and the test with it; the test is off by +-0.01 in turn, which changes by
- * 0.02 a frame. */
+/* Reference and test move together; the error of the test alternates by +-0.01, a change of 0.02
+ * per frame. */
 static void test_residual_change(void **state)
 {
     struct meter it = new_meter("signal=luminance");
@@ -325,7 +326,7 @@ static void test_residual_change_in_luma(void **state)
     end(&it);
 }
 
-/* From black for white to white for black: the change is twice the peak. */
+/* From black in place of white to white in place of black: the change is twice the peak. */
 static void test_largest_change(void **state)
 {
     struct meter it = new_meter("signal=luma");
@@ -359,8 +360,9 @@ static void test_one_frame_says_nothing(void **state)
 
 /* ---- motion ---------------------------------------------------------------------------------- */
 
-/* Over the ground with exact vectors: the reference differs from its frame before, moved, by what a
- * bilinear look-up costs; the test flickers by +-0.01 on top, which is 0.02 from frame to frame. */
+/* Above the ground with exact vectors, the reference differs from its previous frame, reprojected,
+ * by the error of bilinear interpolation; the test has an additional flicker of +-0.01, which is
+ * 0.02 from frame to frame. */
 static void test_residual_over_a_plane(void **state)
 {
     struct meter it = new_meter("signal=luminance");
@@ -399,8 +401,8 @@ static void test_residual_over_a_plane(void **state)
     end(&it);
 }
 
-/* A card 1 m away moves right by 3 px a frame over a wall 10 m away; behind it the test is off by
- * 0.25 0.7^a, a frames after a pixel came to light. */
+/* A card 1 m away moves right by 3 px a frame in front of a wall 10 m away; behind it the error of
+ * the test is 0.25 0.7^a, a frames after disocclusion. */
 enum { CARD_W = 80, CARD_H = 6, CARD_N = CARD_W * CARD_H, CARD_FRAMES = 20, CARD_SIDE = 10 };
 
 static const double card_alpha = 0.3;
@@ -427,7 +429,7 @@ static void test_disocclusion(void **state)
     float layers[3][CARD_N];
     for (int frame = 0; frame < CARD_FRAMES; frame++) {
         card_frame(frame, reference, test, layers);
-        /* The layers may come with the test, too. */
+        /* The layers may belong to the test, too. */
         feed(&it, frame_of(CARD_W, CARD_H, reference, NULL, NULL, NULL),
              frame_of(CARD_W, CARD_H, test, layers[0], layers[1], layers[2]));
     }
@@ -442,10 +444,10 @@ static void test_disocclusion(void **state)
                           3e-8);
     neph_assert_close(value_of(&it, "disoccluded_recovery"), log(0.1) / log(1.0 - card_alpha), 1e-6,
                       0.0);
-    /* On coming to light the error jumps from 0 to 0.25; later it falls by 0.3 a frame. */
+    /* At disocclusion the error jumps from 0 to 0.25; later it falls by 0.3 a frame. */
     neph_assert_close(value_of(&it, "residual_change_disoccluded"), 0.25, 1e-6, 0.0);
     assert_true(value_of(&it, "residual_change_elsewhere") < 0.075);
-    /* The card's own picture moves exactly with it. */
+    /* The card's texture moves exactly with it. */
     assert_true(value_of(&it, "motion_residual_reference") == 0.0);
     end(&it);
 }
@@ -469,8 +471,8 @@ static void test_error_that_stays(void **state)
     end(&it);
 }
 
-/* Nothing moves: everything is followed, but for what lies within 1 px of a step in depth: columns
- * 3 .. 6 about the step between 4 and 5. */
+/* Without motion all pixels are followed, except within 1 px of a step in depth: columns 3 .. 6
+ * around the step between 4 and 5. */
 static void test_edges_are_left_out(void **state)
 {
     struct meter it = new_meter("signal=luma");
@@ -491,7 +493,7 @@ static void test_edges_are_left_out(void **state)
     end(&it);
 }
 
-/* A wall comes nearer by 10 % a frame: without motion.depth it looks like another wall. */
+/* A wall approaches by 10 % per frame: without motion.depth it looks like another wall. */
 static double share_disoccluded_by_approach(bool with_depth)
 {
     struct meter it = new_meter("signal=luma");
@@ -516,8 +518,8 @@ static double share_disoccluded_by_approach(bool with_depth)
     return share;
 }
 
-/* A cloud, and in one of four pixels a nearer one that comes before it; behind them is the sky or a
- * wall. Only volume.distance tells them apart, where the cloud is what is seen. */
+/* A cloud, and in one of four pixels a nearer one that moves in front of it; behind them is the sky
+ * or a wall. Only volume.distance distinguishes them, where the cloud is visible. */
 static double share_disoccluded_by_cloud(bool with_distance, float wall_m, float transmittance)
 {
     struct meter it = new_meter("signal=luma");
@@ -574,7 +576,7 @@ static void test_bad_layers(void **state)
     }
 }
 
-/* In the meter they end this extractor alone, and say why. */
+/* In the meter bad layers end only this extractor, with a reason. */
 static void test_bad_layers_spoil_no_other_number(void **state)
 {
     struct meter it = new_meter("signal=luma");
@@ -593,7 +595,7 @@ static void test_bad_layers_spoil_no_other_number(void **state)
     end(&it);
 }
 
-/* From anywhere, also from out of the picture. */
+/* From anywhere, also from outside of the frame. */
 static void test_wild_motion(void **state)
 {
     uint64_t random = 20261121;

@@ -14,7 +14,7 @@ static double normal(uint64_t *random)
     return sqrt(-2.0 * log(u)) * cos(neph_test_uniform(random, 0.0, 6.283185307179586));
 }
 
-/* A smooth picture of mean 1, times `gain`, with checkered pattern and noise on top. */
+/* A smooth image of mean 1, times `gain`, with an added checkered pattern and noise. */
 static struct neph_image *frame(double gain, double pattern, double noise, uint64_t *random)
 {
     struct neph_image *image = NULL;
@@ -67,7 +67,7 @@ static void test_gain_shows(void **state)
     assert_string_equal(neph_pair_verdict_name(pair.verdict), "differ");
 }
 
-/* A pattern of mean 0 is invisible in the mean and plain in the rms, below its own noise. */
+/* A pattern of mean 0 is invisible in the mean and clear in the rms, below its own noise. */
 static void test_pattern_below_the_noise(void **state)
 {
     const struct neph_pair pair = compare(1.0, 0.05, 0.1, 9);

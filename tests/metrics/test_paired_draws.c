@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The difference of two numbers by paired draws of tiles: how often 95 % intervals hold the true
- * difference, how often a p-value of 0.05 errs, and that what both pictures share falls out.
+ * The difference of two measurements by paired draws of tiles: the coverage of 95 % intervals, the
+ * error rate of a p-value of 0.05, and cancellation of common noise.
  */
 #include "tests/metrics/metrics_test.h"
 
@@ -43,7 +43,7 @@ static const struct neph_measurement *named(const struct neph_measurement *list,
     return NULL;
 }
 
-/* 1 plus `shared` noise of the one seed and `own` of the other, a little of it uneven over x. */
+/* 1 plus `shared` noise of one seed and `own` noise of the other, which varies slightly over x. */
 static struct neph_image *noisy(double shared, uint64_t shared_seed, double own, uint64_t own_seed)
 {
     struct neph_image *image = create_image(SIDE, SIDE);
@@ -98,8 +98,9 @@ static const char *const metrics[] = {"mae", "rmse", "p95", "bias"};
 
 enum { METRIC_COUNT = sizeof(metrics) / sizeof(metrics[0]) };
 
-/* Both alike: 5 of 100 p-values are below 0.05 and 5 of 100 intervals miss 0, give or take three
- * standard deviations of such a count, 2.2 each. (Of 200 it was 8 to 13, and 4 for p95.) */
+/* Equal distributions: 5 of 100 p-values are below 0.05 and 5 of 100 intervals miss 0, plus or
+ * minus three standard deviations of such a count, 2.2 each. (Of 200 it was 8 to 13, and 4 for
+ * p95.) */
 static void test_it_errs_as_often_as_it_says(void **state)
 {
     uint64_t seed = test_seed(20261122);
@@ -132,7 +133,8 @@ static void test_it_errs_as_often_as_it_says(void **state)
     neph_image_destroy(reference);
 }
 
-/* One per cent more of the same noise: nothing to either interval, and certain. */
+/* One per cent more of the same noise: negligible for either interval, and certain in the
+ * difference. */
 static void test_what_both_share_falls_out(void **state)
 {
     struct neph_image *reference = flat(), *a = noisy(0.101, 7, 0.0, 1), *b = noisy(0.1, 7, 0.0, 1);
@@ -165,7 +167,7 @@ static void test_nothing_is_made_up(void **state)
     assert_false(neph_series_paired_draws(2.0, &one, 1.0, &other).difference.defined);
     int count = 0;
     struct neph_measurement *measured = measure_once(reference, a, false, &count);
-    assert_null(named(measured, count, "mae")->draws); /* not asked for */
+    assert_null(named(measured, count, "mae")->draws); /* not requested */
     neph_measurements_destroy(measured, count);
     measured = measure_once(reference, a, true, &count);
     assert_null(named(measured, count, "max_abs")->draws); /* a maximum has no interval */

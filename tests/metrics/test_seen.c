@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Flicker as a person sees it, against what follows from the eye (metrics/eye.h): a sine at the
- * eye's threshold has the contrast 1, whatever it is spread over.
+ * Visible flicker, against consequences of the model of the eye (metrics/eye.h): a sine at the
+ * threshold has the contrast 1, whatever its spatial shape.
  */
 #include "tests/metrics/extractor_test.h"
 #include "tests/metrics/metrics_test.h"
@@ -28,8 +28,8 @@ struct stimulus {
     double contrast, hertz, phase;
     double cycles_per_degree;     /* of a grating, along x */
     double x_px, y_px, radius_px; /* of a disk */
-    bool in_both;                 /* the reference does it, too */
-    const double *series;         /* m by frame, everywhere alike */
+    bool in_both;                 /* the reference has it, too */
+    const double *series;         /* m by frame, equal in all pixels */
 };
 
 static double modulation(const struct stimulus *s, int x, int y, int t)
@@ -65,8 +65,7 @@ static void fill(const struct stimulus *s, bool moves, int t, float *plane)
                                (1.0 + (moves ? s->contrast * modulation(s, x, y, t) : 0.0)));
 }
 
-/* All frames, behind `warm_up` black ones that are not to be looked at. End with
- * extraction_end(). */
+/* All frames, after `warm_up` black ones that are ignored. End with extraction_end(). */
 static struct extraction run_after(const struct stimulus *s, int warm_up)
 {
     char assignment[32];
@@ -135,9 +134,9 @@ static struct neph_viewing viewing_at(double frame_rate_hz, double pixels_per_de
                                  .white_cd_per_m2 = 100.0};
 }
 
-/* Contrast at threshold of a sine in frames, over a disk: less than that of a lamp by what the
- * display, which holds its frames, leaves. At half of the rate frames alternate, and the
- * fundamental of that is 4 / pi of them. */
+/* Contrast at threshold of a sine in frames, over a disk. The display, which holds its frames,
+ * attenuates the sine relative to a lamp. At half of the rate frames alternate, and the fundamental
+ * is 4 / pi of them. */
 static double threshold(double hertz, double frame_rate_hz, double radius_deg)
 {
     const double x = M_PI * hertz / frame_rate_hz;
@@ -149,7 +148,7 @@ static const double rates_hz[] = {30.0, 60.0}, sines_hz[] = {7.5, 15.0};
 
 /* ---- a sine at threshold has the contrast 1 -------------------------------------------------- */
 
-/* 8 by 4.5 degrees, which all that is there makes a disk of 3.4. */
+/* 8 by 4.5 degrees, which is treated as a disk of 3.4. */
 static void test_full_field(void **state)
 {
     for (int i = 0; i < 4; i++) {
@@ -174,7 +173,7 @@ static void test_full_field(void **state)
     }
 }
 
-/* In the middle of the picture, where a disk of the grid lies. */
+/* In the middle of the frame, at a disk of the grid. */
 static void test_disk(void **state)
 {
     for (int i = 0; i < 4; i++) {
@@ -203,8 +202,8 @@ static void test_disk(void **state)
     }
 }
 
-/* At a bar in the middle, for mirrors bend gratings; the filter of seen_spatial.h is right to 3.5
- * %. */
+/* At a bar in the middle, as mirroring bends gratings; the filter of seen_spatial.h is accurate to
+ * 3.5 %. */
 static void test_gratings(void **state)
 {
     static const double gratings_cpd[] = {2.0, 7.5, 15.0};
@@ -226,7 +225,7 @@ static void test_gratings(void **state)
     }
 }
 
-/* What the old number passed by: 10 % in a cycle of 8 frames at 60 frames a second. */
+/* A signal that four-frame flicker missed: 10 % in a cycle of 8 frames at 60 frames a second. */
 static void test_cycle_of_eight(void **state)
 {
     const struct stimulus s = {.shape = FIELD,
@@ -244,9 +243,9 @@ static void test_cycle_of_eight(void **state)
     extraction_end(&found);
 }
 
-/* ---- the spectrum ---------------------------------------------------------------------------- */
+/* ---- spectrum -------------------------------------------------------------------------------- */
 
-/* A line keeps its energy wherever it lies between the bins, and whatever the number of frames. */
+/* A line keeps its energy at any position between the bins, and for any number of frames. */
 static void test_lines_between_bins(void **state)
 {
     static const int frame_counts[] = {16, 17, 40, 64, 100, 127, 256, 300};
@@ -265,7 +264,7 @@ static void test_lines_between_bins(void **state)
                                        .hertz = hertz,
                                        .phase = k};
             struct extraction found = run(&s);
-            /* The lobe of few frames is wide, and the eye's weight not constant in it. */
+            /* The lobe of few frames is wide, and the eye's weight is not constant in it. */
             neph_assert_close(at(&found, "seen_contrast", 2, 1), 3.0, n < 40 ? 0.06 : 0.01, 0.0);
             neph_assert_close(at(&found, "seen_hz", 2, 1), hertz, 0.0, 8.0 / n);
             extraction_end(&found);
@@ -322,7 +321,7 @@ static void test_energies(void **state)
     }
 }
 
-/* Noise gives one number whatever the number of frames, up to its own. */
+/* Noise gives one value for any number of frames, within its own scatter. */
 static void test_noise(void **state)
 {
     double contrast[2];
@@ -344,8 +343,8 @@ static void test_noise(void **state)
     neph_assert_close(contrast[1], contrast[0], 0.03, 0.0);
 }
 
-/* Below 0.5 Hz nothing flickers: a ramp of 20 %, and a wave of 20 % in eight seconds, of which the
- * window leaves a hundredth of what it would be at 2 Hz. */
+/* Below 0.5 Hz there is no flicker: a ramp of 20 %, and a wave of 20 % in eight seconds, of which
+ * the window leaves a hundredth of its value at 2 Hz. */
 static void test_drift(void **state)
 {
     for (int i = 0; i < 2; i++) {
@@ -365,7 +364,7 @@ static void test_drift(void **state)
 
 /* ---- pops ------------------------------------------------------------------------------------ */
 
-/* A step has its height in cd/m2 for response; what the reference does is no pop. */
+/* The response to a step is its height in cd/m2; a step of the reference is no pop. */
 static void test_pops(void **state)
 {
     for (int in_both = 0; in_both < 2; in_both++) {
@@ -383,8 +382,8 @@ static void test_pops(void **state)
     }
 }
 
-/* The filter itself, sampled at twice the rate between the samples, over a random series that
- * stands still before and after. */
+/* The filter itself, sampled at twice the rate between the samples, over a random series that is
+ * constant before and after. */
 static void test_pops_by_their_definition(void **state)
 {
     enum { N = 24, MARGIN = 200 };
@@ -434,14 +433,14 @@ static void test_disks(void **state)
         for (int x = 0; x < W; x++)
             sums[y * (W + 1) + x + 1] = sums[y * (W + 1) + x] + 3.0 * x + y;
     neph_assert_ok(neph_seen_disk_means(&disks, sums, means, NULL), NULL);
-    /* A plane has at the centre of a whole disk what it has on average. */
+    /* The value of a linear ramp at the centre of a whole disk is its average. */
     const struct neph_seen_grid *one = &disks.grids[0];
     const int middle = one->rows / 2 * one->columns + one->columns / 2;
     const double x_px = floor((one->columns / 2 + 0.5) * W / one->columns);
     const double y_px = floor((one->rows / 2 + 0.5) * H / one->rows);
     neph_assert_close((double)means[middle], 3.0 * x_px + y_px, 1e-6, 0.0);
     neph_assert_close(neph_seen_cut_radius_deg(&disks, middle), 1.0, 0.02, 0.0);
-    /* The largest holds the picture. */
+    /* The largest disk covers the frame. */
     const int last = disks.disk_count - 1;
     assert_int_equal(disks.grids[2].first, last);
     neph_assert_close((double)means[last], 3.0 * 34.5 + 24.5, 1e-6, 0.0);
@@ -451,7 +450,7 @@ static void test_disks(void **state)
     free(means);
 }
 
-/* The same change in phase all over is seen better than with a phase of its own in every pixel. */
+/* The same change is more visible in phase than with a different phase in every pixel. */
 static void test_in_phase_is_seen_better(void **state)
 {
     struct stimulus s = {.shape = FIELD,
@@ -472,7 +471,7 @@ static void test_in_phase_is_seen_better(void **state)
     extraction_end(&apart);
 }
 
-/* ---- the house ------------------------------------------------------------------------------- */
+/* ---- conventions ----------------------------------------------------------------------------- */
 
 static void test_stillness(void **state)
 {
@@ -535,7 +534,7 @@ static void test_warm_up_is_as_if_it_were_not(void **state)
     extraction_end(&after);
 }
 
-/* Through the meter, over a mask: Minkowski's mean of R and the shares are those of the maps. */
+/* Through the meter, over a mask: Minkowski's mean of R and the shares match the maps. */
 static void test_numbers_over_a_mask(void **state)
 {
     enum { W = 40, H = 24, N = 16 };

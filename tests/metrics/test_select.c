@@ -10,14 +10,14 @@
 
 struct set {
     double *values; /* ascending */
-    uint32_t *keys; /* in the order they came */
+    uint32_t *keys; /* in the original order */
     size_t first[3];
     uint32_t counts[3];
     struct neph_key_runs runs;
     struct neph_selector *selector;
 };
 
-/* `values` are floats; they are put into three runs with a gap between them, one of them empty. */
+/* `values` are floats; they are stored in three runs with a gap between them, one of them empty. */
 static void create_set(struct set *set, const float *values, size_t count)
 {
     const size_t part = count / 3;
@@ -59,7 +59,7 @@ static void test_keys_keep_the_order(void **state)
     }
 }
 
-/* Values that share their upper bits, that are equal, that are few, and of all sizes and signs. */
+/* Values with equal upper bits, equal values, few values, and values of all sizes and signs. */
 static float draw(uint64_t *random, int kind)
 {
     switch (kind) {
@@ -97,7 +97,7 @@ static void test_ranks_and_percentiles(void **state)
     }
 }
 
-/* Expected or not, in time or in between: the percentiles are the same. */
+/* Announced or not, in time or in between: the percentiles are the same. */
 static void test_expected_percentiles(void **state)
 {
     uint64_t random = 777;
@@ -127,8 +127,8 @@ static void test_expected_percentiles(void **state)
     }
 }
 
-/* The definition: walk up the sorted values until the running sum exceeds the share. Shares of
- * which the walk's own rounding could decide are left out. */
+/* The definition: step through the sorted values until the running sum exceeds the share. Shares
+ * that the rounding of this sum could decide are skipped. */
 static void test_weighted_percentiles(void **state)
 {
     uint64_t random = 4321;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Means over frames and runs: that intervals cover the truth as often as they say, by simulation;
- * Student's t, the sign test and Holm's adjustment against closed forms and published tables.
+ * Means over frames and runs: coverage of intervals by simulation; Student's t, the sign test and
+ * Holm's adjustment against closed forms and published tables.
  */
 #include "tests/neph_test.h"
 
@@ -22,7 +22,7 @@ static double normal(uint64_t *random)
     return sqrt(-2.0 * log(u)) * cos(neph_test_uniform(random, 0.0, 2.0 * M_PI));
 }
 
-/* Stationary, of variance 1 and mean 0, plus `cycle` times a signal of period 4 and mean 0. */
+/* Stationary, variance 1 and mean 0, plus `cycle` times a signal of period 4 and mean 0. */
 static void draw_series(double correlation, double cycle, int count, uint64_t *random,
                         double *values)
 {
@@ -54,10 +54,10 @@ static double coverage(const struct coverage_case *it, int replications, uint64_
     return (double)inside / replications;
 }
 
-/* The share of 4000 replications has a binomial standard deviation of 0.34 percentage points at
- * 95 %, so what is measured within 92..97 % here lies between 91 and 98 % but for one seed in a
- * thousand. Plain batch means of 16 frames cover 91.5 % at the correlation 0.8. Of a part of the
- * replications the share has four standard deviations more. */
+/* The share of 4000 replications has a binomial standard deviation of 0.34 percentage points at 95
+ * %, so a measured share within 92..97 % has a true value between 91 and 98 %, except for one seed
+ * in a thousand. Plain batch means of 16 frames cover 91.5 % at the correlation 0.8. A part of the
+ * replications gets four standard deviations more. */
 static void test_intervals_cover(void **state)
 {
     static const struct coverage_case cases[] = {
@@ -78,8 +78,8 @@ static void test_intervals_cover(void **state)
     }
 }
 
-/* Half of the variance is white noise, which hides from the correlation of neighbours how long the
- * other half remembers. 92.2 % in 20000 replications; four binomial deviations of 4000. */
+/* Half of the variance is white noise, which hides the long memory of the other half from the
+ * correlation of neighbours. 92.2 % in 20000 replications; four binomial deviations of 4000. */
 static void test_long_memory_under_noise(void **state)
 {
     uint64_t random = test_seed();
@@ -96,7 +96,7 @@ static void test_long_memory_under_noise(void **state)
     neph_assert_close((double)inside / REPLICATIONS, 0.922, 0.0, 4.0 * 0.0042);
 }
 
-/* Too few batches for how long it remembers: what series.h owns up to. The shares are of 20000
+/* Too few batches for this memory: the limitation that series.h documents. The shares are of 20000
  * replications of another generator; four binomial deviations of 4000. */
 static void test_long_memory_is_covered_less(void **state)
 {
@@ -110,8 +110,8 @@ static void test_long_memory_is_covered_less(void **state)
                           4.0 * 0.0049);
 }
 
-/* What a naive t interval over frames would do to the same series, so that it is seen that the
- * simulation can tell: the note says 47 % at the correlation 0.8. */
+/* A naive t interval over frames on the same series, which shows that the simulation detects wrong
+ * intervals: the note says 47 % at the correlation 0.8. */
 static void test_frames_are_not_replicates(void **state)
 {
     uint64_t random = test_seed();
@@ -178,7 +178,7 @@ static void test_deterministic(void **state)
     const struct neph_mean mean = neph_series_mean(same, 3, NEPH_REPLICATE_RUNS);
     assert_int_equal(mean.interval, NEPH_INTERVAL_DETERMINISTIC);
     assert_true(mean.value == 0.1);
-    /* Once is no repetition; and the last frame counts. */
+    /* One period is no repetition; and the last frame counts. */
     assert_int_equal(mean_of_pattern(1, 1).interval, NEPH_INTERVAL_NONE);
     assert_int_equal(mean_of_pattern(16, 31).interval, NEPH_INTERVAL_NONE);
     double changed[64] = {0.0};
@@ -231,14 +231,14 @@ static void test_not_finite(void **state)
         const struct neph_mean mean = neph_series_mean(values, 128, NEPH_REPLICATE_FRAMES);
         assert_true(!mean.defined && mean.value == 0.0 && mean.low == 0.0 && mean.high == 0.0);
     }
-    /* Finite values whose squares are not. */
+    /* Finite values with infinite squares. */
     for (int i = 0; i < 128; i++)
         values[i] = (i % 3) * 1e300;
     const struct neph_mean huge = neph_series_mean(values, 128, NEPH_REPLICATE_FRAMES);
     assert_true(isfinite(huge.value) && isfinite(huge.low) && isfinite(huge.high));
 }
 
-/* Two noisy runs of the same frames: what they have in common drops out. */
+/* Two noisy runs of the same frames: their common part cancels. */
 static void test_paired_differences(void **state)
 {
     enum { N = 128 };
@@ -256,10 +256,10 @@ static void test_paired_differences(void **state)
     assert_true(paired.p < 1e-6);
     assert_int_equal(paired.positive, 8);
     neph_assert_close(paired.p_sign, 2.0 / 256.0, 1e-13, 0.0);
-    /* Each apart is too noisy to say so. */
+    /* Each interval by itself is too wide for this conclusion. */
     const struct neph_mean alone = neph_series_mean(a, N, NEPH_REPLICATE_FRAMES);
     assert_true(alone.high - alone.low > 0.4);
-    /* The other way round. */
+    /* Swapped. */
     struct neph_paired back;
     neph_assert_ok(neph_series_paired(b, a, N, NEPH_REPLICATE_FRAMES, &back, &diag), &diag);
     neph_assert_close(back.difference.value, -paired.difference.value, 1e-14, 0.0);
@@ -275,10 +275,10 @@ static void test_paired_without_a_difference(void **state)
     neph_assert_ok(neph_series_paired(a, a, 4, NEPH_REPLICATE_RUNS, &paired, &diag), &diag);
     assert_true(paired.p == 1.0 && paired.p_sign == 1.0 && paired.difference.value == 0.0);
     assert_int_equal(paired.difference.interval, NEPH_INTERVAL_DETERMINISTIC);
-    /* Always the same difference: certain. */
+    /* A constant difference: certain. */
     neph_assert_ok(neph_series_paired(a, b, 4, NEPH_REPLICATE_RUNS, &paired, &diag), &diag);
     assert_true(paired.p == 0.0 && paired.positive == 4);
-    /* Too few frames say nothing. */
+    /* Too few frames: no conclusion. */
     const double c[4] = {0.5, 1.5, 2.5, 3.0};
     neph_assert_ok(neph_series_paired(a, c, 4, NEPH_REPLICATE_FRAMES, &paired, &diag), &diag);
     assert_true(paired.p == 1.0 && paired.p_sign == 1.0);
@@ -286,9 +286,9 @@ static void test_paired_without_a_difference(void **state)
     assert_true(!paired.difference.defined && paired.p == 1.0);
 }
 
-/* Under no difference a p-value below 0.05 comes up in 5 % of all cases; 3 to 8 % corresponds to
- * the coverage of the intervals. The sign test on 8 batches steps: 2 (1 + 8) / 256 = 7.0 % lies
- * above 0.05 and 2 / 256 = 0.8 % is the next. */
+/* Without a difference a p-value is below 0.05 in 5 % of all cases; 3 to 8 % corresponds to the
+ * coverage of the intervals. The sign test on 8 batches steps: 2 (1 + 8) / 256 = 7.0 % is above
+ * 0.05 and 2 / 256 = 0.8 % is the next. */
 static void test_size_of_paired_tests(void **state)
 {
     enum { N = 128 };
@@ -328,7 +328,7 @@ static void test_student(void **state)
 {
     for (int dof = 1; dof < 200; dof += 1 + dof / 5)
         for (double t = 0.125; t < 6.0; t *= 1.5)
-            /* The closed form is 1 minus a sum: good to some units of 1e-16. */
+            /* The closed form is 1 minus a sum: accurate to some units of 1e-16. */
             neph_assert_close(neph_student_p(-t, dof), student_p_in_closed_form(t, dof), 1e-11,
                               5e-15);
     /* mpmath 1.2.1, betainc(dof/2, 1/2, 0, dof/(dof+t*t), regularized=True) */
@@ -345,7 +345,7 @@ static void test_student(void **state)
         neph_assert_close(neph_student_critical(0.01, table[i].dof), table[i].at_1, 0.0, 5e-4);
     }
     neph_assert_close(neph_student_critical(1e-6, 1.0), 1.0 / tan(0.5e-6 * M_PI), 1e-11, 0.0);
-    /* Cornish-Fisher, Abramowitz and Stegun 26.7.5; what is left is 3e-8. */
+    /* Cornish-Fisher, Abramowitz and Stegun 26.7.5; the remainder is 3e-8. */
     const double z = neph_normal_critical(0.05);
     neph_assert_close(neph_student_critical(0.05, 1e4), z + (z * z * z + z) / 4e4, 0.0, 4e-8);
     for (double alpha = 1e-9; alpha < 1.0; alpha *= 7.0)
@@ -389,8 +389,8 @@ static void test_holm(void **state)
     assert_true(adjusted[0] == p[0]);
 }
 
-/* Among 20 tests that hang together, all of nothing, Holm raises any in at most 5 % of all cases
- * (one binomial standard deviation: 0.34 points), and plain p-values in far more. */
+/* Among 20 correlated tests without any effect, Holm rejects at least one in at most 5 % of all
+ * cases (one binomial standard deviation: 0.34 points), and plain p-values in far more. */
 static void test_holm_keeps_the_family_quiet(void **state)
 {
     uint64_t random = test_seed();

@@ -24,8 +24,7 @@ static void test_sidak(void **state)
         neph_assert_close(1.0 - pow(1.0 - neph_sidak_alpha(0.01, n), n), 0.01, 1e-11, 0.0);
 }
 
-/* Box-Muller noise of known variance: the moments come out as 0 and 1, and a wrong variance shows.
- */
+/* Box-Muller noise of known variance: the moments are 0 and 1, and a wrong variance is detected. */
 static void test_moments_of_noise(void **state)
 {
     enum { N = 100000 };
@@ -75,7 +74,7 @@ static void test_nothing_random(void **state)
     assert_true(isinf(neph_z_scores(other, same, zero, 2, 0.0).mean));
     assert_true(isinf(neph_z_scores(other, same, zero, 2, 0.9).mean));
     assert_int_equal(neph_z_scores(other, same, zero, 2, 1.1).count, 0);
-    /* 1 / 0.1 = 10 is left out with a floor of 0.2, and is all there is without. */
+    /* 1 / 0.1 = 10 is excluded with a floor of 0.2, and is the only value without. */
     const float little[2] = {0.01f, 0.01f};
     assert_int_equal(neph_z_scores(other, same, little, 2, 0.2).count, 0);
     neph_assert_close(neph_z_scores(other, same, little, 2, 0.0).mean, 5.0, 1e-6, 0.0);

@@ -79,7 +79,7 @@ static void test_planted_faults_are_counted(void **state)
     neph_image_destroy(image);
 }
 
-/* Rows are looked at in vectors first: a single odd value anywhere in a row must show. */
+/* Rows are tested in vectors first: a single odd value anywhere in a row must be found. */
 static void test_one_fault_in_a_long_row(void **state)
 {
     enum { WIDTH = 67, HEIGHT = 3 };
@@ -121,7 +121,8 @@ static void test_negative_values_have_an_allowance(void **state)
     neph_assert_ok(neph_validity_gate(&validity, 2, &diag), &diag);
     assert_int_equal(neph_validity_gate(&validity, 1, &diag), NEPH_ERR_GATE);
     assert_non_null(strstr(diag.message, "2 values in 1 of 2 channels are negative, 1 allowed"));
-    assert_non_null(strstr(diag.message, "'volume.B' at pixel (0, 0), whose least value is -0.5"));
+    assert_non_null(
+        strstr(diag.message, "'volume.B' at pixel (0, 0); minimum of that channel: -0.5"));
     assert_int_equal(neph_validity_gate(&validity, 0, NULL), NEPH_ERR_GATE);
     neph_validity_finish(&validity);
     neph_image_destroy(image);
@@ -169,7 +170,7 @@ static void test_mismatches_are_named(void **state)
     neph_image_destroy(test);
 }
 
-/* Which channels must not be negative, and that only distances may be infinite. */
+/* Which channels must not be negative; only distances may be infinite. */
 static void test_rules_of_channels(void **state)
 {
     static const struct {
@@ -199,7 +200,7 @@ static void test_rules_of_channels(void **state)
     }
 }
 
-/* A list of names longer than the message is cut, not overrun. */
+/* A list of names longer than the message is truncated without overrun. */
 static void test_many_missing_channels(void **state)
 {
     struct neph_image *reference = create_image(1, 1), *test = create_image(1, 1);
@@ -231,7 +232,7 @@ static void test_frozen_frames_are_counted(void **state)
     float *red = add_channel(image, "R", NULL), *green = add_channel(image, "G", NULL);
     struct neph_frozen frozen = {0};
     assert_false(add_frame(&frozen, image));
-    red[14] = 0x1p-149f; /* the least that can change */
+    red[14] = 0x1p-149f; /* the smallest possible change */
     assert_false(add_frame(&frozen, image));
     assert_true(add_frame(&frozen, image));
     assert_true(add_frame(&frozen, image));
@@ -244,7 +245,7 @@ static void test_frozen_frames_are_counted(void **state)
     neph_image_destroy(image);
 }
 
-/* A cycle of two frames is not frozen; NaN and the sky are samples like others. */
+/* A cycle of two frames is not frozen; NaN and the sky are treated like other samples. */
 static void test_a_cycle_is_not_frozen(void **state)
 {
     struct neph_image *images[2] = {create_image(1, 1), create_image(1, 1)};

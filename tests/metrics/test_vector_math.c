@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The branch-free functions against libm in long double, at random bit patterns of the whole range
- * and at the values where such functions break.
+ * and at critical values.
  */
 #include "tests/neph_test.h"
 
@@ -11,7 +11,7 @@
 
 enum { DRAW_COUNT = 200000 };
 
-/* NEPH_TEST_SEED, or the given one; printed, so that a failure can be run again. */
+/* NEPH_TEST_SEED, or the given seed; printed, so that a failure can be reproduced. */
 static uint64_t test_seed(uint64_t usual)
 {
     const char *wanted = getenv("NEPH_TEST_SEED");
@@ -20,14 +20,14 @@ static uint64_t test_seed(uint64_t usual)
     return seed;
 }
 
-/* Any positive finite double, each exponent equally likely, denormals among them. */
+/* Any positive finite double, each exponent equally likely, including denormals. */
 static double draw_positive(uint64_t *random)
 {
     const uint64_t bits = neph_test_random(random) % 0x7ff0000000000000u;
     return neph_of_bits(bits ? bits : 1);
 }
 
-/* A relative error, and for denormal results one step of the last place more. */
+/* A relative error, and for denormal results one unit in the last place more. */
 static void assert_near(double actual, long double exact, double relative, double argument)
 {
     if (exact > (long double)DBL_MAX && isinf(actual))
@@ -92,7 +92,7 @@ static void test_cbrt(void **state)
     assert_near(neph_cbrt(0x1p-1074), cbrtl(0x1p-1074L), 1e-15, 0x1p-1074);
 }
 
-/* In arrays, so that the vectorised loop itself is what runs. */
+/* In arrays, so that the vectorised loop itself runs. */
 enum { LANE_COUNT = 1003 };
 
 NEPH_VECTOR static void all_of_them(const double *restrict x, double *restrict result, int count)

@@ -34,25 +34,26 @@ static const int tracer_samples[COMPARE_STAGES] = {192, 1536, 12288};
 /* Nodes of the tracer's table of sunlight: its own default is for frames of many pixels. */
 enum { SUN_NODES = 4096 };
 /* Steps of a ray, by level. None is nearly a multiple of another: steps of a 64th and of an eighth
- * of a ray would meet a face near its beginning alike, and err alike. */
+ * of a ray would meet a face near its beginning at the same position, with the same error. */
 enum { LEVELS = 5 };
 static const int march_steps[LEVELS] = {61, 409, 2753, 18521, 62743};
 
-/* float32 knows a radiance that is a sum of products to about this part of itself (test_tracer.c).
- * Above 10 times that noise adds 1 / 100 at most to the variance of z-scores. */
+/* The relative accuracy of float32 for a radiance that is a sum of products (test_tracer.c). Noise
+ * above 10 times this adds at most 1 / 100 to the variance of z-scores. */
 static const double rounding = 2e-6, noisy = 10.0;
-/* Closed forms in float32, for pixels without noise: a choice, 100 times `rounding`, for optical
- * depths of a few dozen at places a thousand times as far away as they are large. */
+/* Closed forms in float32, for pixels without noise: chosen as 100 times `rounding`, for optical
+ * depths of a few dozen at distances a thousand times the size of the media. */
 static const double float_tolerance = 2e-4;
 /* A pixel's variance is known when its relative error is below this: 50 degrees of freedom. */
 static const double unsure_most = 0.2;
-/* Pixels of a scene are about 24 for each of three pairs: one scene in a hundred or so is rendered
- * again for nothing. */
+/* A scene has about 24 pixels for each of three pairs: one scene in about a hundred is rendered
+ * again without need. */
 static const double suspicious_p = 1e-4;
-/* What one path in n / 7 finds, n paths miss altogether once in e^7 = 1100 pixels, and their spread
- * says nothing of it: light of that part of the brightest in the scene is no disagreement. */
+/* Light that a fraction 7 / n of paths finds is missed by all n paths once in e^7 = 1100 pixels,
+ * and their scatter does not show it: light of this fraction of the brightest in the scene is no
+ * disagreement. */
 static const double unseen_paths = 7.0;
-/* 2,000 scenes of 75 tests each leave one false alarm in a thousand nights at this level. */
+/* 2,000 scenes of 75 tests each give one false alarm in a thousand nights at this level. */
 static const double certain_p = 1e-8;
 
 /* ---- readings -------------------------------------------------------------------------------- */
@@ -87,7 +88,8 @@ static bool takes_part(const struct comparison *comparison, enum compare_engine 
     return comparison->request->engines >> engine & 1u;
 }
 
-/* An engine that cannot says so and takes no part; anything else that is no frame is a finding. */
+/* An engine that does not support the scene reports it and is skipped; any other missing frame is a
+ * finding. */
 static void set_aside(struct comparison *comparison, enum compare_engine engine,
                       enum neph_status status, const char *reason)
 {
@@ -101,7 +103,7 @@ static void set_aside(struct comparison *comparison, enum compare_engine engine,
     add_finding(comparison, engine, engine, what);
 }
 
-/* The first value of a frame that no frame may hold; NULL: there is none. */
+/* The first invalid value of a frame; NULL: none. */
 static const char *find_bad_value(const struct neph_image *frame, int *pixel, double *value)
 {
     for (int c = 0; c < frame->channel_count; c++)
@@ -247,7 +249,7 @@ typedef enum neph_status render_batch(const struct compare_request *request, uin
                                       int samples, struct neph_image **frame,
                                       struct neph_diag *diag);
 
-/* False: it takes no part, and the result says why. */
+/* False: it is skipped, and the result has the reason. */
 static enum neph_status read_noisy(struct comparison *comparison, enum compare_engine engine,
                                    render_batch *render, int samples, int stage,
                                    struct neph_diag *diag)
@@ -277,16 +279,16 @@ static enum neph_status read_noisy(struct comparison *comparison, enum compare_e
     return NEPH_OK;
 }
 
-/* ---- how likely ------------------------------------------------------------------------------ */
+/* ---- probabilities --------------------------------------------------------------------------- */
 
 /* The difference of two readings in a pixel. */
 struct difference {
-    double value, error; /* standard error; 0: none has noise that is worth the name */
+    double value, error; /* standard error; 0: neither has significant noise */
     double dof;
     double size; /* the larger of both readings */
     bool is_sure;
     bool is_seen;    /* too large to be light that the paths have missed */
-    bool has_missed; /* all paths of a tracer brought the same: their spread says nothing */
+    bool has_missed; /* all paths of a tracer had the same value: their scatter is no estimate */
 };
 
 static struct difference difference_at(const struct reading *test, const struct reading *truth,
@@ -303,7 +305,7 @@ static struct difference difference_at(const struct reading *test, const struct 
     }
     const double unsure =
         hypot(a * test->unsure[channel][pixel], b * truth->unsure[channel][pixel]) / (a + b);
-    /* The batches are too few to know that a variance is known exactly. */
+    /* The batches are too few to show that a variance is known exactly. */
     made.dof = fmin(2.0 / fmax(unsure * unsure, 1e-12), 1e4);
     made.is_sure = unsure <= unsure_most;
     if (made.has_missed) {
@@ -322,7 +324,7 @@ struct suspect {
 static void suspect_if(struct suspect *suspect, double p, int pixel, int channel,
                        struct difference difference)
 {
-    /* What may be unseen is worth more paths, and no more. */
+    /* A difference that may be missed light causes more paths, but no finding. */
     const double weight = difference.is_seen ? p : fmax(p, 0.1 * suspicious_p);
     if (weight < suspect->p && (difference.is_seen || p < suspicious_p))
         *suspect = (struct suspect){weight, pixel, channel, difference};
@@ -367,8 +369,8 @@ static double largest_of(struct neph_rgb c)
     return fmax(c.r, fmax(c.g, c.b));
 }
 
-/* The brightest radiance of a scene [W m^-2 sr^-1]: in its pixels, of what its media emit, and of
- * the background where that lights them. */
+/* The brightest radiance of a scene [W m^-2 sr^-1]: of its pixels, of its media's emission, and of
+ * the background where it lights the media. */
 static double find_peak(const struct neph_scene *scene, const struct reading *a,
                         const struct reading *b)
 {
@@ -380,7 +382,7 @@ static double find_peak(const struct neph_scene *scene, const struct reading *a,
     return scene->environment_light ? fmax(peak, largest_of(scene->background_w_per_m2_sr)) : peak;
 }
 
-/* The largest value of a phase function [1/sr], but no more than 1: its peak is narrow. */
+/* The largest value of a phase function [1/sr], limited to 1: its peak is narrow. */
 static double phase_peak_per_sr(const struct neph_scene *scene)
 {
     double peak = 0.0;
@@ -390,7 +392,8 @@ static double phase_peak_per_sr(const struct neph_scene *scene)
     return fmin(peak, 1.0);
 }
 
-/* About what one path may bring of the sun and of lights, of these from across the view. */
+/* The approximate contribution of one path from the sun and from point lights, as seen across the
+ * view. */
 static double source_peak(const struct neph_scene *scene)
 {
     const struct neph_camera_key *key = &scene->camera_keys[0];
@@ -401,7 +404,7 @@ static double source_peak(const struct neph_scene *scene)
     return scene->scattering == NEPH_SCATTERING_NONE ? 0.0 : sum * phase_peak_per_sr(scene);
 }
 
-/* Light that so many paths may have missed; and where all of them brought the same. */
+/* Light that this number of paths may have missed; and where all paths had the same value. */
 struct unseen {
     double by_some, by_all;
 };
@@ -414,7 +417,7 @@ static struct unseen find_unseen(const struct neph_scene *scene, const struct re
     return (struct unseen){part * peak, part * fmax(peak, source_peak(scene))};
 }
 
-/* One channel of each pixel is tested, in turn: channels share their paths. */
+/* One channel of each pixel is tested, in turn, as channels share their paths. */
 static struct suspect find_suspect(const struct reading *test, const struct reading *truth,
                                    struct unseen unseen, struct compare_scores *scores)
 {
@@ -476,7 +479,7 @@ static void describe(const struct comparison *comparison, enum compare_pair pair
 
 /* ---- transmittance --------------------------------------------------------------------------- */
 
-/* Transmittances without noise, of all engines, against the first that there is. */
+/* Transmittances without noise, of all engines, against the first available one. */
 static void check_through(struct comparison *comparison)
 {
     int first = 0;
@@ -531,13 +534,14 @@ static enum neph_status march_once(struct comparison *comparison, int steps,
     return status;
 }
 
-/* What a march is known to lose next to a light, relative; +inf: the pixel is left out.
- *   - float32 knows places on a ray at the distance d to about 2e-7 d. Light that a medium scatters
- *     next to a light goes with 1 / h, h being the light's distance from the ray: it is known to
- *     2e-7 d / h of itself. Both ends of a difference have that.
- *   - A step that passes a light is cut into a few even angles, of each of which the phase function
- *     is taken at one place (march_lamps.glsl). This bias falls only when steps are shorter than h,
- *     which is the case for no number of steps here where h is below a thousandth of the view. */
+/* The known relative error of a march next to a light; +inf: the pixel is skipped.
+ *
+ * - float32 has positions on a ray at the distance d to about 2e-7 d. Light that a medium scatters
+ *   next to a light is proportional to 1 / h, where h is the light's distance from the ray: its
+ *   relative error is 2e-7 d / h. Both ends of a difference have it.
+ * - A step that passes a light is divided into a few equal angles, and the phase function is
+ *   evaluated once in each (march_lamps.glsl). This bias only falls when steps are shorter than h;
+ *   no number of steps here is large enough if h is below a thousandth of the view. */
 static double light_tolerance(const struct neph_scene *scene, int pixel)
 {
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
@@ -559,12 +563,12 @@ static double light_tolerance(const struct neph_scene *scene, int pixel)
     return sum;
 }
 
-/* The largest deviation from the truth, in parts of what rounding and noise allow. */
+/* The largest deviation from the truth, relative to the tolerance for rounding and noise. */
 static struct suspect march_suspect(const struct neph_scene *scene, const struct reading *march,
                                     const struct reading *truth)
 {
     const double unseen = truth->is_noisy ? find_unseen(scene, march, truth, 0).by_all : 0.0;
-    /* A march leaves out what is behind e^-16 of a fog without end (renderer/march.h). */
+    /* A march omits light from behind e^-16 of an infinite fog (renderer/march.h). */
     const double cut = exp(-16.0) * fmax(find_peak(scene, march, truth), source_peak(scene));
     struct suspect worst = {.p = 1.0, .pixel = -1};
     double most = 1.0;
@@ -587,9 +591,10 @@ static struct suspect march_suspect(const struct neph_scene *scene, const struct
     return worst;
 }
 
-/* Whether what is left is explained by the steps: a first-order bias is at most a constant over the
- * number of steps, and the largest constant of the coarser levels is known. Twice that, for where
- * in a step a face lies is by chance; a deviation that stays is larger. */
+/* Whether the remaining difference is explained by the steps. A first-order bias is at most a
+ * constant over the number of steps, and the largest constant of the coarser levels is known. Twice
+ * this is allowed, as the position of a face within a step is random; a constant deviation exceeds
+ * it. */
 static bool is_step_bias(const double worst[LEVELS], int level)
 {
     double constant = 0.0;
@@ -605,7 +610,7 @@ static enum neph_status compare_march_levels(struct comparison *comparison,
     struct reading levels[2] = {{.is_there = false}};
     const struct reading *expected = &comparison->readings[truth];
     struct suspect suspect = {.p = 1.0};
-    double worst[LEVELS] = {0.0}; /* deviations in parts of what rounding and noise allow */
+    double worst[LEVELS] = {0.0}; /* deviations relative to the tolerance for rounding and noise */
     enum neph_status status = NEPH_OK;
     int level = 0;
     for (; level < LEVELS && !status; level++) {
@@ -665,8 +670,8 @@ static enum neph_status read_stage(struct comparison *comparison, int stage, str
     return status;
 }
 
-/* The verdict of one stage: whether another is needed. Findings are added when it is the last or
- * when there is no doubt. */
+/* The verdict of one stage: whether another is needed. Findings are added in the last stage or when
+ * they are certain. */
 static bool judge_stage(struct comparison *comparison, int stage, struct compare_scores *scores)
 {
     bool needs_more = false;

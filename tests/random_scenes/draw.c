@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Draws recipes from tables and distributions. Lengths are in units of the scene's scale, so that
- * the same shapes come in millimetres and in kilometres.
+ * the same shapes occur in millimetres and in kilometres.
  */
 #include "tests/random_scenes/recipe.h"
 
@@ -32,7 +32,7 @@ const char *recipe_form_name(enum recipe_form form)
     return form_names[form];
 }
 
-/* ---- chance ---------------------------------------------------------------------------------- */
+/* ---- random numbers -------------------------------------------------------------------------- */
 
 struct dice {
     uint64_t state;
@@ -95,14 +95,14 @@ static struct neph_vec3 along(struct neph_vec3 from, struct neph_vec3 direction,
     return neph_vec3_add(from, neph_vec3_scale(direction, by));
 }
 
-/* ---- which forms ----------------------------------------------------------------------------- */
+/* ---- selection of forms ---------------------------------------------------------------------- */
 
 enum {
     SINGLES = FORM_COUNT,
-    PAIRS = FORM_COUNT * (FORM_COUNT + 1) / 2,                      /* a form with itself, too */
-    TRIPLES = FORM_COUNT * (FORM_COUNT - 1) * (FORM_COUNT - 2) / 6, /* unlike ones */
+    PAIRS = FORM_COUNT * (FORM_COUNT + 1) / 2,                      /* with itself, too */
+    TRIPLES = FORM_COUNT * (FORM_COUNT - 1) * (FORM_COUNT - 2) / 6, /* different ones */
     PERIOD = SINGLES + PAIRS + TRIPLES,
-    STRIDE = 149, /* without a factor in common with PERIOD: neighbours are unlike */
+    STRIDE = 149, /* coprime to PERIOD: neighbours differ */
 };
 
 int recipe_period(void)
@@ -149,16 +149,16 @@ static int find_forms(int index, enum recipe_form forms[RECIPE_MEDIA_MAX])
 
 /* ---- media ----------------------------------------------------------------------------------- */
 
-/* What all media of a scene share. */
+/* Common values of all media of a scene. */
 struct stage {
     double scale_m;
-    struct neph_vec3 eye_m, ahead, center_m; /* of what the camera looks at */
+    struct neph_vec3 eye_m, ahead, center_m; /* center_m: of the camera's target */
     struct neph_vec3 planet_m;
     double planet_radius_m, eye_altitude_m;
     bool eye_in_media, eye_on_face;
 };
 
-/* Most media are neither clear nor opaque; some are nearly either. */
+/* Most media are neither clear nor opaque; some are almost one of them. */
 static double any_depth(struct dice *dice)
 {
     const double kind = uniform(dice, 0.0, 1.0);
@@ -220,7 +220,7 @@ static struct neph_phase any_phase(struct dice *dice)
 
 static void draw_optics(struct dice *dice, bool is_open, struct recipe_medium *medium)
 {
-    /* All orders of scattering in a fog without end: absorption bounds the length of paths. */
+    /* With all orders of scattering in an infinite fog, absorption limits the length of paths. */
     const double most = is_open ? 0.9 : 1.0;
     const int kind = whole(dice, 0, 4);
     medium->albedo = any_color(dice, 0.3, 0.95 * most);
@@ -263,7 +263,7 @@ static void draw_ball_layer(struct dice *dice, const struct stage *stage,
     medium->altitude_m = scale_m * uniform(dice, 0.4, 2.0);
     if (medium->form == FORM_TENT)
         medium->scale_m = medium->altitude_m * uniform(dice, 0.3, 1.0);
-    /* About the way of a level ray through it. */
+    /* The approximate length of a level ray in it. */
     const double way_m = sqrt(2.0 * M_PI * medium->radius_m * medium->scale_m);
     medium->extinction_per_m = any_depth(dice) / way_m;
     const double half_m = medium->radius_m + 15.0 * medium->scale_m + medium->altitude_m;
@@ -393,12 +393,12 @@ static struct recipe_light any_light(struct dice *dice, const struct stage *stag
 enum nearness {
     NEAR_EYE, /* 1e-6 to 0.1 m from the eye */
     NEAR_RAY, /* likewise, from the ray of a pixel */
-    AT_EYE,   /* exactly, where no medium is */
-    ON_RAY,   /* exactly, where no medium is */
+    AT_EYE,   /* exactly, where there is no medium */
+    ON_RAY,   /* exactly, where there is no medium */
     NEARNESS_COUNT,
 };
 
-/* A lamp on a ray is right where no medium is around it: media ahead begin no nearer than this. */
+/* A light on a ray needs a place without medium: media ahead begin no nearer than this. */
 static const double clear_air = 0.8;
 
 static void move_near_ray(struct dice *dice, const struct recipe *recipe, enum nearness nearness,
@@ -602,7 +602,7 @@ struct neph_camera recipe_camera(const struct recipe *recipe)
     return neph_scene_camera(&scene, 0.0);
 }
 
-/* ---- wind by hand ---------------------------------------------------------------------------- */
+/* ---- wind, computed independently ------------------------------------------------------------ */
 
 static void shift(struct neph_vec3 *place_m, struct neph_vec3 by_m)
 {
@@ -626,7 +626,7 @@ static void carry(struct recipe_medium *medium, struct neph_vec3 by_m)
     case FORM_HORIZON:
         shift(&medium->wind_m, by_m);
         break;
-    default: /* the same all along the wind */
+    default: /* uniform along the wind */
         break;
     }
 }

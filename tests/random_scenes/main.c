@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * Random scenes, on which exact, oracle, tracer and march are compared with each other. Each
- * disagreement is shrunk and kept as a scene file.
+ * Compares exact, oracle, tracer and march on random scenes. Each disagreement is reduced to a
+ * simpler scene and stored as a scene file.
  *
  *   random_scenes --seed 36 --count 200
  *   random_scenes --seed 36 --count 2000 --processes 16 --seconds 3600
- *   random_scenes --scene build/release/random_scenes/random_36_17.yaml  a kept scene again
+ *   random_scenes --scene build/release/random_scenes/random_36_17.yaml  a stored scene
  *   random_scenes --seed 36 --first 17 --print                           as YAML, on stdout
  *
  * Exit codes: 0 all engines agree; 1 some do not; 64 the command line is wrong; 70 the program
- * could not go on.
+ * could not continue.
  */
 #include "tests/random_scenes/compare.h"
 #include "tests/random_scenes/recipe.h"
@@ -42,8 +42,8 @@ enum { ATTEMPTS_MAX = 64, SHRINK_TURNS_MAX = 120 };
 struct options {
     uint64_t seed;
     int first, count, processes;
-    double seconds;     /* that the comparison may take; +inf: any time */
-    const char *folder; /* for kept scenes */
+    double seconds;     /* limit of the comparison; +inf: none */
+    const char *folder; /* for stored scenes */
     const char *scene;  /* a file to compare in place of random scenes */
     const char *still;  /* the same without wind; NULL: `scene` itself */
     int frame;          /* of `scene` */
@@ -53,7 +53,7 @@ struct options {
 
 /* ---- scenes from recipes --------------------------------------------------------------------- */
 
-/* A scene as it stands in a frame, with the loaded scene that it borrows from. */
+/* The static copy of a scene at a frame, with the loaded scene that it borrows from. */
 struct moment {
     struct neph_scene *loaded, *scene;
 };
@@ -99,7 +99,7 @@ static enum neph_status write_recipe(const struct recipe *recipe, const char *fo
     return NEPH_OK;
 }
 
-/* The recipe through a file, as a person would load it. */
+/* Loads the recipe through a file, as a user's scene is loaded. */
 static enum neph_status load_recipe(const struct recipe *recipe, const char *folder,
                                     struct moment *moment, struct neph_diag *diag)
 {
@@ -114,7 +114,7 @@ static enum neph_status load_recipe(const struct recipe *recipe, const char *fol
     return status;
 }
 
-/* Where a light lies on a pixel's ray there may be no medium: its light would be infinite. */
+/* A light on a pixel's ray must not be inside a medium: its radiance would be infinite. */
 static bool has_infinite_light(const struct neph_scene *scene)
 {
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
@@ -138,7 +138,7 @@ static bool has_infinite_light(const struct neph_scene *scene)
     return false;
 }
 
-/* Both scenes of a recipe: with its wind, and with the media where the wind has carried them. */
+/* Both scenes of a recipe: with its wind, and with the media displaced by the wind. */
 static enum neph_status open_both(const struct recipe *recipe, const char *folder,
                                   struct moment *written, struct moment *still,
                                   struct neph_diag *diag)
@@ -157,7 +157,7 @@ static enum neph_status open_both(const struct recipe *recipe, const char *folde
     return status;
 }
 
-/* Draw until the loader takes the recipe. */
+/* Draws until the loader accepts the recipe. */
 static enum neph_status draw_scene(uint64_t seed, int index, const char *folder,
                                    struct recipe *recipe, struct moment *written,
                                    struct moment *still, struct neph_diag *diag)
@@ -170,20 +170,20 @@ static enum neph_status draw_scene(uint64_t seed, int index, const char *folder,
     return status;
 }
 
-/* ---- the run --------------------------------------------------------------------------------- */
+/* ---- run ------------------------------------------------------------------------------------- */
 
 /* Scenes with a light on or next to the ray of a pixel, and all others. */
 enum family { FAMILY_ANY, FAMILY_NEAR_LIGHTS, FAMILIES };
 
-/* What scenes have come to. Processes send it through a pipe. */
+/* The results of scenes. Processes send it through a pipe. */
 struct tally {
     struct compare_scores scores[FAMILIES][PAIR_COUNT];
     struct compare_march marched;
     int scenes, disagreements;
-    int left; /* begun, and not done when the time was up */
+    int left; /* begun, and unfinished when the time ended */
     int covered[COMPARE_ENGINES];
     double seconds[COMPARE_ENGINES];
-    int stages[COMPARE_STAGES + 1]; /* scenes that needed so many */
+    int stages[COMPARE_STAGES + 1]; /* scenes that needed this number of stages */
 };
 
 struct run {
@@ -218,7 +218,7 @@ static bool still_disagrees(struct run *run, const struct recipe *recipe,
         return false;
     struct compare_result result;
     const unsigned engines = 1u << finding->test | 1u << finding->truth;
-    /* march is compared with exact, and where that cannot with oracle. */
+    /* march is compared with exact, or with oracle if exact does not support the scene. */
     const bool is_done = !compare_recipe(run, &written, &still, seed, engines, NULL, &result,
                                          &diag);
     close_moment(&written);
@@ -232,7 +232,7 @@ static bool still_disagrees(struct run *run, const struct recipe *recipe,
     return false;
 }
 
-/* Greedy: each change that leaves the disagreement is kept, until none does. */
+/* Greedy: applies each change that preserves the disagreement, until none does. */
 static struct recipe shrink(struct run *run, const struct recipe *recipe,
                             struct compare_finding *finding)
 {
@@ -304,7 +304,7 @@ static void report(struct run *run, const struct recipe *recipe, struct compare_
         print_media(recipe);
         printf(")\n  %s and %s: %s\n", compare_engine_names[finding.test],
                compare_engine_names[finding.truth], finding.what);
-        fflush(stdout); /* shrinking takes a while */
+        fflush(stdout); /* reduction takes a while */
         char suffix[40];
         snprintf(suffix, sizeof(suffix), "_%s_%s", compare_engine_names[finding.test],
                  compare_engine_names[finding.truth]);
@@ -358,16 +358,16 @@ static enum neph_status run_scene(struct run *run, int index, struct neph_diag *
     return NEPH_OK;
 }
 
-/* ---- what it came to ------------------------------------------------------------------------- */
+/* ---- results --------------------------------------------------------------------------------- */
 
-/* How far the variance of so many z-scores may lie from 1 besides 0.1: four of its own standard
- * errors. */
+/* The allowed deviation from 1 of the variance of this number of z-scores: 0.1 plus four of its own
+ * standard errors. */
 static double variance_slack(long count)
 {
     return 0.1 + 4.0 * sqrt(2.0 / (double)count);
 }
 
-/* One line of the table; whether its variance is what it should be. */
+/* Prints one line of the table; returns whether its variance is as expected. */
 static bool print_scores_of(const char *name, const struct compare_scores *scores)
 {
     const double n = fmax(1.0, (double)scores->count), variance = scores->square_sum / n;
@@ -419,7 +419,7 @@ static bool print_summary(const struct run *run)
 
 /* ---- processes ------------------------------------------------------------------------------- */
 
-/* Interrupts the scene in work of this process when the time is up. */
+/* Interrupts the current scene of this process when the time is up. */
 static bool start_timer(const struct run *run)
 {
     const double left_s = run->options->seconds - (neph_wall_s() - run->start_s);
@@ -434,7 +434,8 @@ static bool start_timer(const struct run *run)
     return !timer_create(CLOCK_MONOTONIC, &event, &timer) && !timer_settime(timer, 0, &time, NULL);
 }
 
-/* Take scenes from the shared counter until there are none, or no time. A scene in work is left. */
+/* Takes scenes from the shared counter until none are left, or the time is up. An unfinished scene
+ * is dropped. */
 static enum neph_status run_some(struct run *run, struct neph_diag *diag)
 {
     const struct options *options = run->options;
@@ -459,7 +460,7 @@ static enum neph_status run_some(struct run *run, struct neph_diag *diag)
     return status;
 }
 
-/* A process of its own on a processor of its own: `file` gets its tally when all went well. */
+/* A process on a processor of its own: `file` gets its tally on success. */
 static void run_process(struct run *run, int number, int file)
 {
     cpu_set_t processors, one;
@@ -501,8 +502,8 @@ static void add_tally(struct tally *sum, const struct tally *part)
         sum->stages[i] += part->stages[i];
 }
 
-/* Start all processes, add up what they send. A process that dies is an error: its scenes have not
- * been compared. */
+/* Starts all processes, and adds their results. A process that dies is an error: its scenes were
+ * not compared. */
 static enum neph_status run_processes(struct run *run, struct neph_diag *diag)
 {
     const int count = run->options->processes;
@@ -593,7 +594,7 @@ static enum neph_status print_recipe(const struct options *options, struct neph_
     return NEPH_OK;
 }
 
-/* ---- the command line ------------------------------------------------------------------------ */
+/* ---- command line ---------------------------------------------------------------------------- */
 
 enum {
     KEY_FIRST = 256,

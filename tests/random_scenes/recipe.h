@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A random scene before it is written as YAML: plain numbers, which the shrinker changes one by
- * one. A recipe is a pure function of a seed, an index and an attempt, because some recipes are
- * refused by the loader (a camera inside a solid) and are drawn again.
+ * A random scene before it is written as YAML: plain numbers, which the reduction changes one by
+ * one. A recipe is a pure function of a seed, an index and an attempt; the loader refuses some
+ * recipes (a camera inside a solid), which are drawn again.
  */
 #ifndef NEPH_TESTS_RANDOM_SCENES_RECIPE_H
 #define NEPH_TESTS_RANDOM_SCENES_RECIPE_H
@@ -60,7 +60,7 @@ struct recipe_medium {
     int seed;                /* of sheets and Horizon clouds */
     bool is_streaked;        /* a sheet */
     int voxels;              /* nodes of the grid that replaces the medium; 0: none */
-    struct neph_vec3 wind_m; /* how far a Horizon pattern has moved */
+    struct neph_vec3 wind_m; /* displacement of a Horizon pattern */
 };
 
 struct recipe_light {
@@ -94,11 +94,11 @@ struct recipe {
     double scale_m; /* of everything near the camera */
     struct neph_vec3 eye_m, look_at_m, up;
     double vertical_fov_deg, orthographic_height_m; /* one of the two is 0 */
-    int frame;                                      /* that is rendered */
+    int frame;                                      /* the rendered frame */
     bool has_sun, has_wind, is_wind_keyed;
     struct neph_vec3 sun_direction;
     struct neph_rgb sun_w_per_m2, background_w_per_m2_sr;
-    struct neph_vec3 wind_m_per_s; /* at frame 0; keyed: twice that at RECIPE_KEY_FRAME */
+    struct neph_vec3 wind_m_per_s; /* at frame 0; keyed: twice this at RECIPE_KEY_FRAME */
     bool environment_light, has_near_light;
     enum neph_scattering scattering;
     int medium_count, light_count, solid_count;
@@ -107,25 +107,26 @@ struct recipe {
     struct recipe_solid solids[RECIPE_SOLIDS_MAX];
 };
 
-/* Draw a recipe. Indices 0 .. RECIPE_PERIOD - 1, and any as many in a row, hold every single form,
- * every pair of unlike and of like forms and every triple of unlike forms once. */
+/* Draws a recipe. The indices 0 .. RECIPE_PERIOD - 1, and any range of this length, contain every
+ * single form, every pair of different and of equal forms and every triple of different forms once.
+ */
 struct recipe recipe_draw(uint64_t seed, int index, int attempt);
 int recipe_period(void);
 const char *recipe_form_name(enum recipe_form form);
 
-/* The camera of frame 0, as the loaded scene has it. */
+/* The camera of frame 0, as in the loaded scene. */
 struct neph_camera recipe_camera(const struct recipe *recipe);
 
-/* The same scene at its frame without wind: media stand where the wind has carried them, by a sum
- * that shares no code with scenes/motion.c. */
+/* The same scene at its frame without wind: media are at their displaced positions, by a sum that
+ * shares no code with scenes/motion.c. */
 struct recipe recipe_without_wind(const struct recipe *recipe);
 
-/* Write the scene as YAML. `note` goes into the comment lines at the top; each line of it must
- * begin with "# ". */
+/* Writes the scene as YAML. `note` becomes comment lines at the top; each line of it must begin
+ * with "# ". */
 void recipe_write(const struct recipe *recipe, const char *name, const char *note, FILE *file);
 
-/* One way to make a recipe simpler; false when change number `change` does not apply. Changes end
- * at recipe_change_count(). */
+/* Applies one simplification to a recipe; false if change number `change` does not apply. Changes
+ * end at recipe_change_count(). */
 bool recipe_simplify(struct recipe *recipe, int change);
 int recipe_change_count(void);
 

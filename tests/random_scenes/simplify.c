@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * The changes that the shrinker tries on a recipe, as a table: what takes most away comes first.
+ * The changes that the reduction tries on a recipe, as a table, in the order of decreasing effect.
  */
 #include "tests/random_scenes/recipe.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A change of the scene or of one of its media, lights or solids. False: there is nothing to do. */
+/* A change of the scene or of one of its media, lights or solids. False: it does not apply. */
 typedef bool change_recipe(struct recipe *recipe, int at);
 
 enum { SLOTS = RECIPE_SOLIDS_MAX };
@@ -33,7 +33,7 @@ static bool set_number(double *number, double value)
     return differs;
 }
 
-/* ---- less of it ------------------------------------------------------------------------------ */
+/* ---- removal --------------------------------------------------------------------------------- */
 
 static bool remove_medium(struct recipe *recipe, int at)
 {
@@ -307,7 +307,7 @@ static bool round_medium(struct recipe *recipe, int at)
     return round_three(&medium->spacing_m) || differs;
 }
 
-/* ---- the table ------------------------------------------------------------------------------- */
+/* ---- table ----------------------------------------------------------------------------------- */
 
 static change_recipe *const changes[] = {
     remove_medium,    remove_solid,  remove_light,       stop_wind,    stop_time,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The generator itself: what it covers, that it is a pure function, and that wind by hand is the
- * wind of scenes.
+ * The generator itself: its coverage, that it is a pure function, and that the independent wind
+ * equals the wind of scenes.
  */
 #include "tests/neph_test.h"
 #include "tests/random_scenes/recipe.h"
@@ -71,7 +71,7 @@ static void test_the_same_numbers_make_the_same_scene(void **state)
     }
 }
 
-/* The shrinker ends: each change either does nothing or cannot be made again and again. */
+/* The reduction ends: each change either has no effect or cannot be repeated forever. */
 static void test_every_change_comes_to_an_end(void **state)
 {
     for (int i = 0; i < 50; i++)
@@ -105,7 +105,8 @@ static struct neph_scene *load(const struct recipe *recipe, struct neph_diag *di
     return status ? NULL : scene;
 }
 
-/* Optical depths along rays through both: the media of neph_scene_at(), and those put by hand. */
+/* Optical depths along rays through both: the media of neph_scene_at(), and the independently
+ * displaced ones. */
 static void test_wind_by_hand_is_the_wind_of_scenes(void **state)
 {
     int windy = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A recipe as a scene file. Numbers are written so that they read back as the same double.
+ * A recipe as a scene file. Numbers are written so that they are read back as the same double.
  */
 #include "tests/random_scenes/recipe.h"
 
@@ -67,7 +67,7 @@ static void write_grid(FILE *file, const struct recipe_medium *medium)
     fprintf(file, "]\n");
 }
 
-/* The keys that this form has and others have not. */
+/* The keys that only this form has. */
 static void write_shape(FILE *file, const struct recipe_medium *medium)
 {
     switch (medium->form) {
@@ -151,7 +151,7 @@ static void write_medium(FILE *file, const struct recipe_medium *medium)
         write_bounds(file, &medium->bounds);
 }
 
-/* ---- the rest -------------------------------------------------------------------------------- */
+/* ---- other parts ----------------------------------------------------------------------------- */
 
 static void write_light(FILE *file, const struct recipe_light *light)
 {

@@ -340,7 +340,7 @@ static void test_says_what_it_cannot(void **state)
     refuses(&test.scene, 1, NEPH_MARCH_HORIZON, "Horizon");
     struct neph_scene other = test.scene;
     other.fog_look.present = false;
-    refuses(&other, 1, NEPH_MARCH_SINGLE, "without a look");
+    refuses(&other, 1, NEPH_MARCH_SINGLE, "without the key fog_look");
     other = test.scene;
     other.orthographic_height_m = 100.0;
     refuses(&other, 1, NEPH_MARCH_SINGLE, "orthographic");
@@ -354,7 +354,7 @@ static void test_says_what_it_cannot(void **state)
     earth->media[earth->medium_count++] = make_height_fog(1e-4, 0.01);
     earth->fog_look = (struct neph_fog_look){.present = true, .sky_light = white};
     refuses_under(earth, (struct neph_march_veils){true, neph_fog_for_march(1)}, NEPH_MARCH_OCTAVES,
-                  "sky_light under sky=tables");
+                  "sky_light with sky=tables");
     other.medium_count = 1; /* nothing remains to march */
     char reason[256];
     const struct neph_march_veils look = {.fog = neph_fog_for_march(1)};

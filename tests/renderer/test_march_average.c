@@ -164,7 +164,7 @@ static void test_other_numbers_of_rays_are_refused(void **state)
         assert_int_equal(neph_march_average(march, &test.scene, 0.0, wrong[i], &image, NULL, &diag),
                          NEPH_ERR_USAGE);
         assert_null(image);
-        assert_non_null(strstr(diag.message, "power of two"));
+        assert_non_null(strstr(diag.message, "powers of two"));
     }
 }
 

@@ -117,7 +117,9 @@ static void test_phi_and_friends(void **state)
         const double x = probes[3 * i].a[0];
         const double phi = neph_phi(x);
         worst_phi = fmax(worst_phi, fabs(answers[3 * i].value[0] / phi - 1.0));
-        neph_assert_close(answers[3 * i].value[0], phi, 3e-7, 0.0);
+        /* A device may flush a result below the smallest normal number, 1.18e-38, to 0 (Vulkan,
+         * float controls; lavapipe of Mesa 26 does). */
+        neph_assert_close(answers[3 * i].value[0], phi, 3e-7, 1.2e-38);
         /* Flushing x near 0 has an error of at most the smallest normal number. */
         neph_assert_close(answers[3 * i + 1].value[0], exp(-x), epsilon * (3.0 + 2.0 * x), 2e-38);
         neph_assert_close(answers[3 * i + 2].value[0], -expm1(-x), 4e-7, 2e-38);
@@ -285,11 +287,11 @@ static void test_fog_optical_depth(void **state)
                               2e-38 + relative * 0.37);
             compared++;
         }
-        /* A density below the smallest normal number may be flushed to 0. */
+        /* A density or a depth below the smallest normal number may be flushed to 0. */
         const double decay = fabs((double)p->a[1] * (double)p->b[1]) * (double)p->b[2];
         if (expected < 100.0 && exponent > -80.0 && relative < 0.01)
             neph_assert_close(depth, expected, relative,
-                              1.2e-38 * (double)p->b[2] * neph_phi(decay));
+                              1.2e-38 * (1.0 + (double)p->b[2] * neph_phi(decay)));
     }
     print_message("fog: %d of %d transmittances compared\n", compared, count);
     assert_true(compared > count * 9 / 10);

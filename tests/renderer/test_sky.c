@@ -651,7 +651,7 @@ static void test_says_what_it_cannot(void **state)
     refuses(&scene, "without an atmosphere");
     scene = *earth;
     scene.solid_count = 0;
-    refuses(&scene, "no ball, the ground");
+    refuses(&scene, "not a sphere, the ground");
     scene = *earth;
     scene.background_w_per_m2_sr.g = 0.1;
     refuses(&scene, "background");
@@ -660,10 +660,10 @@ static void test_says_what_it_cannot(void **state)
     refuses(&scene, "lights other than the sun");
     scene = *earth;
     scene.media[2].tent.radius_m += 10.0;
-    refuses(&scene, "all around the ball");
+    refuses(&scene, "not around the sphere");
     scene = *earth;
     scene.media[0].kind = NEPH_MEDIUM_HOMOGENEOUS;
-    refuses(&scene, "no layer around a ball");
+    refuses(&scene, "not a layer around a sphere");
     scene = *earth;
     scene.media[1].bounds.max_m.y = 5e3;
     refuses(&scene, "bounds that cut");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The program make_vdb FOLDER: OpenVDB files of all sorts for test_volume_file.c, among them those
- * that neph itself never writes.
+ * The program make_vdb FOLDER writes OpenVDB files of all kinds for test_volume_file.c, including
+ * files that neph itself never writes.
  */
 #include "scenes/openvdb_grids.h"
 
@@ -18,7 +18,7 @@ using openvdb::Coord;
 using openvdb::FloatGrid;
 using openvdb::math::Transform;
 
-/* 5 x 4 x 3 nodes from index (-3, 2, 7): values of the nodes i, j, k are i + 10 j + 100 k. */
+/* 5 x 4 x 3 nodes from index (-3, 2, 7): node i, j, k has the value i + 10 j + 100 k. */
 FloatGrid::Ptr ramp(const std::string &name)
 {
     const FloatGrid::Ptr grid = FloatGrid::create(0.0f);
@@ -57,7 +57,7 @@ openvdb::GridPtrVec rotated()
     return {grid};
 }
 
-/* All 48 turns by 90 degrees and mirrors, each as grid "turn<order * 8 + signs>": axis i of the
+/* All 48 rotations by 90 degrees and mirrors, each as grid "turn<order * 8 + signs>": axis i of the
  * index lies along axis orders[order][i] of the world, backwards where signs has bit i. */
 openvdb::GridPtrVec turned()
 {
@@ -78,7 +78,7 @@ openvdb::GridPtrVec turned()
     return grids;
 }
 
-/* About x by 90 degrees as a program with float32 matrices has it, or by a little more. */
+/* A rotation about x by 90 degrees with float32 matrices, or by slightly more. */
 openvdb::GridPtrVec about_x(double cosine)
 {
     openvdb::math::Mat4d m = openvdb::math::Mat4d::identity();
@@ -102,7 +102,7 @@ openvdb::GridPtrVec padded()
     return {grid};
 }
 
-/* The ramp, and a voxel of next to nothing at an index along x. */
+/* The ramp, and a voxel with a tiny value at an index along x. */
 openvdb::GridPtrVec stray(int i)
 {
     const FloatGrid::Ptr grid = ramp("density");
@@ -130,7 +130,7 @@ openvdb::GridPtrVec half()
     return {grid};
 }
 
-/* An active tile of 8^3 beside one voxel. */
+/* An active tile of 8^3 next to one voxel. */
 openvdb::GridPtrVec tile()
 {
     const FloatGrid::Ptr grid = FloatGrid::create(0.0f);
@@ -141,7 +141,7 @@ openvdb::GridPtrVec tile()
     return {grid};
 }
 
-/* Two voxels, so far apart that the box around them has 2^60 nodes. */
+/* Two voxels so far apart that their box has 2^60 nodes. */
 openvdb::GridPtrVec vast()
 {
     const FloatGrid::Ptr grid = ramp("density");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Optical depths of blobs and shells to 40 digits (mpmath): reference_radial.json, which
- * reference_radial.py writes and the build makes C.
+ * Optical depths of blobs and shells to 40 digits (mpmath), from reference_radial.json.
+ * reference_radial.py writes the JSON; the build converts it to C.
  */
 #ifndef NEPH_TESTS_SCENES_REFERENCE_RADIAL_H
 #define NEPH_TESTS_SCENES_REFERENCE_RADIAL_H

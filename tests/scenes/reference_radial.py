@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Writes reference_radial.json: optical depths of blobs and shells that the C code is held against.
+"""Writes reference_radial.json: optical depths of blobs and shells, as a reference for the C code.
 
-40 digits (mpmath), from the exact values of the doubles that the tests pass in. A ray is reduced to
-r^2 = p^2 + s^2 with digits to spare. The shell is tanh-sinh quadrature of e^{-(r - R) / H} itself
+40 digits (mpmath), from the exact values of the doubles that the tests use. A ray is reduced to r^2
+= p^2 + s^2 with sufficient digits. The shell is tanh-sinh quadrature of e^{-(r - R) / H} itself
 between the altitudes of whole scale heights, the blob is erfc; both are checked against other
 forms.
 
@@ -25,13 +25,13 @@ INFINITE = float("inf")
 
 
 def doubles(values):
-    """The doubles nearest to numbers, in lists as those of the numbers."""
+    """The doubles nearest to the numbers, in lists of the same shape."""
     return [doubles(v) if isinstance(v, (list, tuple)) else float(v) or 0.0
             for v in values]
 
 
 def radial(center, origin, direction, t0, t1):
-    """(p, s0, s1) of origin + t direction, whose length is not quite 1."""
+    """(p, s0, s1) of origin + t direction, which is not exactly a unit vector."""
     d = [mpf(v) for v in direction]
     norm = sqrt(sum(v * v for v in d))
     o = [mpf(a) - mpf(b) for a, b in zip(origin, center)]
@@ -71,7 +71,7 @@ def shell_depth(radius, height, center, origin, direction, t0, t1):
 
 
 def check_shell():
-    """Level from the ground: Ch(X, 90 deg) = X e^X K_1(X); straight up: H (1 - e^{-L / H})."""
+    """Level from the ground: Ch(X, 90 deg) = X e^X K_1(X); vertically: H (1 - e^{-L / H})."""
     for x in (1, 50, 797):
         level = shell_depth(x, 1, (0, 0, 0), (0, x, 0), (1, 0, 0), 0, INFINITE)
         assert abs(level / (x * exp(x) * besselk(1, x)) - 1) < mpf("1e-25"), x
@@ -89,7 +89,7 @@ def shell_cases():
     slopes = [1.0, 0.3, 0.01, 1e-5, 0.0, -1e-5, -0.01, -0.3, -1.0]
     for radius, height in ((6.371e6, 8000.0), (6.371e6, 1200.0), (1e6, 1.0), (1.0, 1.0),
                            (50.0, 2.0), (0.01, 1.0), (1e-6, 1.0)):
-        for slope in slopes:  # from the ground, from within, from high above
+        for slope in slopes:  # from the ground, from inside, from high above
             d = unit(1.0, slope, 0.2)
             for altitude in (0.0, 1.5, 20.0):
                 eye = (0.0, altitude * height, 0.0)
@@ -178,11 +178,11 @@ def gaussian_table():
         yield (width, center, direction), (origin, t0, t1, gaussian_depth(*case))
 
 
-# ---- the file --------------------------------------------------------------------------------
+# ---- file ----------------------------------------------------------------------------------------
 
 
 def rows(table, most):
-    """A row for the medium and the direction of neighbours in the table, with their pieces."""
+    """One row per medium and direction, for neighbours in the table, with their pieces."""
     for same, cases in itertools.groupby(table, lambda case: case[0]):
         pieces = [piece for _, piece in cases]
         for first in range(0, len(pieces), most):

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Exact transport to 50 digits (mpmath): reference_values.json, which reference_values.py writes
- * and the build makes C.
+ * Exact transport to 50 digits (mpmath), from reference_values.json. reference_values.py writes the
+ * JSON; the build converts it to C.
  */
 #ifndef NEPH_TESTS_SCENES_REFERENCE_VALUES_H
 #define NEPH_TESTS_SCENES_REFERENCE_VALUES_H
@@ -33,7 +33,8 @@ struct reference_phase {
     } values[8];
 };
 
-/* In-scattered radiance of a ray under a sun of irradiance 1; `media` are of reference_medium. */
+/* In-scattered radiance of a ray under a sun of irradiance 1; `media` are indices of
+ * reference_medium. */
 struct reference_view {
     const char *name;
     struct neph_vec3 sun, origin_m, direction;

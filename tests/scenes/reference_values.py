@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Writes reference_values.json: what the tests of exact transport hold the C code against.
+"""Writes reference_values.json: the reference for tests of exact transport in C.
 
-50 digits (mpmath), from the exact values of the doubles that the tests pass in. The formulas are
-those of textbooks, which cancel or overflow in double; here they have the digits to spare. Every
-closed form is checked against tanh-sinh quadrature of its own integrand before it is written.
+50 digits (mpmath), from the exact values of the doubles that the tests use. The formulas are the
+textbooks', which cancel or overflow in double; here they have sufficient digits. Every closed form
+is checked against tanh-sinh quadrature of its own integrand before it is written.
 
   apt-get install python3-mpmath && /usr/bin/python3 tests/scenes/reference_values.py
 """
@@ -44,7 +44,7 @@ def phi_table():
     sizes = [5e-324, 1e-300, 1e-160, 1e-20, 1e-16, 1e-10, 1e-5, 1e-3, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0,
              36.0, 37.0, 40.0, 100.0, 700.0, 709.5, 710.0, 712.0, 716.0, 720.0, 746.0, 1e10, 1e300]
     for x in [0.0] + sizes + [-x for x in sizes]:
-        # e^{1e300} needs no digits to be known infinite.
+        # e^{1e300} is infinite without a computation of its digits.
         value = inf if x < -1e4 else mpf(1) / mpf(x) if x > 1e4 else phi(x)
         yield x, value
 
@@ -57,7 +57,7 @@ def layer_depth(layer, y, k_y, length):
     if length == inf:
         return a * exp(-b * (y - h)) / (b * k_y) if b * k_y > 0 else inf
     x = b * k_y * length
-    # e^{-b (y - h)} phi(x), from the denser end so that mpmath's exponents stay of human size.
+    # e^{-b (y - h)} phi(x), from the denser end, so that mpmath's exponents stay small.
     exponent = -b * ((y if x >= 0 else y + k_y * length) - h)
     if exponent > 2000000:
         return inf
@@ -65,7 +65,7 @@ def layer_depth(layer, y, k_y, length):
 
 
 def fog_cases():
-    """(extinction, falloff, height, y, k_y, length): chosen corners, then a seeded sample."""
+    """(extinction, falloff, height, y, k_y, length): selected extremes, then a seeded sample."""
     level = [0.0, 1e-300, -1e-300, 1e-160, -1e-160, 1e-17, -1e-17]
     slopes = level + [s * k for k in (1e-9, 1e-6, 1e-4, 0.1, math.sqrt(0.5), 1.0) for s in (1, -1)]
     lengths = [0.0, 1e-300, 1e-3, 1.0, 1e3, 1e6, 1e300, INFINITE]
@@ -80,7 +80,7 @@ def fog_cases():
     for falloff in (0.01, 0.5):
         for length in (999990.0, 999999.0, 1e6, 1000050.0):
             yield (1e-3, falloff, 3.0, 1e6, -1.0, length)  # 0 * inf in the textbook form
-    # Extinction and exponential of opposite sizes: both factors leave the range of a double.
+    # Extinction and exponential of opposite magnitude: both factors exceed the range of a double.
     yield (1e-300, 1.0, 0.0, -720.0, 0.5, 1.0)
     yield (1e-300, 1.0, 0.0, -1000.0, 0.5, INFINITE)
     yield (1e300, 1.0, 0.0, 730.0, 0.5, INFINITE)
@@ -95,7 +95,7 @@ def fog_cases():
 
 
 def check_layer_depth():
-    """The closed form against quadrature of the density itself."""
+    """The closed form against quadrature of the density."""
     layer = (mpf("1e-3"), mpf("0.02"), mpf(5))
     for y, k_y, length in ((2, "0.3", 200), (2, "-0.3", 200), (30, "1e-4", 1000), (0, "0", 7)):
         y, k_y, length = mpf(y), mpf(k_y), mpf(length)
@@ -109,7 +109,7 @@ def fog_table():
         exact = [mpf(v) for v in (a, b, h, y, k_y)]
         depth = layer_depth(tuple(exact[:3]), exact[3], exact[4], mpf(length))
         # The exponent -b (y - h) of the density at the denser end is a sum of terms of this size:
-        # rounding any of them by 2^-53 moves the optical depth by 2^-53 times this, relatively.
+        # rounding any of them by 2^-53 changes the optical depth by a relative 2^-53 times this.
         run = 0 if b * k_y >= 0 else abs(exact[4]) * mpf(length)
         condition = exact[1] * (abs(exact[3]) + abs(exact[2]) + run)
         yield ((a, b, h), y, k_y), (length, depth, condition)
@@ -209,7 +209,7 @@ class View:
         if not ranges:
             return []
         low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
-        if high == inf:  # to where 1e-30 of the fog is left, or e^-120 of the light
+        if high == inf:  # to a remaining 1e-30 of the fog, or e^-120 of the light
             high = 2 * low + 1
             while self.depth(mpf(0), high) < 120 and \
                     self.depth(high, inf) > mpf("1e-30") * self.depth(mpf(0), high):
@@ -242,7 +242,7 @@ class View:
         return sorted(c for c in cuts if low <= c <= high)
 
     def integral(self):
-        """Tanh-sinh of the integrand in t: nothing but the definition."""
+        """Tanh-sinh of the integrand in t: only the definition."""
         points = self.breaks()
         if not points:
             return mpf(0)
@@ -252,9 +252,10 @@ class View:
         return value
 
     def condition(self):
-        """Rounding the coordinates of the ray and of its points by 2^-53 moves the radiance by
-        2^-53 times this, relatively: heights times falloff, the depth towards the sun per height,
-        and faces crossed per length inside. What an optical depth of 50 hides does not count."""
+        """The condition number: rounding the coordinates of the ray and of its points by 2^-53
+        changes the radiance by a relative 2^-53 times this. It contains heights times falloff, the
+        depth towards the sun per height, and crossed faces per length inside. Parts behind an
+        optical depth of 50 do not count."""
         worst = mpf(0)
         points = [t for t in self.breaks() if self.depth(mpf(0), t) <= 50]
         for m, t in itertools.product(self.media, points):
@@ -281,7 +282,7 @@ def unit(x, y, z):
 
 
 def towards(mu, azimuth):
-    """A direction of which the vertical component is exactly the double mu."""
+    """A direction with a vertical component of exactly the double mu."""
     across = math.sqrt(1.0 - mu * mu)
     return (across * math.cos(azimuth), mu, across * math.sin(azimuth))
 
@@ -343,7 +344,8 @@ def fog_everywhere_views():
             rate = 1 - mpf(k) / mpf(s)
             if k > 0:
                 tau = eye / (b * mpf(k))
-                # Beyond 1e6 the rest of an exponential integral is 0 in any number of digits.
+                # Beyond 1e6 the remaining part of an exponential integral is 0 in any number of
+                # digits.
                 integral = tau * phi(tau * rate) if tau * rate < 1000000 else 1 / rate
             else:
                 integral = 1 / rate
@@ -355,7 +357,7 @@ def fog_everywhere_views():
 
 
 def bounded_views():
-    """No closed form is used here: quadrature of the definition."""
+    """Quadrature of the definition, without a closed form."""
     draw = random.Random(77)
     box = ((-2.0, 0.0, -3.0), (4.0, 5.0, 3.0))
     for i in range(16):
@@ -414,17 +416,17 @@ def view_table():
         yield view, view.integral()
 
 
-# ---- the file --------------------------------------------------------------------------------
+# ---- file ----------------------------------------------------------------------------------------
 
 
 def numbers(values):
-    """The doubles nearest to numbers, and names of phase functions, in lists as the values."""
+    """The doubles nearest to numbers, and names of phase functions, in lists of the same shape."""
     return ["NEPH_PHASE_" + v if isinstance(v, str) else
             numbers(v) if isinstance(v, (list, tuple)) else nearest(v) for v in values]
 
 
 def rows(table):
-    """A row for neighbours in the table of which the first part is the same."""
+    """One row for neighbours in the table with the same first part."""
     for same, cases in itertools.groupby(table, lambda case: case[0]):
         values = [value for _, value in cases]
         yield numbers(same), len(values), numbers(values)
@@ -439,7 +441,7 @@ def medium_row(medium):
 
 
 def view_rows():
-    """The media, each once, and the views, which say which of them they have."""
+    """The media, each once, and the views with the indices of their media."""
     media, views = [], []
     for view, value in view_table():
         for medium in view.media:

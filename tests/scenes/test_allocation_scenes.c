@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Out of memory in the loader of scenes, in a scene made to stand still, in variants and in volume
+ * Out of memory in the loader of scenes, in the static copy of a scene, in variants and in volume
  * files: see tests/allocation.h.
  */
 #include "tests/allocation.h"
@@ -13,7 +13,7 @@
 
 struct loading {
     char *path;
-    char hash[NEPH_HASH_HEX_SIZE]; /* of the first load: all others must give the same */
+    char hash[NEPH_HASH_HEX_SIZE]; /* of the first load: all later ones must be equal */
 };
 
 static enum neph_status load(void *context, struct neph_diag *diag)
@@ -82,7 +82,7 @@ static void test_motion(void **state)
     assert_text(state, "motion", scene);
 }
 
-/* Solids that move, frames without media, and all that can be put into a renderer. */
+/* Moving solids, frames without media, and all values that can be injected into a renderer. */
 static void test_injections(void **state)
 {
     static const char scene[] =
@@ -105,7 +105,7 @@ static void test_injections(void **state)
     assert_text(state, "injections", scene);
 }
 
-/* A volume from a file, and a medium that is made into voxels. */
+/* A volume from a file, and a medium that is baked into voxels. */
 static void test_voxels(void **state)
 {
     static const unsigned char volume[] = {0, 2, 0, 1, 0, 1, 100, 200};
@@ -163,7 +163,7 @@ static enum neph_status sweep(void *context, struct neph_diag *diag)
     return status;
 }
 
-/* What is said of failures, and a point of a sweep. */
+/* The description of failures, and a point of a sweep. */
 static void test_points(void **state)
 {
     struct neph_scene *scene = NULL;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Baking: what must be exact is, the error falls by the order of trilinear interpolation, and the
- * reported error is the one that an independent look finds.
+ * Baking: exact where it must be, an error with the order of trilinear interpolation, and a
+ * reported error that an independent measurement confirms.
  */
 #include "tests/scene_builders.h"
 
@@ -65,7 +65,7 @@ static void test_lattice_and_nodes(void **state)
     neph_bake_finish(&made);
 }
 
-/* Beyond 1e-5 of the densest there are no nodes, and what that loses is measured. */
+/* Below 1e-5 of the maximum there are no nodes, and the resulting error is measured. */
 static void test_thin_margins_are_trimmed(void **state)
 {
     const struct neph_medium medium = blob();
@@ -77,7 +77,7 @@ static void test_thin_margins_are_trimmed(void **state)
     neph_bake_finish(&made);
 }
 
-/* Straight through a sharp face, the ramp of the grid makes up for the half cell before it. */
+/* Perpendicular to a sharp face, the grid's ramp compensates the half cell in front of it. */
 static void test_sharp_faces_cost_no_optical_depth(void **state)
 {
     const struct neph_medium medium = homogeneous();
@@ -99,7 +99,7 @@ static void test_error_is_of_second_order(void **state)
     const struct neph_bake_error *a = &coarse.error, *b = &fine.error;
     neph_assert_close(a->extinction_rms_relative / b->extinction_rms_relative, 4.0, 0.1, 0);
     neph_assert_close(a->optical_depth_rms / b->optical_depth_rms, 4.0, 0.1, 0);
-    /* At the top, in the middle of a cell: 3 h^2 / 8 of the curvature 1 / width^2. */
+    /* At the maximum, in the middle of a cell: 3 h^2 / 8 of the curvature 1 / width^2. */
     const double h = coarse.grid->spacing_m.x / medium.gaussian.width_m;
     assert_true(a->extinction_max_relative < 1.01 * 3.0 * h * h / 8.0);
     assert_true(a->extinction_max_relative > 0.5 * 3.0 * h * h / 8.0);
@@ -107,7 +107,7 @@ static void test_error_is_of_second_order(void **state)
     neph_bake_finish(&fine);
 }
 
-/* Drawn in proportion to the extinction, which is 2/m at the most. */
+/* Drawn in proportion to the extinction, which is at most 2/m. */
 static struct neph_vec3 dense_place_in(const struct neph_bounds *box,
                                        const struct neph_medium *medium, uint64_t *seed)
 {
@@ -118,8 +118,8 @@ static struct neph_vec3 dense_place_in(const struct neph_bounds *box,
     return place_m;
 }
 
-/* Other chords of the same kind. 10 %: four standard errors of the rms of so many, found by trying
- * seeds. */
+/* Other chords of the same kind. 10 %: four standard errors of the rms of this number, from trials
+ * with several seeds. */
 static void test_error_is_what_others_find(void **state)
 {
     enum { CHORDS = 20000 };
@@ -171,7 +171,7 @@ static void test_whole_grids_are_copied(void **state)
     assert_float_equal(made.error.extinction_max_relative, 0.0, 0);
     neph_bake_finish(&made);
 
-    medium.bounds.max_m.y = 3.5; /* cut: it is not the same any more */
+    medium.bounds.max_m.y = 3.5; /* cut: the medium has changed */
     assert_false(neph_medium_is_whole_grid(&medium));
     const struct neph_bounds box = neph_medium_support(&medium);
     made = bake(&medium, &box, 0);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Gaussian blobs, spherical shells and voxel grids: line integrals against closed forms, against
- * quadrature of the density itself, and against themselves (additivity, reversal); majorants.
+ * Gaussian blobs, spherical shells and voxel grids: line integrals against closed forms, quadrature
+ * of the density, and their own properties (additivity, reversal); majorants.
  */
 #include "tests/scene_builders.h"
 
@@ -35,7 +35,7 @@ static void density_on_line(double t_m, void *context, double value[3])
         line->medium, neph_vec3_along(line->origin_m, line->direction, t_m));
 }
 
-/* Quadrature of the density over even pieces: independent of every closed form. */
+/* Quadrature of the density over equal pieces: independent of every closed form. */
 static double brute_force(const struct line *line, double t0_m, double t1_m, int piece_count)
 {
     struct neph_interval pieces[512];
@@ -53,7 +53,7 @@ static double depth(const struct line *line, double t0_m, double t1_m)
     return neph_medium_optical_depth(line->medium, line->origin_m, line->direction, t0_m, t1_m);
 }
 
-/* Random rays around the origin: against quadrature, split in two, and walked backwards. */
+/* Random rays around the origin: against quadrature, split in two, and reversed. */
 static void check_lines(const struct neph_medium *medium, double reach_m, double relative,
                         uint64_t seed)
 {
@@ -85,7 +85,7 @@ static void test_gaussian_lines(void **state)
     neph_assert_close(depth(&line, 0.0, INFINITY), 0.7 * 0.8 * sqrt(2.0 * M_PI), 1e-13, 0.0);
 }
 
-/* Far from the middle both ends are on one side: erf(b) - erf(a) alone would give 0. */
+/* Far from the middle both ends are on one side: erf(b) - erf(a) would give 0. */
 static void test_gaussian_tail(void **state)
 {
     const struct neph_medium medium = make_blob(0.7, (struct neph_vec3){0, 0, 0}, 1.0);
@@ -106,7 +106,7 @@ static void test_shell_lines(void **state)
         line.origin_m = (struct neph_vec3){neph_test_uniform(&random, -20, 20),
                                            neph_test_uniform(&random, 5, 9), 0.0};
         line.direction = random_direction(&random);
-        line.direction.y = 0.2 * fabs(line.direction.y); /* above the ground all the way */
+        line.direction.y = 0.2 * fabs(line.direction.y); /* completely above the ground */
         line.direction = neph_vec3_normalize(line.direction);
         neph_assert_close(depth(&line, 0.0, 30.0), brute_force(&line, 0.0, 30.0, 64), 1e-12, 0.0);
         neph_assert_close(depth(&line, 0.0, 11.0) + depth(&line, 11.0, 30.0),
@@ -147,7 +147,7 @@ static void test_grid_lines(void **state)
     neph_grid_destroy(medium.grid);
 }
 
-/* Along axes, in faces, through nodes, from inside: places where cells are ambiguous. */
+/* Along axes, in faces, through nodes, from inside: positions where the cell is ambiguous. */
 static void test_grid_on_faces(void **state)
 {
     struct neph_medium medium = voxels(6);
@@ -159,8 +159,8 @@ static void test_grid_on_faces(void **state)
                   : axis == 1 ? &line.direction.y
                               : &line.direction.z) = sign;
                 const double whole = depth(&line, 0.0, INFINITY);
-                /* On the lattice's lines the density is piecewise linear; its kinks lie 0.5 m apart
-                 * at most, and so do the pieces' ends. */
+                /* On the lattice's lines the density is piecewise linear; its kinks are at most 0.5
+                 * m apart, and so are the pieces' ends. */
                 neph_assert_close(whole, brute_force(&line, 0.0, 32.0, 256), 1e-12, 1e-14);
             }
     neph_grid_destroy(medium.grid);
@@ -208,7 +208,7 @@ static void check_majorants(const struct neph_medium *medium, const struct neph_
         assert_true(extinction <= majorant);
         used = fmax(used, majorant > 0.0 ? extinction / majorant : 0.0);
     }
-    assert_true(used > 0.5); /* not just any large number */
+    assert_true(used > 0.5); /* a tight bound */
     neph_majorants_destroy(majorants);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a scene file says of failures: read with its defaults, refused with line and reason, and its
- * sweep is the file with other numbers in it.
+ * The failures that a scene file declares: read with defaults, refused with line and reason; a
+ * sweep is the file with other values.
  */
 #include "tests/base/scratch.h"
 
@@ -77,7 +77,7 @@ static void test_defaults_and_what_is_given(void **state)
     neph_scene_destroy(scene);
 }
 
-/* Limits may change without a picture being rendered again. */
+/* Limits may change without re-rendering. */
 static void test_the_hash_knows_nothing_of_it(void **state)
 {
     struct neph_scene *with = loaded(state, HEAD BLOCK SWEEP), *without = loaded(state, HEAD);
@@ -115,7 +115,7 @@ static void test_points_are_the_product_of_the_axes(void **state)
     neph_scene_destroy(scene);
 }
 
-/* Its own keys may be swept as well. */
+/* The block's own keys may be swept as well. */
 static void test_steps_and_sizes_can_be_swept(void **state)
 {
     struct neph_scene *at = NULL;
@@ -128,7 +128,7 @@ static void test_steps_and_sizes_can_be_swept(void **state)
     neph_scene_destroy(scene);
 }
 
-/* A point that is no scene is refused as a file would be. */
+/* A point with an invalid value is refused like a file. */
 static void test_a_point_out_of_range_is_refused(void **state)
 {
     struct neph_diag diag = {.line = 0};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The look of a fog in a scene file: read as it is written, refused with the way out, part of the
- * scene's identity where there is one, and what physics has for it.
+ * The non-physical controls of a fog in a scene file: read as written, refused with a way out, part
+ * of the scene's identity if present, and the physical value of each.
  */
 #include "tests/scene_builders.h"
 
@@ -53,7 +53,7 @@ static void test_what_is_left_out_is_off(void **state)
     neph_scene_destroy(scene);
 }
 
-/* Each control by its key, and none of the others with it. */
+/* Each control by its key, and no other control with it. */
 static void test_each_control_has_its_key(void **state)
 {
     for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++) {
@@ -88,14 +88,15 @@ static void test_refusals(void **state)
     assert_refused(fog,
                    "fog_look: {inscattering_w_per_m2_sr: [1, 1, 1], start_distance_m: 9,\n"
                    "  end_distance_m: 5}",
-                   "not beyond 9");
+                   "the start of the fog, 9");
     assert_refused(fog,
                    "fog_look: {inscattering_w_per_m2_sr: [1, 1, 1], volumetric_fog_distance_m: 7,\n"
                    "  end_distance_m: 7}",
-                   "not beyond 7");
+                   "the start of the fog, 7");
 }
 
-/* Even scattering is E albedo / (4 pi); a lobe has the mean cosine and the energy of the phase. */
+/* Isotropic scattering is E albedo / (4 pi); a lobe has the mean cosine and the energy of the phase
+ * function. */
 static void test_what_physics_has_for_a_look(void **state)
 {
     struct neph_scene *scene = loaded("");
@@ -129,11 +130,11 @@ static void test_what_a_look_does_not_know(void **state)
     struct neph_scene *scene = loaded("fog_look: {inscattering_w_per_m2_sr: [1, 2, 3]}");
     struct neph_medium *medium = &scene->media[0];
     assert_true(neph_fog_look_is_of(scene, NEPH_FOG_FILAMENT, reason, sizeof(reason)));
-    scene->medium_count = 0; /* in a picture that has them away */
+    scene->medium_count = 0; /* in a frame that shows the scene without media */
     assert_true(neph_fog_look_is_of(scene, NEPH_FOG_FILAMENT, reason, sizeof(reason)));
     scene->medium_count = 1;
     scene->light_count = 1;
-    assert_cannot(scene, NEPH_FOG_UNREAL, "the sun alone");
+    assert_cannot(scene, NEPH_FOG_UNREAL, "only the sun");
     scene->light_count = 0;
     medium->layers[medium->layer_count++] = medium->layers[0];
     assert_true(neph_fog_look_is_of(scene, NEPH_FOG_UNREAL, reason, sizeof(reason)));
@@ -146,7 +147,7 @@ static void test_what_a_look_does_not_know(void **state)
     assert_cannot(scene, NEPH_FOG_UNREAL, "beside");
     scene->medium_count--;
     scene->fog_look.present = false;
-    assert_cannot(scene, NEPH_FOG_UNREAL, "without a look");
+    assert_cannot(scene, NEPH_FOG_UNREAL, "without the key fog_look");
     neph_scene_destroy(scene);
 }
 

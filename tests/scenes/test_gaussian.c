@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Blobs against 40-digit references, and the properties that make an optical depth one.
+ * Blobs against 40-digit references, and the general properties of an optical depth.
  */
 #include "tests/scene_builders.h"
 
@@ -9,8 +9,8 @@
 
 #include <float.h>
 
-/* 1e-12; more where a place so many widths away is rounded: e^{-x^2/2} turns the error of x (which
- * long double has from the distance) into x times it, x < 40. Subnormal results have no digits. */
+/* 1e-12; more where a position many widths away is rounded: e^{-x^2/2} multiplies the error of x
+ * (from the distance in long double) by x, x < 40. Subnormal results have no digits. */
 static void test_optical_depth_against_reference(void **state)
 {
     double worst = 0.0;
@@ -30,8 +30,9 @@ static void test_optical_depth_against_reference(void **state)
     print_message("worst relative error of an optical depth: %.2g\n", worst);
 }
 
-/* tau(0, a) + tau(a, b) = tau(0, b), and a ray back along itself meets the same blob. Going back
- * starts at a rounded place: 2^-53 of 20 widths, where the exponent changes by at most 20 of it. */
+/* tau(0, a) + tau(a, b) = tau(0, b), and the reversed ray meets the same blob. The reversed ray
+ * starts at a rounded position: 2^-53 of 20 widths, where the exponent changes by at most 20 times
+ * this. */
 static void test_optical_depth_adds_and_reverses(void **state)
 {
     const uint64_t first_seed = 20250901;
@@ -49,7 +50,7 @@ static void test_optical_depth_adds_and_reverses(void **state)
                              neph_medium_optical_depth(&medium, o, d, b_m, c_m);
         const double back = neph_medium_optical_depth(&medium, neph_vec3_along(o, d, c_m),
                                                       neph_vec3_scale(d, -1.0), 0.0, c_m - a_m);
-        const double ends = 0.3 * 20.0 * width_m * 0x1p-52; /* the places of a, b and c */
+        const double ends = 0.3 * 20.0 * width_m * 0x1p-52; /* the positions of a, b and c */
         if (!(fabs(parts - whole) <= 1e-13 * whole + ends &&
               fabs(back - whole) <= 1e-12 * whole + ends))
             print_error("seed %llu\n", (unsigned long long)(first_seed + trial));
@@ -59,8 +60,8 @@ static void test_optical_depth_adds_and_reverses(void **state)
     }
 }
 
-/* The extinction is the derivative of the optical depth: over 1e-6 widths it changes by less than
- * 2e-5 of itself (x < 12) at the ends and by the square of that against the middle. */
+/* The extinction is the derivative of the optical depth: over 1e-6 widths it changes by a relative
+ * 2e-5 at most (x < 12) at the ends, and by the square of this against the middle. */
 static void test_extinction_is_the_derivative(void **state)
 {
     const uint64_t first_seed = 7;
@@ -76,7 +77,7 @@ static void test_extinction_is_the_derivative(void **state)
     }
 }
 
-/* Any numbers that a double holds: never NaN, never negative, never infinite for finite blobs. */
+/* Any doubles: never NaN, never negative, never infinite for finite blobs. */
 static void test_is_never_nonsense(void **state)
 {
     static const double widths[] = {1e-300, 1e-9, 1.0, 1e9, 1e300};
@@ -116,13 +117,13 @@ static void test_bound_holds_in_any_box(void **state)
         used = fmax(used, assert_bound(&medium, &box, 50, &seed));
         assert_true(neph_medium_extinction_bound_per_m(&medium, &box) <= 2.0 * (1.0 + 1e-11));
     }
-    assert_true(used > 0.95); /* a bound, not just a large number */
+    assert_true(used > 0.95); /* a tight bound */
     const struct neph_medium medium = make_blob(2.0, (struct neph_vec3){0, 0, 0}, 1.0);
     neph_assert_close(neph_medium_extinction_bound_per_m(&medium, &everywhere), 2.0, 1e-11, 0.0);
 }
 
-/* The box of an unbounded blob: e^-27.6 at the middle of its faces; no line loses more in
- * transmittance than is said. The lines that lose most run in the faces, just outside. */
+/* The box of an unbounded blob: e^-27.6 at the middle of its faces; the loss of transmittance on a
+ * line is at most the stated one. It is largest on lines in the faces, just outside. */
 static void test_container_loses_no_more_than_it_says(void **state)
 {
     const struct neph_scene scene = {0};
@@ -141,7 +142,7 @@ static void test_container_loses_no_more_than_it_says(void **state)
     for (int n = 0; n < 20000; n++) {
         struct neph_vec3 o = neph_vec3_add(c, random_point(&seed, 90.0));
         struct neph_vec3 d = random_direction(&seed);
-        if (n % 2) { /* next to a face, along it */
+        if (n % 2) { /* along a face, next to it */
             o.x = box.max_m.x * (1.0 + 1e-9), d.x = 0.0;
             d = neph_vec3_normalize(d);
         }
@@ -164,7 +165,7 @@ static void test_container_keeps_finite_bounds(void **state)
     const struct neph_bounds box = neph_medium_container(&scene, &medium, &error);
     assert_true(error == 0.0);
     assert_memory_equal(&box, &medium.bounds, sizeof(box));
-    /* Bounds away from the blob: a box all the same, of no size, and nothing wrong with it. */
+    /* Bounds away from the blob: still a valid box, of size zero. */
     medium.bounds = (struct neph_bounds){{500, -6, -7}, {600, 6, 7}};
     const struct neph_bounds away = neph_medium_container(&scene, &medium, &error);
     assert_true(away.min_m.x <= away.max_m.x && error < 1e-10);

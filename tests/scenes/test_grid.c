@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Grids against an interpolation written another way (a sum of hat functions over all nodes),
- * closed forms, and the properties that make an integral one.
+ * Grids against an interpolation by another algorithm (a sum of hat functions over all nodes),
+ * closed forms, and the general properties of an integral.
  */
 #include "tests/scene_builders.h"
 
@@ -25,7 +25,7 @@ static void seal(struct neph_grid *grid)
     neph_assert_ok(neph_grid_seal(grid, &diag), &diag);
 }
 
-/* Sides of 1 to 7 nodes, any place and spacing, about a third of the nodes empty. */
+/* Sides of 1 to 7 nodes, any position and spacing, about a third of the nodes empty. */
 static struct neph_grid *random_grid(uint64_t *seed)
 {
     int size[3];
@@ -44,7 +44,7 @@ static struct neph_grid *random_grid(uint64_t *seed)
     return grid;
 }
 
-/* A place in or around the support; every fourth coordinate is that of a node. */
+/* A position in or around the support; every fourth coordinate is a node's. */
 static double random_coordinate(uint64_t *seed, double origin_m, double spacing_m, int size)
 {
     double u = neph_test_uniform(seed, -2.0, size + 1.0);
@@ -61,8 +61,8 @@ static struct neph_vec3 random_place(uint64_t *seed, const struct neph_grid *gri
         random_coordinate(seed, grid->origin_m.z, grid->spacing_m.z, grid->size[2])};
 }
 
-/* Any direction; half of them along an axis or in a plane of the lattice, with zeros of any sign
- * or next to zero. */
+/* Any direction; half of them along an axis or in a plane of the lattice, with zeros of any sign or
+ * values next to zero. */
 static struct neph_vec3 lattice_direction(uint64_t *seed)
 {
     static const double small[] = {0.0, -0.0, 1e-300, -1e-17, 1e-9, -5e-324};
@@ -81,7 +81,7 @@ static double hat(double u)
     return fmax(0.0, 1.0 - fabs(u));
 }
 
-/* Trilinear interpolation between nodes in a sea of zeros is a sum of products of hats. */
+/* Trilinear interpolation between nodes surrounded by zeros is a sum of products of hats. */
 static double hat_density(const struct neph_grid *grid, struct neph_vec3 p)
 {
     const double u = (p.x - grid->origin_m.x) / grid->spacing_m.x;
@@ -144,7 +144,7 @@ static void test_density_at_nodes_and_beyond(void **state)
 
 enum { CUTS_MAX = 64 };
 
-/* Where a ray meets the planes of the lattice across one axis. */
+/* The intersections of a ray with the lattice planes across one axis. */
 static int cut_axis(double *cuts, double origin, double direction, double first, double spacing,
                     int size, double t0, double t1)
 {
@@ -184,8 +184,8 @@ static double reference_integral(const struct neph_grid *grid, struct neph_vec3 
     return sum;
 }
 
-/* Rounding of places (below 200 m in lattices of 0.1 m: 2^-45 of a cell) times at most 21 cells of
- * 10 m and density 1. */
+/* Rounding of positions (below 200 m in lattices of 0.1 m: 2^-45 of a cell) times at most 21 cells
+ * of 10 m and density 1. */
 static const double integral_absolute_m = 21 * 10.0 * 0x1p-45;
 
 static void test_integral_against_planes_and_simpson(void **state)
@@ -231,7 +231,7 @@ static void test_integral_adds_and_reverses(void **state)
     }
 }
 
-/* A row of nodes: spacing times their sum, whichever way and wherever from. */
+/* A row of nodes: spacing times their sum, for any direction and origin. */
 static void test_integral_along_nodes_by_hand(void **state)
 {
     const int size[3] = {5, 4, 3};
@@ -245,12 +245,12 @@ static void test_integral_along_nodes_by_hand(void **state)
         double t1, expected;
     } rays[] = {
         {{-10, 1, 0.5}, {1, 0, 0}, INFINITY, 10.0},        /* 5 nodes, 2 m each */
-        {{30, 1, 0.5}, {-1, -0.0, 0}, INFINITY, 10.0},     /* back */
+        {{30, 1, 0.5}, {-1, -0.0, 0}, INFINITY, 10.0},     /* reversed */
         {{-10, 0, 0}, {1, 0, 0}, INFINITY, 10.0},          /* in two outer planes at once */
-        {{-10, -0.5, 0}, {1, 0, 0}, INFINITY, 5.0},        /* half-way out */
-        {{-10, -0.5, -0.25}, {1, 0, 0}, INFINITY, 2.5},    /* and in the other direction, too */
+        {{-10, -0.5, 0}, {1, 0, 0}, INFINITY, 5.0},        /* halfway out */
+        {{-10, -0.5, -0.25}, {1, 0, 0}, INFINITY, 2.5},    /* and in the second direction */
         {{-10, -1, 0}, {1, 0, 0}, INFINITY, 0.0},          /* in the face of the support */
-        {{-10, 4, 0}, {1, 0, 0}, INFINITY, 0.0},           /* in the other one */
+        {{-10, 4, 0}, {1, 0, 0}, INFINITY, 0.0},           /* in the opposite face */
         {{4, 2, -7}, {0, 0, 1}, INFINITY, 1.5},            /* 3 nodes */
         {{4, -7, 0.5}, {0, 1, 0}, INFINITY, 4.0},          /* 4 nodes */
         {{4, 1, 0.5}, {1, 0, 0}, INFINITY, 5.0},           /* from a node inside */
@@ -259,8 +259,8 @@ static void test_integral_along_nodes_by_hand(void **state)
         {{3, 1, 0.5}, {1, 0, 0}, 0.0, 0.0},                /* no length */
         {{30, 1, 0.5}, {1, 0, 0}, INFINITY, 0.0},          /* behind */
         {{1e9, 1, 0.5}, {-1, 0, 0}, INFINITY, 10.0},       /* from far away */
-        {{-1e300, 1, 0.5}, {1, 0, 0}, INFINITY, 0.0},      /* from where nothing is resolved */
-        {{8, 3, 1.0}, {1, 5e-324, -1e-300}, INFINITY, 1.0} /* from the last node out */
+        {{-1e300, 1, 0.5}, {1, 0, 0}, INFINITY, 0.0},      /* from too far to resolve anything */
+        {{8, 3, 1.0}, {1, 5e-324, -1e-300}, INFINITY, 1.0} /* outward from the last node */
     };
     for (size_t i = 0; i < COUNT(rays); i++) {
         const double integral_m = neph_grid_integral_m(grid, rays[i].origin, rays[i].direction, 0.0,
@@ -292,9 +292,9 @@ static void test_integral_of_a_single_node(void **state)
     neph_grid_destroy(grid);
 }
 
-/* The mean over a bundle of parallel rays that tile the support is the sum of all node values: a
- * statement about the whole grid that no cell-wise formula is made for. 64 x 64 midpoints of
- * piecewise linear functions whose kinks lie on the raster are exact. */
+/* The mean over a bundle of parallel rays that tile the support is the sum of all node values, a
+ * property of the whole grid that is independent of cell-wise formulas. 64 x 64 midpoints of
+ * piecewise linear functions with kinks on the raster are exact. */
 static void test_bundle_of_rays_gives_the_volume_integral(void **state)
 {
     const uint64_t first_seed = 77;
@@ -321,8 +321,8 @@ static void test_bundle_of_rays_gives_the_volume_integral(void **state)
     }
 }
 
-/* Time is by cells crossed: a ray through 1024 cells may not look at a million nodes. Not a stop
- * watch but a count that a slower method could not finish. */
+/* The time depends on crossed cells: a ray through 1024 cells may not read a million nodes. The
+ * test does not measure time; its count of rays is too high for a slower method to finish. */
 static void test_long_thin_grid_is_quick(void **state)
 {
     const int size[3] = {1024, 32, 32};
@@ -346,7 +346,7 @@ static void test_long_thin_grid_is_quick(void **state)
 
 /* ---- maxima ---------------------------------------------------------------------------------- */
 
-/* The places along one axis where a piecewise linear function within [low, high] may be largest. */
+/* Positions along one axis where a piecewise linear function within [low, high] may be largest. */
 static int corner_places(double places[16], double low, double high, double first, double spacing,
                          int size)
 {
@@ -464,7 +464,7 @@ static void test_bad_sizes_and_places_are_refused(void **state)
     assert_refused(5, 5, 5, zero, (struct neph_vec3){1e308, 1, 1}, "finite");
     assert_refused(5, 5, 5, (struct neph_vec3){0, NAN, 0}, one, "finite");
     assert_refused(5, 5, 5, (struct neph_vec3){0, 0, -INFINITY}, one, "finite");
-    assert_refused(5, 5, 5, (struct neph_vec3){1e20, 0, 0}, one, "lost beside the origin");
+    assert_refused(5, 5, 5, (struct neph_vec3){1e20, 0, 0}, one, "lost to rounding");
     neph_grid_destroy(NULL);
 }
 
@@ -484,7 +484,7 @@ static void test_bad_values_are_named(void **state)
     neph_grid_destroy(grid);
 }
 
-/* The same numbers in another shape are another grid. */
+/* The same values in another shape are another grid. */
 static void test_hash_knows_size_and_values(void **state)
 {
     const int shapes[3][3] = {{6, 1, 1}, {1, 6, 1}, {2, 3, 1}};

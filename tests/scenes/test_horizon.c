@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Horizon clouds: noise that repeats and is the same everywhere, formulas against the article's
- * table written out once more, a bound that holds, an integral that brute force confirms.
+ * Horizon clouds: noise that repeats and is equal on all machines, formulas against the article's
+ * table in a second transcription, a valid bound, an integral that a brute-force sum confirms.
  */
 #include "tests/scene_builders.h"
 
@@ -22,7 +22,7 @@ static struct neph_horizon *make(const struct neph_horizon_params *params)
     return horizon;
 }
 
-/* Textures depend on the seed alone: tests that change other parameters share these. */
+/* Textures depend only on the seed: tests that change other parameters share these. */
 static int setup(void **state)
 {
     const struct neph_horizon_params params = neph_horizon_defaults();
@@ -68,8 +68,8 @@ static void test_noise_repeats(void **state)
     }
 }
 
-/* A row gives the bits of its points one by one: whether they share a cell or not, in any order, on
- * both sides of 0, more of them than are worked on together. */
+/* A row gives the same bits as its points one by one: whether or not they share a cell, in any
+ * order, on both sides of 0, with more points than are processed together. */
 static void test_a_row_of_noise_is_its_points(void **state)
 {
     enum { POINTS = 150, TRIALS = 300, OCTAVES = 3 };
@@ -119,15 +119,15 @@ static void test_noise_stays_in_its_range(void **state)
     for (int deep = 0; deep < 2; deep++) {
         assert_true(lowest[deep] >= -1.04 && highest[deep] <= 1.04);
         assert_true(lowest[deep] < -0.7 && highest[deep] > 0.7);
-        /* A standard deviation below 0.4 and cells that are all but independent: 4 sigma. */
+        /* A standard deviation below 0.4 and almost independent cells: 4 sigma. */
         neph_assert_close(sum[deep] / (SAMPLES / 2), 0.0, 0.0, 4.0 * 0.4 / sqrt(64.0 * 64.0));
     }
     const struct neph_noise noise = {seed, 3, 8};
     assert_true(neph_noise_perlin(&noise, (const double[3]){3.0, 5.0, 1.0}) == 0.0);
 }
 
-/* Continuous and once differentiable across the faces of cells: the difference quotients of the
- * two sides agree but for the second derivative, which is below 40. */
+/* Continuous and once differentiable across the faces of cells: the difference quotients of the two
+ * sides agree up to the second derivative, which is below 40. */
 static void test_perlin_noise_is_smooth(void **state)
 {
     uint64_t random = seed;
@@ -149,7 +149,7 @@ static void test_perlin_noise_is_smooth(void **state)
 }
 
 /* No feature point is missed: the slope of a distance is at most 1, and from a point of the pattern
- * the noise falls with exactly that. */
+ * the noise decreases with exactly this slope. */
 static void test_worley_noise_is_a_distance(void **state)
 {
     uint64_t random = seed;
@@ -173,7 +173,8 @@ static void hash_floats(const float *values, size_t count, char hex[NEPH_HASH_HE
     neph_assert_ok(neph_hash(values, count * sizeof(float), hex, &diag), &diag);
 }
 
-/* The same bits on every machine: scenes are named by their seeds. A new look needs new hashes. */
+/* The same bits on every machine: scenes are named by their seeds. A new appearance needs new
+ * hashes. */
 static void test_textures_have_the_bits_they_always_had(void **state)
 {
     const struct neph_horizon *horizon = *state;
@@ -208,7 +209,7 @@ static void test_another_seed_makes_other_clouds(void **state)
         same += horizon->weather[4 * i + 2] == other->weather[4 * i + 2];
         clear += other->weather[4 * i] <= 0.0f;
     }
-    assert_true(same < texels / 4);                             /* 0 and 1 are common */
+    assert_true(same < texels / 4);                             /* 0 and 1 are frequent */
     assert_true(clear > texels / 4 && clear < texels * 9 / 10); /* sky between clouds */
     assert_within(other->base, 64 * 64 * 64 * 4, 0.0f, 1.0f);
     assert_within(other->detail, 32 * 32 * 32 * 3, 0.0f, 1.0f);
@@ -228,7 +229,7 @@ static double sat(double x)
     return x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
 }
 
-/* Table C2 to C6 in the article's letters, with R as it stands: only where nothing divides by 0. */
+/* Tables C2 to C6 with the article's letters, and R as printed: only where nothing divides by 0. */
 struct article {
     double gc, gd;           /* coverage and density of the whole sky */
     double wc0, wc1, wh, wd; /* weather */
@@ -329,8 +330,8 @@ static struct neph_vec3 point_in_layer(uint64_t *random, const struct neph_horiz
     return (struct neph_vec3){x_m, params->bottom_m - params->planet_radius_m + y_m, z_m};
 }
 
-/* Textures of noise of no pattern. The reference takes the altitude as a difference of lengths and
- * divides by a coverage of 0.2 or more: 2e5 m / 280 m times some roundings. */
+/* Textures of unstructured noise. The reference computes the altitude as a difference of lengths
+ * and divides by a coverage of 0.2 or more: 2e5 m / 280 m times some roundings. */
 static void test_density_is_the_articles(void **state)
 {
     uint64_t random = seed;
@@ -394,14 +395,14 @@ static void test_height_in_the_layer(void **state)
     assert_true(horizon_height(h, (struct neph_vec3){0.0, 599.0, 0.0}) == 0.0);
     assert_true(horizon_height(h, (struct neph_vec3){0.0, 1801.0, 0.0}) == 1.0);
     neph_assert_close(horizon_height(h, (struct neph_vec3){0.0, 1200.0, 0.0}), 0.5, 1e-15, 0);
-    /* 100 km away the layer lies lower by R - sqrt(R^2 - d^2). */
+    /* 100 km away the layer is lower by R - sqrt(R^2 - d^2). */
     const double sag_m = 1e10 / (6.371e6 + sqrt(6.371e6 * 6.371e6 - 1e10));
     const struct neph_vec3 far_m = {6e4, 600.0 - sag_m + 0.012, 8e4};
     const double slant = sqrt(1.0 - 1e10 / (6.371e6 * 6.371e6));
     neph_assert_close(horizon_height(h, far_m), 1e-5 * slant, 0.0, 1e-12);
 }
 
-/* --- the bound ---------------------------------------------------------------------------- */
+/* --- bound -------------------------------------------------------------------------------- */
 
 static struct neph_horizon_params random_params(uint64_t *random)
 {
@@ -420,7 +421,7 @@ static struct neph_horizon_params random_params(uint64_t *random)
     return params;
 }
 
-/* From parts of a texel to parts of the planet. */
+/* From fractions of a texel to parts of the planet. */
 static struct neph_bounds random_box(uint64_t *random, const struct neph_horizon_params *params)
 {
     const struct neph_vec3 p = point_in_layer(random, params,
@@ -487,9 +488,9 @@ static void test_bound_of_endless_boxes(void **state)
     assert_true(neph_horizon_bound(h, &column) >= 0.0);
 }
 
-/* What trackers walk through: never passed, and not so high that they would do nothing but look
- * up. The share of candidates that turn out to be collisions is the integral of the density over
- * that of its majorant; with cells of 100 m, a perfect majorant would make it a half. */
+/* The majorants of trackers: never exceeded, and low enough that tracking is efficient. The
+ * fraction of candidates that become collisions is the integral of the density over the integral of
+ * its majorant; with cells of 100 m, a perfect majorant would give a half. */
 static void test_majorants_are_sound_and_worth_having(void **state)
 {
     struct neph_horizon *h = *state;
@@ -527,7 +528,7 @@ static void test_majorants_are_sound_and_worth_having(void **state)
     neph_majorants_destroy(m);
 }
 
-/* Each node has the density of the clouds, although blocks of nodes are left out where the bound is
+/* Each node has the density of the clouds, although blocks of nodes are skipped where the bound is
  * 0. No side of the grid is a whole number of blocks. */
 static void test_voxels_are_the_clouds(void **state)
 {
@@ -564,9 +565,9 @@ static void test_voxels_are_the_clouds(void **state)
     neph_bake_finish(&bake);
 }
 
-/* --- the line integral -------------------------------------------------------------------- */
+/* --- line integral ------------------------------------------------------------------------ */
 
-/* The midpoint rule; `*spread` is what half as many points give differently. */
+/* The midpoint rule; `*spread` is the difference to half as many points. */
 static double brute_force_m(const struct neph_horizon *h, struct neph_vec3 origin_m,
                             struct neph_vec3 direction, double t0_m, double t1_m, int points,
                             double *spread_m)
@@ -594,7 +595,7 @@ static struct neph_vec3 all_but_level(uint64_t *random)
     return neph_vec3_normalize(v);
 }
 
-/* A ray through a place in a cloud. */
+/* A ray through a position in a cloud. */
 struct ray {
     struct neph_vec3 origin_m, direction;
 };
@@ -609,7 +610,8 @@ static struct ray ray_through_cloud(uint64_t *random, const struct neph_horizon 
     return ray;
 }
 
-/* Midpoints are off by a few times the spread; the integral by no more than it says. */
+/* The error of midpoints is a few times the spread; the error of the integral is at most the
+ * reported one. */
 static void test_integral_against_brute_force(void **state)
 {
     struct neph_horizon *h = *state;
@@ -633,7 +635,7 @@ static void test_integral_against_brute_force(void **state)
     print_message("integral: its own error is at most %.1e\n", worst_error);
 }
 
-/* The whole is the sum of its parts, wherever they are cut, and the same backwards. */
+/* The whole is the sum of its parts, wherever it is cut, and the same reversed. */
 static void test_integral_is_additive_and_knows_no_direction(void **state)
 {
     struct neph_horizon *h = *state;
@@ -653,7 +655,7 @@ static void test_integral_is_additive_and_knows_no_direction(void **state)
         const double back_m = neph_horizon_integral_m(
             h, neph_vec3_along(origin_m, direction, end_m), neph_vec3_scale(direction, -1.0), 0.0,
             end_m, &e[3]);
-        /* Places are good to 1e-12 m: 1e-9 covers hundreds of faces. */
+        /* Positions are accurate to 1e-12 m: 1e-9 covers hundreds of faces. */
         neph_assert_close(first_m + second_m, whole_m, 0.0, e[0] + e[1] + e[2] + 1e-9);
         neph_assert_close(back_m, whole_m, 0.0, e[0] + e[3] + 1e-9);
         clouds += whole_m > 0.0;
@@ -677,7 +679,7 @@ static void test_integral_of_rays_without_end(void **state)
     assert_true(neph_horizon_integral_m(h, above_m, up, 0.0, INFINITY, NULL) == 0.0);
 }
 
-/* --- bad input ---------------------------------------------------------------------------- */
+/* --- invalid input ------------------------------------------------------------------------ */
 
 static void test_parameters_out_of_range_are_refused(void **state)
 {
@@ -725,7 +727,7 @@ static double one_of(uint64_t *random, const double *values, size_t count)
 }
 #define ONE_OF(random, values) one_of((random), (values), sizeof(values) / sizeof((values)[0]))
 
-/* Whatever is allowed gives numbers. */
+/* All allowed parameters give finite values. */
 static void test_extreme_parameters_give_no_nonsense(void **state)
 {
     struct neph_horizon *h = *state;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What is put into a running renderer: read as it is written, found at its picture, told apart in
- * words, and no part of the scene's identity.
+ * Values that are injected into a running renderer: read as written, found at their frame,
+ * described in words, and not a part of the scene's identity.
  */
 #include "tests/neph_test.h"
 
@@ -73,7 +73,7 @@ static void test_each_is_found_at_its_picture(void **state)
     neph_scene_destroy(scene);
 }
 
-/* Nothing that is put into a renderer changes what the scene is: the truth stays in the store. */
+/* Injected values do not change the scene's identity: the truth stays in the store. */
 static void test_the_scene_stays_what_it_is(void **state)
 {
     static const char *const one_each[] = {
@@ -119,12 +119,12 @@ static void test_what_cannot_be_is_refused(void **state)
         {"inject: {origin: [{frame: 2, by_m: [1, 0, 0]}]}\n"
          "media: [{horizon: {extinction_per_m: 0.1, albedo: [1, 1, 1],\n"
          "         bounds: {min_m: [-9, 0, -9], max_m: [9, 9, 9]}}}]\n",
-         "bound to its place"},
+         "has a fixed place"},
         {"frames: {advance: [1], pauses: [{frame: 1, count: 1}]}\n", "either advance"},
         {"solids: [{box: {min_m: [0, 0, 0], max_m: [1, 1, 1], albedo: [0, 0, 0],\n"
          "         motion: {axis: w, keys: [{frame: 0}]}}}]\n",
          "one of x, y, z"},
-        {"frames: {count: 4}\n" /* the camera stands at z = 50 */
+        {"frames: {count: 4}\n" /* the camera is at z = 50 */
          "solids: [{sphere: {center_m: [0, 1, 0], radius_m: 1, albedo: [0, 0, 0],\n"
          "         motion: {keys: [{frame: 0}, {frame: 2, move_m: [0, 0, 50]}]}}}]\n",
          "inside a solid"},

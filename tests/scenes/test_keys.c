@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The table of keys in scenes/README.md is the one that the fields print. `test_keys --write`
- * writes it.
+ * The table of keys in scenes/README.md is printed from the fields. `test_keys --write` writes it.
  */
 #include "tests/printed_table.h"
 
@@ -15,7 +14,7 @@ static void test_readme_holds_the_keys(void **state)
     check_readme(&table, *state);
 }
 
-/* Whether the rows of `media` name keys where scene files have them: inside a kind. */
+/* Whether the rows of `media` have the keys at their position in scene files: inside a kind. */
 static void test_keys_of_media_stand_in_a_kind(void **state)
 {
     static const char start[] = "\n| `media[].";

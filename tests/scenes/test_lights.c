@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Lights: their cones by hand, and the exact shadow of a solid before a point against brute force.
+ * Lights: their cones by hand, and the exact shadow of a solid in front of a point against brute
+ * force.
  */
 #include "tests/scene_builders.h"
 
@@ -53,7 +54,7 @@ static struct neph_solid random_solid(uint64_t *seed)
     return box;
 }
 
-/* Rays along an axis and lights in the plane of a face are among them. */
+/* Includes rays along an axis and lights in the plane of a face. */
 static void test_shadows_against_brute_force(void **state)
 {
     uint64_t seed = 20;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scene files: what is wrong is named with its line, column and value; what is right gets every
- * default; the hash follows the physics and nothing else; damaged files never crash.
+ * Scene files: errors are reported with line, column and value; valid files get every default; the
+ * hash depends only on the physics; damaged files never crash.
  */
 #include "tests/base/scratch.h"
 
@@ -27,7 +27,7 @@ static const char good[] =
     "      albedo: [1, 0.5, 0]\n"
     "      bounds: {min_m: [-1, 0, -1], max_m: [1, 2, 1]}\n";
 
-/* Write `text` as probe.yaml in a fresh folder, load it, remove it. */
+/* Writes `text` as probe.yaml in a new folder, loads it, removes it. */
 static enum neph_status load_text(const char *text, size_t size, struct neph_scene **scene,
                                   struct neph_diag *diag)
 {
@@ -79,7 +79,7 @@ static const struct bad {
     {"vertical_fov_deg: 40", "vertical_fov_deg: 40, orthographic_height_m: 2", 4, "either"},
     {", vertical_fov_deg: 40", "", 4, "orthographic_height_m"},
     {VIEW ", vertical_fov_deg: 40",
-     "orthographic_height_m: 2, keys: [{frame: 0, " VIEW "}, {frame: 1, " VIEW "}]", 4, "still"},
+     "orthographic_height_m: 2, keys: [{frame: 0, " VIEW "}, {frame: 1, " VIEW "}]", 4, "static"},
     {"scattering: single", "scattering: double", 6, "multiple"},
     {"direction: [0, 2, 0]", "direction: [0, 0, 0]", 5, "direction"},
     {"look_at_m: [0, 1, 0]", "look_at_m: [0, 1, 5]", 4, "look_at_m"},
@@ -108,7 +108,7 @@ static const struct bad {
     {LIGHT,
      "keys: [{frame: 3, " LIGHT "},\n"
      "  {frame: 7, direction: [1e-7, -1, 0], irradiance_w_per_m2: [1, 1, 1]}]",
-     6, "at frame 7 the sun is opposite to where it is at frame 3 (sun.keys[0])"},
+     6, "at frame 7 the sun is opposite to its place at frame 3 (sun.keys[0])"},
     {MODE, MODE "wind: {velocity_m_per_s: [1, 0, 0]}\n", 7, "no medium of the scene drifts"},
     {MODE, MODE "wind: {}\n", 7, "exactly one"},
     {MODE, MODE "lights: [{position_m: [0, 1, 0]}]\n", 7, "intensity_w_per_sr"},
@@ -151,7 +151,7 @@ static void test_what_is_wrong_is_named(void **state)
 #define OPTICS "extinction_per_m: 2, albedo: [1, 1, 1]"
 #define BOUNDS "bounds: {min_m: [-1, 0, -1], max_m: [1, 2, 1]}"
 
-/* Media beside the homogeneous one of `good`, on its line 12; NULL: it loads. */
+/* Media next to the homogeneous one of `good`, on its line 12; NULL: it loads. */
 static const struct row {
     const char *medium, *words;
 } media[] = {
@@ -235,7 +235,7 @@ static void test_media_of_all_kinds(void **state)
         neph_assert_ok(status, &diag);
         assert_int_equal(scene->medium_count, 2);
         memcpy(hashes[i], scene->hash, NEPH_HASH_HEX_SIZE);
-        for (size_t k = 0; k < i; k++) /* what differs in the file differs in the frame */
+        for (size_t k = 0; k < i; k++) /* different files give different frames */
             assert_string_not_equal(hashes[i], hashes[k]);
         neph_scene_destroy(scene);
     }
@@ -266,7 +266,7 @@ static enum neph_status load_volume(const char *file, struct neph_scene **scene,
     return status;
 }
 
-/* The environment may hold more than its owner wants to see on a screen or in a log. */
+/* The environment may contain values that must not appear on a screen or in a log. */
 static void test_messages_never_show_what_the_environment_holds(void **state)
 {
     static const char *const files[] = {"$NEPH_TEST_SECRET", "$NEPH_TEST_SECRET/none.df3",
@@ -283,7 +283,7 @@ static void test_messages_never_show_what_the_environment_holds(void **state)
     unsetenv("NEPH_TEST_SECRET");
 }
 
-/* Its bounds cut a grid: of four nodes of 1 only the middle is left. */
+/* Its bounds cut a grid: of four nodes of 1 only the middle remains. */
 static void test_a_grid_keeps_to_its_bounds(void **state)
 {
     struct neph_scene *scene = NULL;
@@ -352,7 +352,7 @@ static void test_defaults_and_units(void **state)
     assert_int_equal(scene->frame_count, 1);
     assert_false(scene->environment_light);
     neph_assert_close(scene->vertical_fov_rad, 40.0 * M_PI / 180.0, 1e-15, 0.0);
-    neph_assert_close(scene->sun.direction.y, 1.0, 0.0, 0.0); /* made a unit vector */
+    neph_assert_close(scene->sun.direction.y, 1.0, 0.0, 0.0); /* normalised */
     assert_int_equal(scene->media[0].phase.kind, NEPH_PHASE_ISOTROPIC);
     neph_assert_close(scene->media[0].albedo.g, 0.5, 0.0, 0.0);
     neph_assert_close(scene->background_w_per_m2_sr.r, 0.0, 0.0, 0.0);
@@ -381,8 +381,8 @@ static void test_hash_leaves_out_what_renders_nothing(void **state)
     assert_string_equal(base, other);
 }
 
-/* One key, and motion that is none, are the scene that has nothing of them: its frames stay valid.
- */
+/* A single key, and motion without any change, are equal to the static scene: its frames stay
+ * valid. */
 static void test_hash_of_what_stands_still(void **state)
 {
     static const char *const same[][2] = {
@@ -398,8 +398,8 @@ static void test_hash_of_what_stands_still(void **state)
     }
 }
 
-/* Written by the version of the format before there was motion: frames that are stored under it
- * stay what they were. */
+/* Written by the version of the format before motion existed: frames stored under it keep their
+ * meaning. */
 static void test_hash_of_old_scenes(void **state)
 {
     char base[NEPH_HASH_HEX_SIZE];
@@ -446,8 +446,8 @@ static void test_damaged_files_never_crash(void **state)
     }
 }
 
-/* The text of a scene with its clouds in an eighth of the voxels per side: with all of them they
- * are loaded end to end, by `neph scenes`. */
+/* The text of a scene with an eighth of the voxels per side in its clouds; `neph scenes` loads them
+ * in full resolution end to end. */
 static char *with_fewer_voxels(char *text)
 {
     char *value = strstr(text, "voxels: "), *rest;
@@ -460,8 +460,8 @@ static char *with_fewer_voxels(char *text)
     return edited_text;
 }
 
-/* A copy of a scene file in another folder; NULL where its like was loaded: procedural clouds
- * differ in numbers alone, and make the same noise for seconds each. */
+/* A copy of a scene file in another folder. NULL if a similar one was loaded: procedural clouds
+ * differ only in numbers, and each generates the same noise for seconds. */
 static char *copy_scene(const char *path, const char *folder, int *cloud_count)
 {
     char *text, *copy = neph_path_join(folder, strrchr(path, '/') + 1);
@@ -478,7 +478,7 @@ static char *copy_scene(const char *path, const char *folder, int *cloud_count)
     return copy;
 }
 
-/* Returns how many scenes there are. */
+/* Returns the number of scenes. */
 static int load_folder(const char *folder, const char *scratch, bool with_gates)
 {
     DIR *directory = opendir(folder);
@@ -535,7 +535,7 @@ static void test_camera_rays(void **state)
     neph_scene_destroy(scene);
 }
 
-/* A picture of 4 x 3 pixels and a height of 6 m: their centres are 2 m apart. */
+/* A frame of 4 x 3 pixels and a height of 6 m: pixel centres are 2 m apart. */
 static void test_orthographic_rays(void **state)
 {
     struct neph_diag diag = {.line = 0};
@@ -554,7 +554,7 @@ static void test_orthographic_rays(void **state)
     free(text);
 }
 
-/* The pixel of a point on a pixel's ray is that pixel, of both cameras. */
+/* The pixel of a point on a pixel's ray is this pixel, for both cameras. */
 static void test_pixels_of_points(void **state)
 {
     struct neph_diag diag = {.line = 0};

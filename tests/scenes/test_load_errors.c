@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * All errors of a scene file are reported at once: each once, in the order of lines, and none that
- * follows from another. What a scene is called, and what may be left out.
+ * All errors of a scene file are reported at once: each once, in the order of lines, without
+ * consequential errors. The name of a scene, and optional keys.
  */
 #include "tests/base/scratch.h"
 
@@ -13,7 +13,7 @@
     "camera: {position_m: [0, 1, 5], look_at_m: [0, 1, 0], vertical_fov_deg: 40}\n"                \
     "scattering: single\n"
 
-/* Write `text` as `name` in a fresh folder, load it, remove it. */
+/* Writes `text` as `name` in a new folder, loads it, removes it. */
 static enum neph_status load_as(const char *name, const char *text, struct neph_scene **scene,
                                 struct neph_diag *diag)
 {
@@ -30,7 +30,7 @@ static enum neph_status load_as(const char *name, const char *text, struct neph_
 
 enum { EXPECTED_MAX = 8 };
 
-/* From line 4 on, behind START; each error as "LINE: words" of its message. */
+/* From line 4 on, after START; each error as "LINE: words" of its message. */
 static const struct wrong {
     const char *text, *errors[EXPECTED_MAX];
 } wrong[] = {
@@ -42,19 +42,19 @@ static const struct wrong {
      "  - {position_m: [0, far, 0], intensity_w_per_sr: [1, 1, 1]}\n"
      "  - {position_m: [0, 1, 0]}\n",
      {"5: -1 is outside", "6: found 'far'", "7: missing key 'lights[2].intensity_w_per_sr'"}},
-    /* A misspelled key is not missing as well; the others of its mapping are read. */
+    /* A misspelled key is not reported as missing, too; the other keys of its mapping are read. */
     {"sun: {direktion: [0, 1, 0], irradiance_w_per_m2: [1, 1]}\n"
      "media:\n"
      "  - homogeneous: {extinktion_per_m: 1, albedo: [2, 1, 1],\n"
      "      bounds: {min_m: [0, 0, 0], max_m: [1, 1, 1]}}\n",
      {"4: unknown key 'direktion'", "4: found a list of 2", "6: unknown key 'extinktion_per_m'",
       "6: albedo[0]: 2"}},
-    /* Checks of several keys run where those keys are right, and no others. */
+    /* Checks of several keys run only where these keys are valid. */
     {"solids:\n"
      "  - box: {min_m: [0, 0, 0], max_m: [-1, 1, -1], albedo: [1, 7, 1]}\n"
      "  - box: {min_m: [0, none, 0], max_m: [-1, 1, -1], albedo: [1, 1, 1]}\n",
      {"5: max_m[0]: -1 m is not above", "5: max_m[2]", "5: albedo[1]: 7", "6: found 'none'"}},
-    /* A light inside a solid; not where the solids are wrong. */
+    /* A light inside a solid; not tested if the solids are wrong. */
     {"solids: [{sphere: {center_m: [0, 1, 0], radius_m: 2, albedo: [1, 1, 1]}}]\n"
      "lights: [{position_m: [0, 1, 0], intensity_w_per_sr: [1, 1, 1]}]\n"
      "background_w_per_m2_sr: blue\n",
@@ -62,21 +62,21 @@ static const struct wrong {
     {"solids: [{sphere: {center_m: [0, 1, 0], radius_m: -2, albedo: [1, 1, 1]}}]\n"
      "lights: [{position_m: [0, 1, 0], intensity_w_per_sr: [1, 1, 1]}]\n",
      {"4: radius_m: -2"}},
-    /* No medium drifts; but if a medium is wrong, that is the error. */
+    /* No medium drifts; but if a medium is wrong, only the medium is reported. */
     {"wind: {velocity_m_per_s: [1, 0, 0]}\n", {"4: no medium of the scene drifts"}},
     {"wind: {velocity_m_per_s: [1, 0, 0]}\n"
      "media: [{gausian: {center_m: [0, 1, 0]}}]\n",
      {"5: unknown key 'gausian'"}},
-    /* A file that is not there, beside a wrong number. */
+    /* A missing file, next to a wrong number. */
     {"media:\n"
      "  - volume: {file: none.vdb, extinction_per_m: 1, albedo: [1, 1, 3]}\n"
      "  - volume: {file: none.dat, extinction_per_m: 1, albedo: [1, 1, 1]}\n",
      {"5: cannot read the volume 'none.vdb'", "5: albedo[2]: 3", "6: must end in .vdb or .df3"}},
-    /* A key that is there twice. */
+    /* A duplicate key. */
     {"scattering: none\nbake_resolution: 1\n", {"4: stands twice", "5: 1 is outside 2 to 1024"}},
 };
 
-/* How many of `text`'s lines begin like a position in probe.yaml. */
+/* The number of lines in `text` that begin with a position in probe.yaml. */
 static int count_of(const char *text)
 {
     int count = 0;
@@ -121,7 +121,7 @@ static void test_all_errors_are_reported_once(void **state)
     }
 }
 
-/* A file of nothing but errors costs no more than the first of them. */
+/* A file full of errors is read only up to the first 32 of them. */
 static void test_reading_ends(void **state)
 {
     struct neph_diag diag = {.line = 0};
@@ -140,7 +140,7 @@ static void test_reading_ends(void **state)
     assert_true(strlen(diag.more) < sizeof(diag.more));
 }
 
-/* A file that is no mapping has no keys to miss. */
+/* A file that is not a mapping has no missing keys. */
 static void test_a_file_of_another_form(void **state)
 {
     static const char *const texts[] = {"a word\n", "[1, 2]\n"};
@@ -153,7 +153,7 @@ static void test_a_file_of_another_form(void **state)
     }
 }
 
-/* One error leaves nothing behind it. */
+/* After a single error the list of further errors is empty. */
 static void test_one_error_is_alone(void **state)
 {
     struct neph_diag diag = {.line = 0};
@@ -164,8 +164,7 @@ static void test_one_error_is_alone(void **state)
     assert_int_equal(diag.line, 4);
 }
 
-/* Where data is missing and nothing else is wrong, that is the status; a wrong value outweighs it.
- */
+/* Missing data is the status if nothing else is wrong; a wrong value takes precedence. */
 static void test_status_of_several(void **state)
 {
     static const char missing[] = START "media:\n  - volume: {file: none.vdb, extinction_per_m: 1, "
@@ -204,7 +203,7 @@ static void test_metrics_of_gates_are_checked_with_the_rest(void **state)
     assert_non_null(strstr(diag.more, "probe.yaml:7:20: environment_light"));
 }
 
-/* --- What may be left out --- */
+/* --- optional keys ---------- */
 
 static void hash_of(const char *name, const char *text, char hash[NEPH_HASH_HEX_SIZE])
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Majorants are never passed, are not far too large, and their cells are what was asked for.
+ * Majorants are never exceeded, are not far too large, and have the requested cells.
  */
 #include "tests/scene_builders.h"
 
@@ -40,8 +40,8 @@ static struct neph_grid *random_grid(uint64_t *seed)
     return grid;
 }
 
-/* A medium of each kind in turn, of sizes around 1 to 10 m near the origin; a grid is the caller's
- * to destroy. */
+/* A medium of each kind in turn, of sizes around 1 to 10 m near the origin. The caller destroys a
+ * grid. */
 static struct neph_medium random_medium(uint64_t *seed, uint64_t trial)
 {
     struct neph_medium medium = {.bounds = everywhere,
@@ -81,7 +81,7 @@ static struct neph_bounds random_box(uint64_t *seed)
                                  low.z + pow(10.0, neph_test_uniform(seed, -2, 1))}};
 }
 
-/* The majorant of the cell of a place given as a share of the box per axis. */
+/* The majorant of the cell at a position given as a fraction of the box on each axis. */
 static double majorant_at(const struct neph_majorants *m, const double share[3])
 {
     int cell[3];
@@ -90,7 +90,7 @@ static double majorant_at(const struct neph_majorants *m, const double share[3])
     return (double)m->extinction_per_m[(cell[2] * m->size[1] + cell[1]) * m->size[0] + cell[0]];
 }
 
-/* Places anywhere and, every other time, on the faces of cells. */
+/* Random positions and, every other time, on the faces of cells. */
 static double random_share(uint64_t *seed, int size)
 {
     const double share = neph_test_uniform(seed, 0.0, 1.0);
@@ -129,7 +129,7 @@ static void test_no_extinction_passes_its_majorant(void **state)
     assert_true(tightest > 0.9999);
 }
 
-/* The largest of the eight nodes around a place, of those that have a weight. */
+/* The largest of the eight nodes around a position, among nodes with a weight. */
 static double node_maximum_at(const struct neph_grid *grid, struct neph_vec3 point_m)
 {
     const double u[3] = {(point_m.x - grid->origin_m.x) / grid->spacing_m.x,
@@ -153,8 +153,8 @@ static double node_maximum_at(const struct neph_grid *grid, struct neph_vec3 poi
     return maximum;
 }
 
-/* Where a tracker may draw any of the nodes around a place, cells of any size and in any part of
- * the grid bound them all; none is larger than the largest node. */
+/* Where a tracker may select any of the nodes around a position, cells of any size and in any part
+ * of the grid bound all of them; none is larger than the largest node. */
 static void test_covered_nodes_pass_no_majorant(void **state)
 {
     const uint64_t first_seed = 815;
@@ -192,11 +192,11 @@ static void test_covered_nodes_pass_no_majorant(void **state)
         neph_majorants_destroy(covered);
         neph_grid_destroy(grid);
     }
-    assert_true(tight_fails > 1000); /* else the places say nothing */
+    assert_true(tight_fails > 1000); /* otherwise the positions test nothing */
 }
 
-/* In double, without the room that float leaves: a grid of one value, whose interpolation may round
- * above it, in boxes as small as a place. */
+/* In double, without the margin for float: a grid of one value, where interpolation may round above
+ * it, in boxes as small as a point. */
 static void test_bound_of_even_density_and_small_boxes(void **state)
 {
     const int size[3] = {4, 4, 4};
@@ -222,8 +222,8 @@ static void test_bound_of_even_density_and_small_boxes(void **state)
     neph_grid_destroy(grid);
 }
 
-/* Cells are bounds of their own places: the mean of the majorants over a blob comes down to the
- * mean of its extinction as cells get smaller. */
+/* Cells bound their own points: the mean of the majorants over a blob approaches the mean of its
+ * extinction as cells get smaller. */
 static void test_more_cells_are_tighter(void **state)
 {
     const struct neph_medium medium = {.kind = NEPH_MEDIUM_GAUSSIAN,
@@ -247,12 +247,13 @@ static void test_more_cells_are_tighter(void **state)
     }
     print_message("mean majorant of cells of an eighth of the width: %.3f of the mean\n",
                   last / mean);
-    /* On each axis the bound is up to half a cell nearer to the middle than the mean place: the
-     * integral of e^{-x^2/2} grows by the cell's 1/8, twice a half, over sqrt(2 pi). */
+    /* On each axis the bound is taken up to half a cell nearer to the middle than the mean
+     * position: the integral of e^{-x^2/2} grows by the cell's 1/8, twice a half, over sqrt(2 pi).
+     */
     assert_true(last < 1.02 * pow(1.0 + 0.125 / sqrt(2.0 * M_PI), 3.0) * mean);
 }
 
-/* About as many cells as asked for, near to cubes, in a box of any shape. */
+/* Approximately the requested number of cells, nearly cubes, in a box of any shape. */
 static void test_cells_of_flat_and_long_boxes(void **state)
 {
     const struct neph_medium medium = {.kind = NEPH_MEDIUM_HOMOGENEOUS,
@@ -283,8 +284,8 @@ static void test_cells_of_flat_and_long_boxes(void **state)
     }
 }
 
-/* A grid of 7 x 3 x 1 nodes has cells 8 x 4 x 2 with its ramps; thinner majorants cost and give
- * nothing, in its whole support or in a part. */
+/* A grid of 7 x 3 x 1 nodes has 8 x 4 x 2 cells with its ramps. Thinner majorant cells cost more
+ * without a benefit, in its whole support or in a part. */
 static void test_cells_are_no_thinner_than_a_grid_s(void **state)
 {
     const int size[3] = {7, 3, 1};
@@ -330,12 +331,12 @@ static void test_what_has_no_majorants(void **state)
     assert_refused(&everywhere, 8, "a Gaussian blob without finite bounds");
     assert_refused(&open, 8, "without finite bounds");
     assert_refused(&nowhere, 8, "without finite bounds");
-    assert_refused(&flat, 8, "leave nothing");
+    assert_refused(&flat, 8, "exclude all of it");
     assert_refused(&good, 0, "0 cells");
     neph_majorants_destroy(NULL);
 }
 
-/* 1e30 per metre and 1e-50 per metre, where a float has its ends. */
+/* 1e30 per metre and 1e-50 per metre, at the limits of float. */
 static void test_float_ends(void **state)
 {
     const struct neph_bounds box = {{-1, -1, -1}, {1, 1, 1}};

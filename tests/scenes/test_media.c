@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Media against 50-digit references, and the properties that make an optical depth one.
+ * Media against 50-digit references, and the general properties of an optical depth.
  */
 #include "tests/scene_builders.h"
 
@@ -12,7 +12,7 @@
 
 static const double unit_roundoff = 0x1p-53;
 
-/* The worst of a quantity, kept to be printed: what was measured stands beside what is asserted. */
+/* The worst error of a quantity, for printing the measured value next to the asserted one. */
 struct worst {
     const char *what;
     double relative;
@@ -45,8 +45,8 @@ static void test_phi(void **state)
     report(&worst);
 }
 
-/* One layer: all corners of the parameters. 1e-12, or, where the exponent b (y - h) is so large
- * that rounding its inputs moves the result further, four such roundings. */
+/* One layer: all extremes of the parameters. 1e-12, or, where the exponent b (y - h) is so large
+ * that rounding its inputs changes the result further, four such roundings. */
 static void assert_fog_depth(double tau, const struct reference_depth *r, struct worst *depth,
                              struct worst *light)
 {
@@ -79,7 +79,7 @@ static void test_fog_layer_against_reference(void **state)
     report(&light);
 }
 
-/* Never NaN, never negative, never T > 1: every corner with every other, no reference needed. */
+/* Never NaN, never negative, never T > 1: all combinations of extremes, without a reference. */
 static void test_fog_layer_is_never_nonsense(void **state)
 {
     static const double extinctions[] = {0.0, 5e-324, 1e-300, 1e-3, 1.0, 1e300};
@@ -118,7 +118,7 @@ static void fog_on_ray(double t_m, void *context, double value[3])
     value[1] = value[2] = 0.0;
 }
 
-/* Fog that thins out downwards: the same formula, against quadrature and its own inverse. */
+/* Fog that becomes thinner downwards: the same formula, against quadrature and its own inverse. */
 static void test_fog_upside_down(void **state)
 {
     static const double falloffs[] = {-1e-3, -0.1, -2.0}, slopes[] = {-1.0, -0.3, 0.2, 1.0};
@@ -140,7 +140,7 @@ static void test_fog_upside_down(void **state)
                 const double part_m = 0.25 * lengths[l];
                 const double part = neph_fog_layer_optical_depth(&ray.layer, ray.y_m, ray.k_y,
                                                                  part_m);
-                if (part < 0.999 * depth) /* else nothing is left to invert */
+                if (part < 0.999 * depth) /* otherwise nothing remains to invert */
                     neph_assert_close(neph_fog_layer_distance_m(&ray.layer, ray.y_m, ray.k_y, part),
                                       part_m, 1e-9, 0.0);
             }
@@ -149,7 +149,7 @@ static void test_fog_upside_down(void **state)
     assert_true(neph_fog_layer_optical_depth(&layer, 0.0, 1.0, INFINITY) == INFINITY);
 }
 
-/* To infinity: finite upwards, opaque on the level and downwards, whatever the eye's height. */
+/* To infinity: finite upwards, opaque horizontally and downwards, at any eye height. */
 static void test_infinite_rays(void **state)
 {
     const struct neph_fog_layer fog = {1e-3, 0.01, 0.0};
@@ -183,12 +183,12 @@ static struct neph_medium random_medium(uint64_t *seed)
     return medium;
 }
 
-/* What rounding leaves of the parts of a ray: places of up to 400 m, falloffs of up to 0.1 / m and
+/* Rounding errors in parts of a ray: positions of up to 400 m, falloffs of up to 0.1 / m and
  * extinctions of up to e^{0.1 * 130} times 0.1 / m at their densest give these for 2^-53. */
 static const double property_relative = 1e-12;
 static const double property_absolute = 1e-13;
 
-/* tau(0, a) + tau(a, b) = tau(0, b), and a ray back along itself meets the same fog. */
+/* tau(0, a) + tau(a, b) = tau(0, b), and the reversed ray meets the same fog. */
 static void test_optical_depth_adds_and_reverses(void **state)
 {
     const uint64_t first_seed = 20240607;
@@ -211,7 +211,7 @@ static void test_optical_depth_adds_and_reverses(void **state)
     }
 }
 
-/* Bounds only cut: the depth inside is the unbounded depth of the stretch inside, and the
+/* Bounds only cut: the depth inside is the unbounded depth of the segment inside, and the
  * extinction is 0 outside and unchanged inside. */
 static void test_bounds_clip(void **state)
 {
@@ -253,7 +253,7 @@ static void test_clip_by_hand(void **state)
     t0_m = 0.0, t1_m = INFINITY; /* behind */
     assert_false(neph_bounds_clip(&box, (struct neph_vec3){5, 1, 0}, (struct neph_vec3){1, 0, 0},
                                   &t0_m, &t1_m));
-    t0_m = 0.0, t1_m = 3.0; /* ends before it */
+    t0_m = 0.0, t1_m = 3.0; /* ends in front of it */
     assert_false(neph_bounds_clip(&box, (struct neph_vec3){-5, 1, 0}, (struct neph_vec3){1, 0, 0},
                                   &t0_m, &t1_m));
     t0_m = 0.0, t1_m = INFINITY; /* all open */
@@ -262,7 +262,7 @@ static void test_clip_by_hand(void **state)
     assert_true(t0_m == 0.0 && t1_m == INFINITY);
 }
 
-/* A scene's depth is the sum of its media's. */
+/* A scene's optical depth is the sum of its media's. */
 static void test_scene_adds_media(void **state)
 {
     struct neph_scene scene = {.medium_count = 2};
@@ -295,7 +295,7 @@ static void test_phase_against_reference(void **state)
     report(&worst);
 }
 
-/* p, p P_1 and p P_2 over the sphere at c = cos(theta), with the peak of either side spread out:
+/* p, p P_1 and p P_2 over the sphere at c = cos(theta), substituted to widen the peak of each side:
  * c = +-(1 - 2 v^2). */
 static void phase_moments(double v, void *context, double value[3])
 {
@@ -308,8 +308,8 @@ static void phase_moments(double v, void *context, double value[3])
     value[2] = jacobian * (1.5 * c * c - 0.5) * (forward + backward);
 }
 
-/* 1 - 2 v^2 is rounded by 2^-53, which moves a peak of width (1-g)^2 by 2^-53/(1-g)^2 relatively at
- * most. */
+/* 1 - 2 v^2 is rounded by 2^-53, which changes a peak of width (1-g)^2 by at most a relative
+ * 2^-53/(1-g)^2. */
 static void check_moments(struct neph_phase phase)
 {
     /* Both hemispheres at once: forward and backward poles at v = 0, the equator at v^2 = 1/2. */
@@ -342,8 +342,8 @@ static void test_phases_are_what_their_rows_say(void **state)
 
 /* ---- Unreal ---- */
 
-/* Unreal's own ray integral, in its units and base, written here from its formulas: centimetres,
- * UI values divided by 1000, I = D 2^{-f (z - h)} (1 - 2^{-F})/F L with F = f dz, T = 2^{-I}. */
+/* Unreal's own ray integral, in its units and base, transcribed from its formulas: centimetres, UI
+ * values divided by 1000, I = D 2^{-f (z - h)} (1 - 2^{-F})/F L with F = f dz, T = 2^{-I}. */
 static double unreal_transmittance(const struct neph_unreal_fog *ui, double eye_m, double k_y,
                                    double length_m)
 {
@@ -384,8 +384,8 @@ static void test_unreal_round_trip(void **state)
     }
 }
 
-/* The mapped fog attenuates as Unreal's formula does. 1e-9: the transcription's own cancellation
- * at |F| near 1e-6 is 2^-53/1e-6. */
+/* The converted fog attenuates as Unreal's formula. 1e-9: the transcription's own cancellation at
+ * |F| near 1e-6 is 2^-53/1e-6. */
 static void test_unreal_formula(void **state)
 {
     struct worst worst = {.what = "transmittance against Unreal's formula"};

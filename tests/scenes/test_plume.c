@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A plume of smoke against closed forms where there are some, adaptive quadrature of its density
+ * A plume of smoke against closed forms where they exist, adaptive quadrature of its density
  * elsewhere, and its own bounds.
  */
 #include "tests/scene_builders.h"
@@ -57,7 +57,7 @@ static void density(double t_m, void *context, double value[3])
         ray->medium, neph_vec3_along(ray->origin_m, ray->direction, t_m));
 }
 
-/* Pieces between the places where a cut belongs: among them the one at the foot. */
+/* Pieces between the positions of cuts, including the one at the foot. */
 static void test_lines_in_all_directions(void **state)
 {
     uint64_t seed = 20261123;
@@ -87,7 +87,7 @@ static void test_lines_in_all_directions(void **state)
     }
 }
 
-/* No place of a box is denser than its bound, and of a small box not much less. */
+/* No point of a box is denser than its bound; in a small box the bound is tight. */
 static void test_bound(void **state)
 {
     uint64_t seed = 20261124;
@@ -106,7 +106,8 @@ static void test_bound(void **state)
     assert_true(loosest < 1.3);
 }
 
-/* Whoever knows no formula gets voxels; who knows no wind gets it where it has gone. */
+/* Engines without the formula get voxels; engines without wind get the plume at its displaced
+ * position. */
 static void test_box_bake_and_drift(void **state)
 {
     struct neph_medium medium = plume((struct neph_vec3){0.3, 1, 0});
@@ -120,7 +121,7 @@ static void test_box_bake_and_drift(void **state)
     neph_assert_ok(neph_medium_bake(&medium, &box, 64, &bake, &diag), &diag);
     print_message("64 voxels: extinction off by %.2g rms, optical depths by %.2g\n",
                   bake.error.extinction_rms_relative, bake.error.optical_depth_rms);
-    assert_true(bake.error.extinction_rms_relative < 0.5); /* what engines accept */
+    assert_true(bake.error.extinction_rms_relative < 0.5); /* the limit of engines */
     neph_bake_finish(&bake);
     const double before_per_m = neph_medium_extinction_per_m(&medium, (struct neph_vec3){1, 0, 1});
     assert_true(neph_medium_drifts(&medium));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The adaptive rule on integrals known in closed form: right to 1e-13, and honest about its error.
+ * The adaptive rule on integrals with closed form: accurate to 1e-13, with a valid error estimate.
  */
 #include "tests/neph_test.h"
 
@@ -8,7 +8,7 @@
 
 #include <float.h>
 
-/* Three channels of one integrand: f, 2 f and -f/3, so that a mixed-up channel shows. */
+/* Three channels of one integrand: f, 2 f and -f/3, so that swapped channels are detected. */
 struct scalar {
     double (*function)(double x, double p);
     double parameter;
@@ -81,13 +81,14 @@ static const struct known analytic[] = {
     {"e^-1000x", decay, 1e3, 0.0, 1.0, 1e-3},
     {"e^+20x", decay, -20.0, 0.0, 1.0, 24258259.720489513898}, /* (e^20 - 1)/20 */
     {"tiny", decay, 1.0, 0.0, 1e-12, 9.999999999995e-13},
-    /* A bell much narrower than the nodes' 0.15 would not be seen at all: the caller's cuts. */
+    /* A bell much narrower than the nodes' spacing of 0.15 needs the caller's cuts. */
     {"bell of width 1/30", bell, 30.0, -1.0, 1.0, 0.083554275821033350080},
     {"peak of width 1e-2", lorentz, 1e-2, -1.0, 1.0, 0.99363401447018348970}, /* 2/pi atan 100 */
     {"cos 30x", wave, 30.0, 0.0, 1.0, -0.032934387469762059656},              /* sin(30)/30 */
 };
 
-/* Not analytic: sqrt at its branch, a step and a kink inside a piece. What 20 halvings leave. */
+/* Not analytic: sqrt at its branch, a step and a kink inside a piece. The remaining error after 20
+ * halvings. */
 static const struct known rough[] = {
     {"sqrt", square_root, 1.0, 0.0, 1.0, 2.0 / 3.0},
     {"step", step, 1.0 / 3.0, 0.0, 1.0, 1.0 / 3.0},
@@ -118,7 +119,7 @@ static void test_known_integrals(void **state)
     }
 }
 
-/* The estimate is of the worst channel; rounding is 1e-15 of each of the values summed. */
+/* The estimate is for the worst channel; rounding is 1e-15 of each summed value. */
 static void assert_honest(const struct known *known)
 {
     double result[3];
@@ -138,7 +139,7 @@ static void test_error_estimate_is_not_too_small(void **state)
         assert_honest(&rough[i]);
 }
 
-/* An integrand that changes sign: its integral is small beside what is summed. */
+/* An integrand that changes sign: its integral is small compared with its terms. */
 static void test_error_estimate_where_signs_cancel(void **state)
 {
     for (double frequency = 10.0; frequency < 200.0; frequency += 0.37) {
@@ -166,8 +167,7 @@ static void test_rough_integrands_end(void **state)
     }
 }
 
-/* Pieces add, gaps count nothing, and a piece that is negligible beside the others is not refined.
- */
+/* Pieces add, gaps count nothing, and a piece that is negligible is not refined. */
 static void test_union_of_pieces(void **state)
 {
     struct scalar scalar = {decay, 1.0, 0};
@@ -180,7 +180,7 @@ static void test_union_of_pieces(void **state)
     neph_integrate(three_channels, &scalar, pieces, 0, result);
     assert_true(result[0] == 0.0 && result[1] == 0.0 && result[2] == 0.0);
 
-    /* e^{300 (x - 1)} needs halving where it matters; beside 1e20 it does not matter. */
+    /* e^{300 (x - 1)} needs halving where it matters; next to 1e20 it does not matter. */
     struct scalar steep = {decay, -300.0, 0};
     const struct neph_interval both[] = {{0.0, 0.1}, {0.9, 1.0}};
     neph_integrate(three_channels, &steep, &both[1], 1, result);

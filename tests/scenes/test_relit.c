@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scenes under another sun: where it stands, what else is changed, and what is refused.
+ * Scenes with a different sun: its position, other changes, and refused requests.
  */
 #include "tests/neph_test.h"
 
@@ -55,7 +55,7 @@ static void test_where_the_sun_is(void **state)
     neph_scene_destroy(scene);
 }
 
-/* A sun that sinks ends where it is said to stand, and comes down evenly, in one plane. */
+/* A sinking sun ends at the given position, and moves evenly, in one plane. */
 static void test_a_sun_that_sinks(void **state)
 {
     enum { LAST = NEPH_RELIT_FRAMES - 1 };

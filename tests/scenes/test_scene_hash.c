@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Every key of a scene file that the tables read moves the hash of the scene, but for those whose
- * row says that no rendered value depends on them. Keys of `volume`, which need files, are in
- * test_volume_placement.c. A key that no scene of every_key/ gives fails here.
+ * Every key of a scene file that the tables read changes the hash of the scene, except keys whose
+ * row declares that no rendered value depends on them. Keys of `volume`, which need files, are in
+ * test_volume_placement.c. A key that no scene of every_key/ contains fails here.
  */
 #include "tests/base/scratch.h"
 #include "tests/printed_table.h"
@@ -12,10 +12,10 @@
 
 enum { PATHS_MAX = 400 };
 
-/* Keys that no scene of every_key/ has to change: of files, and one that other keys follow. */
+/* Keys not required in every_key/: keys of files, and one that depends on other keys. */
 static const char *const left_out[] = {"media[].volume.", "media[].grid.size"};
 
-/* Paths of keys, indices left out: "media[].gaussian.width_m". */
+/* Paths of keys without indices: "media[].gaussian.width_m". */
 struct paths {
     char texts[PATHS_MAX][NEPH_FIELD_PATH_MAX];
     int count;
@@ -42,7 +42,7 @@ struct probe {
     char *text;
     size_t size;
     struct neph_document document;
-    char hash[NEPH_HASH_HEX_SIZE]; /* of the file as it is */
+    char hash[NEPH_HASH_HEX_SIZE]; /* of the unchanged file */
     struct paths *seen;
 };
 
@@ -74,7 +74,8 @@ static bool moves_hash(struct probe *probe, const yaml_node_t *node, const char 
     return *hash != '\0';
 }
 
-/* A number a little larger or smaller, a flag or a word the other way; false: none is a scene. */
+/* A slightly larger or smaller number, the opposite flag or another word; false: none gives a valid
+ * scene. */
 static bool change(struct probe *probe, const yaml_node_t *node, const char *path)
 {
     static const char *const words[] = {"true",    "false", "x",        "z",
@@ -150,7 +151,7 @@ static void walk_file(void **state, const char *name, struct paths *seen)
 
 /* --- all keys of the tables ------------------------------------------------------------------- */
 
-/* Any medium will do for `media[].KIND.albedo`. */
+/* For `media[].KIND.albedo` any medium counts. */
 static bool is_seen(const struct paths *seen, const char *path)
 {
     static const char kind[] = "media[].KIND.";
@@ -174,7 +175,7 @@ static void check_seen(const struct paths *seen, const char *path)
 }
 
 /* A row of the printed table: "| `owner.key`, `.other_key` | value | ...". Mappings and lists of
- * them have no value of their own. */
+ * mappings have no value of their own. */
 static void check_row(const struct paths *seen, char *row)
 {
     char *value = strchr(row + 2, '|') + 2, *rest = NULL;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A scene over time: keys, cuts, pauses and sizes against closed forms, and that a scene which
- * stands still in one picture is the moving one at that picture.
+ * A scene over time: keys, cuts, pauses and sizes against closed forms, and equality of the static
+ * copy at one frame with the moving scene at this frame.
  */
 #include "tests/neph_test.h"
 
@@ -51,7 +51,7 @@ static void assert_vec3(struct neph_vec3 actual, struct neph_vec3 expected, doub
     neph_assert_close(actual.z, expected.z, relative, absolute);
 }
 
-/* --- pictures and keys ----------------------------------------------------------------------- */
+/* --- frames and keys ------------------------------------------------------------------------- */
 
 static void test_time_stands_still_in_pauses(void **state)
 {
@@ -110,7 +110,7 @@ static void test_sizes_hold_from_their_picture_on(void **state)
     static const int sizes[][3] = {{-1, 321, 7}, {3, 321, 7}, {4, 161, 4},  {5, 161, 4},
                                    {6, 16, 1},   {8, 16, 1},  {9, 1284, 28}};
     for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
-        int width_px = 321, height_px = 7; /* 160.5 and 3.5 go up; 0.35 is one pixel */
+        int width_px = 321, height_px = 7; /* 160.5 and 3.5 are rounded up; 0.35 is one pixel */
         neph_scene_frame_size(scene, sizes[i][0], &width_px, &height_px);
         assert_int_equal(width_px, sizes[i][1]);
         assert_int_equal(height_px, sizes[i][2]);
@@ -152,9 +152,9 @@ static void test_cuts_lie_behind_the_earlier_picture(void **state)
     assert_true(neph_scene_is_cut(scene, 8, 7));
     assert_true(neph_scene_is_cut(scene, 0, 30));
     assert_true(neph_scene_is_cut(scene, 7.75, 8.25));
-    assert_false(neph_scene_is_cut(scene, 3, 4)); /* a key that is no cut */
+    assert_false(neph_scene_is_cut(scene, 3, 4)); /* a key without a cut */
     assert_false(neph_scene_is_cut(scene, 8, 8));
-    assert_false(neph_scene_is_cut(scene, 8, 9)); /* paused at the cut, which lies behind */
+    assert_false(neph_scene_is_cut(scene, 8, 9)); /* paused at the cut, which is in the past */
     assert_false(neph_scene_is_cut(scene, 18, 19));
     neph_scene_destroy(scene);
 }
@@ -174,7 +174,7 @@ static void test_sun_goes_along_the_great_circle(void **state)
         "    - {frame: 9, direction: [-1, 1.000000001e-5, 0], irradiance_w_per_m2: [3, 2, 0]}\n",
         "frames: {pauses: [{frame: 3, count: 5}]}\n");
     const double degree = M_PI / 180.0;
-    static const double angles[][2] = {/* picture, degrees from the first key: 120 in 4 frames */
+    static const double angles[][2] = {/* frame, degrees from the first key: 120 in 4 frames */
                                        {0, 0},  {2, 0},    {3, 30},   {8, 30},
                                        {9, 60}, {9.5, 75}, {11, 120}, {20, 180 - 5.73e-4}};
     for (size_t i = 0; i < sizeof(angles) / sizeof(angles[0]); i++) {
@@ -189,10 +189,10 @@ static void test_sun_goes_along_the_great_circle(void **state)
     neph_assert_close(half.irradiance_w_per_m2.r, 2.0, 1e-15, 0.0);
     neph_assert_close(half.irradiance_w_per_m2.g, 2.0, 1e-15, 0.0);
     neph_assert_close(half.irradiance_w_per_m2.b, 1.5, 1e-15, 0.0);
-    /* 1e-14 rad apart: as good as linear */
+    /* 1e-14 rad apart: practically linear */
     const struct neph_sun close = neph_scene_sun(scene, 8 + 5);
     neph_assert_close(close.direction.y / -close.direction.x, 1.0000000005e-5, 1e-11, 0.0);
-    /* The scene's own sun is that of frame 0. */
+    /* The scene's own sun is the sun of frame 0. */
     assert_true(scene->sun.present && scene->sun.direction.x == 1.0);
     neph_scene_destroy(scene);
 }
@@ -217,7 +217,7 @@ static void test_steady_wind_is_a_product(void **state)
 }
 
 /* Velocity 6 until frame 2, then down to -2 at frame 6, then up to 0 at frame 7 and no wind: by the
- * areas under it. */
+ * areas under the curve. */
 static void test_displacement_is_the_integral(void **state)
 {
     struct neph_scene *scene = load_three(camera, blob,
@@ -239,7 +239,7 @@ static void test_displacement_is_the_integral(void **state)
     neph_scene_destroy(scene);
 }
 
-/* --- a scene that stands still --------------------------------------------------------------- */
+/* --- a static scene -------------------------------------------------------------------------- */
 
 static const char all_media[] =
     "bake_resolution: 8\n"
@@ -281,8 +281,8 @@ static struct neph_vec3 random_place(uint64_t *seed)
                               neph_test_uniform(seed, -1, 1)};
 }
 
-/* At some pictures and places, each of the first `drifting` media has at x what it had at
- * x - displacement, and all others have at x what they had there. */
+/* At some frames and positions, each of the first `drifting` media has at x its value of x -
+ * displacement, and all others are unchanged. */
 static void assert_drift(const struct neph_scene *scene, int drifting, double tolerance)
 {
     uint64_t seed = 20270301;
@@ -310,8 +310,8 @@ static void assert_drift(const struct neph_scene *scene, int drifting, double to
             fail_msg("medium %d: there was nothing to compare", m);
 }
 
-/* Places of some metres are rounded by 1e-15 m, and the media change by a few parts per metre. No
- * random place is on a face of the bounds. */
+/* Positions of some metres are rounded by 1e-15 m, and the media change by a few parts per metre.
+ * No random position is on a face of the bounds. */
 static void test_still_media_are_the_moved_ones(void **state)
 {
     struct neph_scene *scene = load_three(cut_camera, windy, all_media);
@@ -320,8 +320,8 @@ static void test_still_media_are_the_moved_ones(void **state)
     neph_scene_destroy(scene);
 }
 
-/* In a level wind on a planet that is all but flat: over 10 m it falls by 10^2 / (2 * 1e8) = 5e-7
- * m, and extinction changes by less than 0.2 per metre of height. */
+/* In a horizontal wind on an almost flat planet: over 10 m it falls by 10^2 / (2 * 1e8) = 5e-7 m,
+ * and extinction changes by less than 0.2 per metre of height. */
 static void test_still_clouds_are_the_moved_ones(void **state)
 {
     struct neph_scene *scene = load_three(cut_camera, level_wind, clouds);
@@ -331,8 +331,8 @@ static void test_still_clouds_are_the_moved_ones(void **state)
 
 /* --- solids ---------------------------------------------------------------------------------- */
 
-/* A ball that goes round the pivot while that goes along x, a box that turns about its own middle,
- * a fence that slides, and a box that stays. */
+/* A ball that orbits a pivot which moves along x, a box that rotates about its own centre, a fence
+ * that slides, and a static box. */
 static const char movers[] =
     "solids:\n"
     "  - sphere: {center_m: [3, 1, 0], radius_m: 0.5, albedo: [0, 0, 0], motion: {axis: y,\n"
@@ -355,7 +355,7 @@ static void test_solids_are_where_their_keys_say(void **state)
                 1e-15);
     const struct neph_solid level = neph_scene_solid(scene, 1, 2.5);
     const struct neph_solid tilted = neph_scene_solid(scene, 1, 0);
-    assert_true(level.turn.cosine == 0.0 && level.turn.sine == 0.0); /* as it was built */
+    assert_true(level.turn.cosine == 0.0 && level.turn.sine == 0.0); /* as constructed */
     assert_vec3(tilted.box.min_m, (struct neph_vec3){-1, 0, -3}, 1e-15, 1e-15);
     assert_int_equal(tilted.turn.axis, 2);
     neph_assert_close(tilted.turn.sine, -0.5, 1e-15, 0.0);
@@ -365,8 +365,8 @@ static void test_solids_are_where_their_keys_say(void **state)
     neph_scene_destroy(scene);
 }
 
-/* What a solid is at a picture it is in the scene that stands still there, hit by hit; and the
- * scene that moves is left as it was. */
+/* A solid at a frame equals the solid of the static copy at this frame, hit by hit; and the moving
+ * scene is unchanged. */
 static void test_still_solids_are_the_moved_ones(void **state)
 {
     struct neph_scene *scene = load_three(camera, sun, movers), *still = NULL;
@@ -388,7 +388,7 @@ static void test_still_solids_are_the_moved_ones(void **state)
     neph_scene_destroy(scene);
 }
 
-/* A point of a mover goes where the mover takes it, and from there back. */
+/* A point of a moving solid moves with it, and the inverse gives the point. */
 static void test_a_point_of_a_solid_is_found_before(void **state)
 {
     struct neph_scene *scene = load_three(camera, sun, movers);
@@ -401,7 +401,7 @@ static void test_a_point_of_a_solid_is_found_before(void **state)
     neph_scene_destroy(scene);
 }
 
-/* --- a scene that stands still --------------------------------------------------------------- */
+/* --- a static scene -------------------------------------------------------------------------- */
 
 static void test_still_scene_has_no_time_left(void **state)
 {
@@ -417,7 +417,7 @@ static void test_still_scene_has_no_time_left(void **state)
 
     const struct neph_sun now = neph_scene_sun(scene, 9.5);
     const struct neph_camera eye = neph_scene_camera(scene, 9.5);
-    for (double frame = -1; frame < 20; frame += 3.5) { /* whichever frame an engine asks for */
+    for (double frame = -1; frame < 20; frame += 3.5) { /* for any requested frame */
         const struct neph_sun sun_then = neph_scene_sun(still, frame);
         const struct neph_camera eye_then = neph_scene_camera(still, frame);
         assert_vec3(sun_then.direction, now.direction, 0.0, 0.0);
@@ -430,17 +430,17 @@ static void test_still_scene_has_no_time_left(void **state)
         assert_true(width_px == 64 && height_px == 36);
         assert_false(neph_scene_is_cut(still, 0, frame));
     }
-    neph_assert_ok(neph_scene_at(still, 3, &again, &diag), &diag); /* and so is its own still */
+    neph_assert_ok(neph_scene_at(still, 3, &again, &diag), &diag); /* and its static copy, too */
     assert_vec3(again->media[0].gaussian.center_m, still->media[0].gaussian.center_m, 0.0, 0.0);
     assert_vec3(again->media[1].grid->origin_m, still->media[1].grid->origin_m, 0.0, 0.0);
     neph_scene_destroy(again);
     neph_scene_destroy(still);
-    assert_vec3(scene->media[0].gaussian.center_m, center_m, 0.0, 0.0); /* untouched */
+    assert_vec3(scene->media[0].gaussian.center_m, center_m, 0.0, 0.0); /* unchanged */
     assert_true(neph_medium_extinction_per_m(&scene->media[1], (struct neph_vec3){0, 0, 2}) > 0.0);
     neph_scene_destroy(scene);
 }
 
-/* Each kind of key alone makes another moment, and time that stands still makes none. */
+/* Each kind of key by itself gives another moment, and a pause gives none. */
 static void test_moments_are_told_apart(void **state)
 {
     static const struct {

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Thin layers, and grids that repeat: what goes straight through and what goes slanting, in closed
- * form.
+ * Thin layers, and repeated grids: perpendicular and slanted rays, in closed form.
  */
 #include "tests/base/scratch.h"
 #include "tests/scene_builders.h"
@@ -14,7 +13,7 @@
 
 #include <stdlib.h>
 
-/* A scene whose media are these lines. */
+/* A scene with these lines as its media. */
 static enum neph_status load_media(const char *media, struct neph_scene **scene,
                                    struct neph_diag *diag)
 {
@@ -61,7 +60,7 @@ static void test_a_sheet_has_its_optical_depth(void **state)
     for (int i = 0; i < 300; i++) {
         const struct neph_vec3 direction = random_direction(&seed);
         const double cosine = fabs(direction.y);
-        if (cosine < 0.4) /* others leave it at a rim, or nearly */
+        if (cosine < 0.4) /* others leave it near or at a rim */
             continue;
         const double sign = direction.y > 0.0 ? 1.0 : -1.0;
         const struct neph_vec3 before_m = {3.0, 50.0 - sign * 60.0, -2.0}, middle_m = {9, 50, 4};
@@ -73,7 +72,7 @@ static void test_a_sheet_has_its_optical_depth(void **state)
     neph_scene_destroy(scene);
 }
 
-/* Straight through a node it is the pattern's value; from one to the next it is linear. */
+/* Perpendicular through a node it has the pattern's value; between nodes it is linear. */
 static void test_a_sheet_has_its_pattern(void **state)
 {
     enum { NODES = 64 };
@@ -113,15 +112,16 @@ static void test_a_sheet_has_its_pattern(void **state)
     neph_scene_destroy(scene);
 }
 
-/* Above a height, along the y axis through a place. */
+/* Above a height, along the y axis through a position. */
 static double depth_above(const struct neph_medium *medium, double x_m, double y_m, double z_m)
 {
     const struct neph_vec3 from_m = {x_m, y_m, z_m}, up = {0.0, 1.0, 0.0};
     return depth_along(medium, from_m, up);
 }
 
-/* Straight up it has the level sheet's optical depth, and its middle is as far from the planet's
- * centre everywhere: the integral of what is above, exact by Simpson's rule from node to node. */
+/* Vertically it has the level sheet's optical depth, and its middle has the same distance from the
+ * planet's centre everywhere: the integral of the part above, exact by Simpson's rule from node to
+ * node. */
 static void test_a_sheet_goes_around_a_planet(void **state)
 {
     enum { NODES = 41 };
@@ -148,9 +148,9 @@ static void test_a_sheet_goes_around_a_planet(void **state)
     neph_scene_destroy(scene);
 }
 
-/* --- grids that repeat ----------------------------------------------------------------------- */
+/* --- repeated grids -------------------------------------------------------------------------- */
 
-/* One node, many times: far from its rims a slab, with a ramp on either side. */
+/* One node, repeated often: far from its rims a slab, with a ramp on either side. */
 static void test_a_repeated_node_is_a_slab(void **state)
 {
     struct neph_scene *scene = loaded(
@@ -169,8 +169,8 @@ static void test_a_repeated_node_is_a_slab(void **state)
     neph_scene_destroy(scene);
 }
 
-/* Straight down through its nodes a checkerboard is its values, and half of both in between; moved
- * by a period it is the same. */
+/* Perpendicular through its nodes a checkerboard has its values, and the mean halfway between them;
+ * moved by a period it is the same. */
 static void test_a_checkerboard_repeats(void **state)
 {
     struct neph_scene *scene = loaded(
@@ -201,7 +201,7 @@ static void test_a_checkerboard_repeats(void **state)
     neph_scene_destroy(scene);
 }
 
-/* Left out, there is one. */
+/* By default a grid occurs once. */
 static void test_a_grid_is_there_once(void **state)
 {
     struct neph_scene *scene = loaded(
@@ -214,8 +214,8 @@ static void test_a_grid_is_there_once(void **state)
     neph_scene_destroy(scene);
 }
 
-/* Without end along two axes it is what a hundred copies are, as far as these go: densities,
- * integrals and what bounds them. */
+/* Infinite along two axes it equals a hundred copies, as far as these reach: densities, integrals
+ * and bounds. */
 static void test_without_end(void **state)
 {
     static const char form[] =
@@ -252,7 +252,7 @@ static void test_without_end(void **state)
     free(endless_text);
 }
 
-/* Far from its origin, too, and through the whole world. */
+/* Far from its origin, too, and on a ray through everything. */
 static void test_without_end_everywhere(void **state)
 {
     struct neph_scene *scene = loaded(

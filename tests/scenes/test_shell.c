@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Atmospheres against 40-digit references and closed forms, and the properties that make an optical
- * depth one.
+ * Atmospheres against 40-digit references and closed forms, and the general properties of an
+ * optical depth.
  */
 #include "tests/scene_builders.h"
 
@@ -17,7 +17,7 @@ static struct neph_medium planet(double radius_m, double scale_height_m)
     return make_shell(1.0, (struct neph_vec3){0.0, -radius_m, 0.0}, radius_m, scale_height_m);
 }
 
-/* Half of them all but level. */
+/* Half of them almost level. */
 static struct neph_vec3 random_slope(uint64_t *seed)
 {
     struct neph_vec3 direction = random_direction(seed);
@@ -26,8 +26,9 @@ static struct neph_vec3 random_slope(uint64_t *seed)
     return neph_vec3_normalize(direction);
 }
 
-/* How far rounding moves the place where a line meets the ground [m]: the impact is good to a few
- * roundings of the radius, and the place is sqrt(R^2 - impact^2) from the nearest point. */
+/* The effect of rounding on the intersection of a line with the ground [m]: the impact parameter is
+ * accurate to a few roundings of the radius, and the position is sqrt(R^2 - impact^2) from the
+ * nearest point. */
 static double ground_rounding_m(const struct neph_medium *medium, struct neph_vec3 origin_m,
                                 struct neph_vec3 direction, double epsilon)
 {
@@ -41,8 +42,8 @@ static double ground_rounding_m(const struct neph_medium *medium, struct neph_ve
     return rounding_m2 / sqrt(fmax(rise_m2, rounding_m2));
 }
 
-/* 1e-12, and what the altitudes' rounding adds where long double is short (R / H); where the line
- * meets the ground, the rounding of that place, too. */
+/* 1e-12, plus the rounding of altitudes where long double is short (R / H); where the line meets
+ * the ground, the rounding of this position, too. */
 static void test_optical_depth_against_reference(void **state)
 {
     double worst = 0.0;
@@ -78,11 +79,12 @@ static void test_level_rays_from_the_ground(void **state)
                                                      (struct neph_vec3){0, 0, 1}, 0.0, INFINITY);
         neph_assert_close(tau, chapman, 1e-13 + 0.15 / (x * x * x * x), 0.0);
         if (x == 797.0)
-            neph_assert_close(tau, 35.4, 0.0, 0.05); /* where plane-parallel says infinite */
+            neph_assert_close(tau, 35.4, 0.0, 0.05); /* where the plane-parallel formula gives
+                                                        infinity */
     }
 }
 
-/* Straight up H (1 - e^{-L / H}), on any planet; through its hollow middle twice that. */
+/* Vertically H (1 - e^{-L / H}), on any planet; through its hollow middle twice this. */
 static void test_vertical_rays(void **state)
 {
     static const double radii[] = {1e-6, 1.0, 50.0, 6.371e6, 1e9};
@@ -134,8 +136,8 @@ static double depth(const struct trial *t, double from_m, double to_m)
     return neph_medium_optical_depth(&t->medium, t->origin_m, t->direction, from_m, to_m);
 }
 
-/* tau(a, b) + tau(b, c) = tau(a, c) to the roundings of three sums; a ray back along itself, from a
- * place that is rounded to 2^-53 of its distance from the world's origin, meets the same air. */
+/* tau(a, b) + tau(b, c) = tau(a, c) to the roundings of three sums. The reversed ray, from a
+ * position rounded to 2^-53 of its distance from the world's origin, meets the same air. */
 static void test_optical_depth_adds_and_reverses(void **state)
 {
     const uint64_t first_seed = 20250902;
@@ -166,8 +168,8 @@ static void test_optical_depth_adds_and_reverses(void **state)
     print_message("parts against the whole: off by %.2g at most\n", worst);
 }
 
-/* The extinction is the derivative of the optical depth: over 1e-6 H it changes by 1e-6 of itself,
- * and against its middle by the square of that. */
+/* The extinction is the derivative of the optical depth: over 1e-6 H it changes by a relative 1e-6,
+ * and against its middle by the square of this. */
 static void test_extinction_is_the_derivative(void **state)
 {
     const uint64_t first_seed = 70;
@@ -185,7 +187,7 @@ static void test_extinction_is_the_derivative(void **state)
     }
 }
 
-/* Any numbers that a scene could hold: never NaN, negative or infinite; never more than a whole
+/* Any numbers that a scene could contain: never NaN, negative or infinite; never more than a whole
  * level line at the ground; a longer ray never meets less. */
 static void test_is_never_nonsense(void **state)
 {
@@ -204,7 +206,7 @@ static void test_is_never_nonsense(void **state)
                         const struct neph_vec3 o = {places[x], places[y], 0.0};
                         const double most = 2.0 * heights[h] + 4.0 * sqrt(radii[r] * heights[h]);
                         double shorter = 0.0;
-                        /* a stretch so short may be above or below the ground */
+                        /* such a short segment may be above or below the ground */
                         const double place_m = LDBL_EPSILON * radii[r];
                         for (size_t l = 0; l < COUNT(lengths); l++) {
                             const double tau = neph_medium_optical_depth(&medium, o, directions[k],
@@ -258,7 +260,8 @@ static void test_bound_holds_in_any_box(void **state)
     neph_assert_close(neph_medium_extinction_bound_per_m(&medium, &everywhere), 1.0, 1e-11, 0.0);
 }
 
-/* The cube around the planet: level lines above its faces lose most, and no line more than said. */
+/* The cube around the planet: level lines above its faces lose most, and no line loses more than
+ * stated. */
 static void test_container_loses_no_more_than_it_says(void **state)
 {
     const struct neph_scene scene = {0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Solids: hits and shadows known by hand, and the exact shadow interval against brute force.
+ * Solids: hits and shadows computed by hand, and the exact shadow interval against brute force.
  */
 #include "tests/scene_builders.h"
 
@@ -38,7 +38,7 @@ static void test_hits_by_hand(void **state)
                0, 1);
     assert_hit(hit_one(ball, (struct neph_vec3){0, 1, 0}, (struct neph_vec3){0, 1, 0}), 1.0, 0, 1,
                0);
-    /* Beside, behind, and along a face plane of it. */
+    /* Beside, behind, and along the plane of a face. */
     assert_true(
         isinf(hit_one(unit_box, (struct neph_vec3){-5, 1.1, 0}, (struct neph_vec3){1, 0, 0}).t_m));
     assert_true(
@@ -58,7 +58,7 @@ static void test_the_nearest_solid_is_hit(void **state)
     assert_ptr_equal(hit.solid, &solids[1]);
 }
 
-/* From 1000 km the hit is right to the rounding of the distance. */
+/* From 1000 km the hit is accurate to the rounding of the distance. */
 static void test_hit_from_far_away(void **state)
 {
     const double down = -0.8, across = 0.6;
@@ -93,8 +93,8 @@ static void test_shadows_by_hand(void **state)
 
     assert_shadow(roof, up, origin, x, 5, 7);
     assert_shadow(ball, up, origin, x, 5.2, 6.8); /* half chord sqrt(1 - 0.36) */
-    /* Slanted: the lower left edge throws its shadow 3 m to the left from 4 m up, the upper left
-     * one 6 m from 8 m up; the right end is the lower right edge's. */
+    /* Slanted: the lower left edge casts its shadow 3 m to the left from 4 m up, the upper left one
+     * 6 m from 8 m up; the right end is the lower right edge's. */
     assert_shadow(roof, slanted, origin, x, 0, 7 - 3);
     assert_shadow(roof, slanted, (struct neph_vec3){-4, 0, 0}, x, -1 + 4, 4 + 4);
     assert_shadow(ball, slanted, (struct neph_vec3){1, 0, 0}, x, 1, 0); /* behind the origin */
@@ -103,7 +103,7 @@ static void test_shadows_by_hand(void **state)
     assert_shadow(roof, (struct neph_vec3){0, -1, 0}, origin, x, 1, 0);
     assert_shadow(roof, up, (struct neph_vec3){0, 9, 0}, x, 1, 0);
     assert_shadow(roof, up, (struct neph_vec3){0, 0, 2}, x, 1, 0);
-    /* A sun along the ray: all points before the solid, or all behind it. */
+    /* A sun along the ray: all points in front of the solid, or all behind it. */
     assert_shadow(roof, x, (struct neph_vec3){0, 5, 0}, x, 0, 7);
     assert_shadow(roof, left, (struct neph_vec3){0, 5, 0}, x, 5, 100);
     assert_shadow(make_sphere(6, 0, 0.6, 1), x, origin, x, 0, 6.8);
@@ -115,7 +115,7 @@ static void test_shadows_by_hand(void **state)
 
 /* ---- brute force: is there a point of the solid on the sun's side? ---- */
 
-/* Solved here anew, by the quadratic and by the slabs, in long double. */
+/* An independent solution, by the quadratic and by the slabs, in long double. */
 static bool hides(const struct neph_solid *solid, struct neph_vec3 p, struct neph_vec3 s)
 {
     if (solid->kind == NEPH_SOLID_SPHERE) {
@@ -160,7 +160,7 @@ static struct neph_vec3 random_sight(uint64_t *seed)
     struct neph_vec3 d = {across * cos(azimuth), y, across * sin(azimuth)};
     if (kind < 0.3) /* in a coordinate plane */
         d = neph_vec3_normalize((struct neph_vec3){d.x, 0.0, d.z});
-    else if (kind < 0.4) /* the pi/2 of a user's degrees: all but along an axis */
+    else if (kind < 0.4) /* the pi/2 of a user's degrees: almost along an axis */
         d = (struct neph_vec3){cos(M_PI / 2.0), 1.0, 0.0};
     return d;
 }
@@ -179,8 +179,8 @@ struct ray {
     struct neph_vec3 origin_m, direction;
 };
 
-/* A ray through the neighbourhood of the shadow; parallel or opposite to the sun, or all but, in a
- * third of the trials. */
+/* A ray through the neighbourhood of the shadow; exactly or almost parallel or opposite to the sun
+ * in a third of the trials. */
 static struct ray random_view(uint64_t *seed, const struct neph_solid *solid, struct neph_vec3 sun)
 {
     const double kind = neph_test_uniform(seed, 0, 1);
@@ -239,7 +239,7 @@ static void test_shadow_interval_against_brute_force(void **state)
     assert_true(hidden > tested / 10);
 }
 
-/* A turned box before a ray is the box before the ray turned back, with all that it answers. */
+/* A ray at a rotated box equals the inversely rotated ray at the box, in all results. */
 static void test_a_turned_box_is_a_turned_world(void **state)
 {
     uint64_t seed = 2718;
@@ -285,7 +285,7 @@ static void test_a_turned_box_is_a_turned_world(void **state)
     assert_true(met > neph_test_paths(20000) / 20);
 }
 
-/* By hand: a cube of 2 m whose edge points at the eye. */
+/* By hand: a cube of 2 m with an edge towards the eye. */
 static void test_a_cube_shows_its_edge(void **state)
 {
     struct neph_solid cube = make_box(-1, -1, -1, 1, 1, 1);
@@ -305,7 +305,7 @@ static void test_a_cube_shows_its_edge(void **state)
     neph_assert_close(around.max_m.y, 1.0, 1e-15, 0.0);
 }
 
-/* The range asked for only cuts: no memory of what lies outside it. */
+/* The requested range only cuts: the result inside does not depend on the outside. */
 static void test_shadow_range_only_cuts(void **state)
 {
     const uint64_t first_seed = 2718;
@@ -332,7 +332,7 @@ static void test_shadow_range_only_cuts(void **state)
     }
 }
 
-/* A point on a face that looks at the sun is lit: the solid does not shade itself. */
+/* A point on a face towards the sun is lit: the solid does not shade itself. */
 static void test_a_lit_face_sees_the_sun(void **state)
 {
     struct neph_solid solid = make_box(-1, -1, -1, 1, 1, 1);
@@ -344,7 +344,8 @@ static void test_a_lit_face_sees_the_sun(void **state)
     assert_false(neph_scene_sees_sun(&scene, (struct neph_vec3){0.3, -1.0, 0.2}));
 }
 
-/* Nor does the ball of a planet, whose points are rounded to 1e-9 m, under a sun of 0.1 degrees. */
+/* Neither does the sphere of a planet, whose points are rounded to 1e-9 m, under a sun of 0.1
+ * degrees. */
 static void test_a_planet_does_not_shade_its_day(void **state)
 {
     const double radius_m = 6.371e6;
@@ -359,7 +360,7 @@ static void test_a_planet_does_not_shade_its_day(void **state)
         const struct neph_vec3 ray = neph_vec3_normalize(
             (struct neph_vec3){neph_test_uniform(&random, -1, 1), -0.5, -1.0});
         const struct neph_hit hit = neph_scene_hit(&scene, eye_m, ray);
-        /* The plane below the eye, and what the ball has sunk there: d^2 / 2 R. */
+        /* The plane below the eye, minus the ball's drop there: d^2 / 2 R. */
         neph_assert_close(hit.t_m, 1.6 / -ray.y, 1e-5, 0.0);
         const struct neph_vec3 point_m = neph_hit_outside_m(&hit,
                                                             neph_vec3_along(eye_m, ray, hit.t_m));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The scenes of scenes/stress are what their texts say, pixel by pixel at 320x180 and ray by ray
- * at half and quarter of that.
+ * The scenes of scenes/stress match their descriptions, pixel by pixel at 320x180 and ray by ray at
+ * half and quarter of this size.
  */
 #include "tests/neph_test.h"
 
@@ -20,7 +20,7 @@ static struct neph_scene *load(const char *name)
     return scene;
 }
 
-/* Eye depth at a pixel of a picture that is `divisor` times smaller; +inf in the sky. */
+/* Eye depth at a pixel of a frame that is `divisor` times smaller; +inf in the sky. */
 static double depth_m(const struct neph_scene *scene, int divisor, int x, int y)
 {
     const struct neph_camera camera = neph_scene_camera(scene, 0);
@@ -29,7 +29,7 @@ static double depth_m(const struct neph_scene *scene, int divisor, int x, int y)
     return neph_scene_hit(scene, camera.position_m, ray).t_m * neph_vec3_dot(ray, camera.forward);
 }
 
-/* Below row `top`, bars stand in the columns that hold a '#' in the pattern, which repeats. */
+/* Below row `top`, bars are in the columns with a '#' in the pattern, which repeats. */
 static void assert_fence(const struct neph_scene *scene, int divisor, int top, const char *pattern)
 {
     for (int y = 0; y < HEIGHT / divisor; y++)
@@ -79,8 +79,8 @@ static void test_ridges_are_20_pixels_apart(void **state)
     neph_scene_destroy(scene);
 }
 
-/* The sun is in the plane of fences, walls and leaves: no shadow falls off it, and no light on what
- * faces along -Z. */
+/* The sun is in the plane of fences, walls and leaves: no shadow falls next to it, and no light on
+ * faces towards -Z. */
 static void test_sun_grazes_all_faces(void **state)
 {
     static const char *const names[] = {"fence_pitch4", "sun_step",   "foliage",
@@ -116,7 +116,7 @@ static void test_wind_is_two_pixels_per_frame(void **state)
     neph_scene_destroy(scene);
 }
 
-/* What the scene promises: 1e-5 rad. */
+/* The scene's description: 1e-5 rad. */
 static void test_pan_is_even(void **state)
 {
     struct neph_scene *scene = load("camera_pan");
@@ -155,7 +155,7 @@ static void test_what_moves_never_stops(void **state)
     }
 }
 
-/* The speeds that their texts give, in pixels at 320x180. */
+/* The speeds in their descriptions, in pixels at 320x180. */
 static void test_speeds_are_those_of_the_texts(void **state)
 {
     static const double pixel = 0.004; /* of the distance */

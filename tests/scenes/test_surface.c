@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Surfaces of solids: patterns by hand and by an independent pcg3d, keys and what they refuse, and
- * hashes of plain solids as they were.
+ * Surfaces of solids: patterns by hand and by an independent pcg3d, keys and refused values, and
+ * unchanged hashes of plain solids.
  */
 #include "tests/scene_builders.h"
 
@@ -65,8 +65,8 @@ static double colour_seen(const struct neph_solid *solid, struct neph_vec3 from_
     return neph_surface_color(&hit, neph_vec3_along(from_m, direction, hit.t_m)).r;
 }
 
-/* By the two coordinates in a face, from the middle of the box, whose faces lie on the lines of the
- * pattern; and the same of the box when it has moved and turned. */
+/* By the two coordinates in a face, from the middle of the box, whose faces lie on lines of the
+ * pattern; and the same on the box after it has moved and rotated. */
 static void test_a_pattern_is_painted_on_faces(void **state)
 {
     struct neph_solid box = make_box(10, 0, 0, 14, 2, 8);
@@ -103,7 +103,7 @@ static const char head[] =
     "camera: {position_m: [0, 1, 50], look_at_m: [0, 1, 0], vertical_fov_deg: 40}\n"
     "sun: {direction: [0, 2, 0], irradiance_w_per_m2: [3, 3, 3]}\n";
 
-/* A scene of one solid, of one kind, with more keys. */
+/* A scene of one solid, of one kind, with additional keys. */
 static enum neph_status load(const char *scattering, const char *solid, const char *keys,
                              struct neph_scene **scene, struct neph_diag *diag)
 {
@@ -157,7 +157,7 @@ static void test_keys_are_read(void **state)
     neph_scene_destroy(scene);
 }
 
-/* A plain solid has the hash that it had before there were surfaces, taken then. */
+/* A plain solid has the hash from before surfaces existed, recorded then. */
 static void test_hashes(void **state)
 {
     struct neph_scene *plain = loaded("box", "");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Tent layers against their antiderivative, and the properties that make an optical depth one.
+ * Tent layers against their antiderivative, and the general properties of an optical depth.
  */
 #include "tests/scene_builders.h"
 
@@ -21,7 +21,7 @@ static long double antiderivative(long double p_m, long double radius_m, long do
 }
 
 /* Over one side of the line, |s| from `low` to `high`, of the part of the tent between two radii
- * that rises or falls from 0 at `zero_m`. */
+ * where it is linear from 0 at `zero_m`. */
 static long double part(long double p_m, long double low_m, long double high_m, long double inner_m,
                         long double outer_m, long double zero_m)
 {
@@ -93,8 +93,8 @@ static void test_optical_depth_is_the_closed_form(void **state)
     print_message("worst error of an optical depth: %.2g of what is allowed\n", worst);
 }
 
-/* Straight up half a width on either side of the peak; half of that from the peak; level at the
- * peak of a planet's layer about sqrt(2 R w) * 2/3 on either side, to w / R. */
+/* Vertically half a width on either side of the peak; half of this from the peak; level at the peak
+ * of a planet's layer about sqrt(2 R w) * 2/3 on either side, to w / R. */
 static void test_known_columns(void **state)
 {
     const struct neph_medium medium = make_tent(2e-6, ozone);
@@ -129,7 +129,7 @@ static void test_optical_depth_adds(void **state)
     }
 }
 
-/* Any box, any place in it; and it is no looser than the density somewhere on a fine grid. */
+/* Any box, any point in it; and the bound is as tight as the maximum on a fine grid. */
 static void test_bound_holds_in_any_box(void **state)
 {
     double used = 0.0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Variants of scenes: what happens in them, what is left as it was, and that the file is the scene.
+ * Variants of scenes: their changes, unchanged parts, and equality of file and scene.
  */
 #include "tests/base/scratch.h"
 
@@ -32,7 +32,7 @@ static double irradiance_of(const struct neph_scene *scene, double frame)
     return neph_scene_sun(scene, frame).irradiance_w_per_m2.g;
 }
 
-/* --- what happens ----------------------------------------------------------------------------- */
+/* --- changes ---------------------------------------------------------------------------------- */
 
 static void test_sun_step(void **state)
 {
@@ -67,8 +67,8 @@ static void test_sun_sine(void **state)
     neph_scene_destroy(scene);
 }
 
-/* In the picture, what was in the middle is then at the left by half of its height: tan(fov / 2)
- * is where the picture ends above, and a turn by fov / 2 puts the old middle at -tan(fov / 2). */
+/* In the frame, the former centre is then at the left by half of the height: tan(fov / 2) is the
+ * upper end of the frame, and a rotation by fov / 2 moves the old centre to -tan(fov / 2). */
 static void test_camera_cut(void **state)
 {
     struct neph_scene *scene = load(wind_cloud);
@@ -88,7 +88,8 @@ static void test_camera_cut(void **state)
     neph_scene_destroy(scene);
 }
 
-/* Wind and media are those of the scene; a picture of the variant outlives nothing. */
+/* Wind and media are the scene's. A static copy borrows from the variant, and the variant from the
+ * scene. */
 static void test_the_rest_is_as_it_was(void **state)
 {
     struct neph_scene *scene = load(wind_cloud), *still = NULL;
@@ -103,7 +104,7 @@ static void test_the_rest_is_as_it_was(void **state)
     neph_scene_destroy(scene);
 }
 
-/* --- what cannot be --------------------------------------------------------------------------- */
+/* --- impossible variants ---------------------------------------------------------------------- */
 
 static void test_obstacles(void **state)
 {
@@ -164,9 +165,9 @@ static void test_time_that_stands_still(void **state)
     neph_scene_destroy(scene);
 }
 
-/* --- the file --------------------------------------------------------------------------------- */
+/* --- file ------------------------------------------------------------------------------------- */
 
-/* Each variant that a scene can have, written into the folder of the test and read back. */
+/* Each variant that a scene supports, written into the test's folder and read back. */
 static int check_files(void **state, const char *path)
 {
     struct neph_scene *scene = load(path);
@@ -213,7 +214,7 @@ static void test_files_of_the_catalogue(void **state)
     }
 }
 
-/* Other ways to write the same: blocks, one flow mapping, a byte order mark, other line ends,
+/* Other notations of the same scene: blocks, one flow mapping, a byte order mark, other line ends,
  * letters of several bytes, quotes, keys before and after, a sun of one key, sizes. */
 static void test_files_of_all_styles(void **state)
 {
@@ -263,7 +264,7 @@ static void test_files_of_all_styles(void **state)
     }
 }
 
-/* The variant lies in another folder than the scene, and still finds the voxels. */
+/* The variant is in another folder than the scene, and still finds the voxels. */
 static void test_volumes_are_found(void **state)
 {
     static const unsigned char volume[] = {0, 2, 0, 1, 0, 1, 100, 200};

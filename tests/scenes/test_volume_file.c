@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Volume files: what neph writes reads back to the bit; files by other hands mean what they say;
- * damaged and lying ones are refused in words.
+ * Volume files: files written by neph are read back bit by bit; files of other programs are
+ * interpreted correctly; damaged and inconsistent files are refused with a message.
  *
  * The mutations take their seed from NEPH_TEST_SEED, or from the clock, and print it. The Disney
  * cloud (Walt Disney Animation Studios, CC BY-SA 3.0) is read when NEPH_DISNEY_CLOUD names it.
@@ -64,7 +64,7 @@ static void assert_refused(const char *path, const char *name, size_t limit_byte
     fail();
 }
 
-/* ---- OpenVDB: what neph writes --------------------------------------------------------------- */
+/* ---- OpenVDB: written by neph ---------------------------------------------------------------- */
 
 static void test_vdb_round_trip(void **state)
 {
@@ -118,8 +118,8 @@ static float at(const struct neph_grid *grid, int i, int j, int k)
     return grid->values[(k * grid->size[1] + j) * grid->size[0] + i];
 }
 
-/* Node (i, j, k) becomes (i + 1, nz - k, j + 1), and what OpenVDB puts at its index Blender shows
- * half a voxel further: there the place must be the node's, as (x, -z, y). */
+/* Node (i, j, k) becomes (i + 1, nz - k, j + 1). Blender displays a voxel half a voxel further than
+ * OpenVDB's index: there the position must be the node's, as (x, -z, y). */
 static void test_vdb_for_blender(void **state)
 {
     const int size[3] = {4, 5, 6};
@@ -146,7 +146,7 @@ static void test_vdb_for_blender(void **state)
     neph_grid_destroy(grid);
 }
 
-/* ---- OpenVDB: by other hands ----------------------------------------------------------------- */
+/* ---- OpenVDB: by other programs -------------------------------------------------------------- */
 
 /* A folder with the samples of make_vdb.cpp. */
 static int samples_setup(void **state)
@@ -225,7 +225,7 @@ static void test_refused_samples(void **state)
         {"empty.vdb", NULL, "no active voxel"},
         {"vectors.vdb", NULL, "vec3s"},
         {"level_set.vdb", NULL, "is a Level Set"},
-        {"instance.vdb", "again", "repeats grid 'density'"},
+        {"instance.vdb", "again", "an instance of grid 'density'"},
         {"nan.vdb", NULL, "nan"},
         {"infinite.vdb", NULL, "inf"},
         {"negative.vdb", NULL, "-0.5"},
@@ -240,9 +240,9 @@ static void test_refused_samples(void **state)
         read_request(&(struct neph_volume_request){.path = path, .memory_limit_bytes = 240}));
 }
 
-/* ---- OpenVDB: where voxels are, and which ---------------------------------------------------- */
+/* ---- OpenVDB: positions and selection of voxels ---------------------------------------------- */
 
-/* The places of nodes are sums of powers of two and whole numbers: nothing is rounded. */
+/* The positions of nodes are sums of powers of two and whole numbers: nothing is rounded. */
 static void assert_turned_ramp(const struct neph_grid *grid, int turn, bool is_z_up)
 {
     static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
@@ -276,7 +276,7 @@ static void test_turns_and_mirrors_are_followed(void **state)
     }
 }
 
-/* Node (i, j, k) comes to (i, -k, j): y is against the third index, z along the second. */
+/* Node (i, j, k) becomes (i, -k, j): y is against the third index, z along the second. */
 static void test_turns_in_float32_are_turns(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -291,7 +291,7 @@ static void test_turns_in_float32_are_turns(void **state)
     neph_grid_destroy(grid);
 }
 
-/* Zeros around the cloud are not of its block, and neither stretch nor move it. */
+/* Zeros around the cloud do not belong to its block, and neither stretch nor move it. */
 static void test_active_zeros_do_not_count(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -305,7 +305,7 @@ static void test_active_zeros_do_not_count(void **state)
     neph_grid_destroy(grid);
 }
 
-/* A key that the message names leaves them out. */
+/* A key that the message names excludes them. */
 static void test_stray_voxels_have_a_way_out(void **state)
 {
     static const struct neph_volume_box ramp = {{-3, 2, 7}, {1, 5, 9}};
@@ -326,14 +326,14 @@ static void test_stray_voxels_have_a_way_out(void **state)
         assert_ramp(grid);
         neph_grid_destroy(grid);
     }
-    /* Where nothing is fitted the block may be larger. */
+    /* Without fitting the block may be larger. */
     struct neph_grid *grid = read_grid(scratch_path(state, path, "grown.vdb"), NULL);
     assert_int_equal(grid->size[0], 16);
     assert_float_equal(at(grid, 15, 1, 1), 1e-6f, 0);
     neph_grid_destroy(grid);
 }
 
-/* A part of the voxels, and a box that reaches beyond them. */
+/* A part of the voxels, and a box that exceeds them. */
 static void test_index_boxes(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -365,7 +365,7 @@ static void test_grids_of_one_name_are_told_apart(void **state)
     neph_grid_destroy(grid);
 }
 
-/* ---- what is no volume at all ---------------------------------------------------------------- */
+/* ---- no volume ------------------------------------------------------------------------------- */
 
 static void test_files_that_are_none(void **state)
 {
@@ -388,8 +388,8 @@ static void test_files_that_are_none(void **state)
         assert_refused(path, NULL, LIMIT, NEPH_ERR_INPUT, "not a regular file");
         unlink(path);
     }
-    assert_refused("cloud.raw", NULL, LIMIT, NEPH_ERR_INPUT, "no volume file");
-    assert_refused("folder.vdb/cloud", NULL, LIMIT, NEPH_ERR_INPUT, "no volume file");
+    assert_refused("cloud.raw", NULL, LIMIT, NEPH_ERR_INPUT, "not a volume file");
+    assert_refused("folder.vdb/cloud", NULL, LIMIT, NEPH_ERR_INPUT, "not a volume file");
     assert_true(neph_volume_has_known_extension("a.b/Cloud.VDB"));
     assert_false(neph_volume_has_known_extension("vdb"));
 }
@@ -411,7 +411,7 @@ static void test_missing_program(void **state)
     neph_grid_destroy(grid);
 }
 
-/* neph found its libraries by it, and so must the program. */
+/* neph found its libraries by it, and the program must, too. */
 static void test_library_folders(void **state)
 {
     static const char script[] = "#!/bin/sh\necho \"folders: $LD_LIBRARY_PATH\" >&2\nexit 1\n";
@@ -478,7 +478,7 @@ static void test_df3_widths(void **state)
     }
 }
 
-/* 32-bit codes are finer than floats of 2^-8 and more, which come back to the bit. */
+/* 32-bit codes are finer than floats of 2^-8 and more, which are read back bit by bit. */
 static void test_df3_round_trip(void **state)
 {
     const int size[3] = {7, 6, 5};
@@ -488,7 +488,7 @@ static void test_df3_round_trip(void **state)
     struct neph_diag diag = {0};
     for (int n = 0; n < node_count(grid); n++)
         grid->values[n] = grid->values[n] < 0.0625f ? 0.0f : grid->values[n];
-    grid->values[3] = 4.0f; /* a power of two: dividing by it rounds nothing */
+    grid->values[3] = 4.0f; /* a power of two: dividing by it is exact */
     neph_assert_ok(neph_grid_seal(grid, &diag), &diag);
     neph_assert_ok(neph_volume_write_df3(path, grid, &diag), &diag);
     struct neph_grid *found = read_grid(path, NULL);
@@ -507,7 +507,7 @@ static void test_df3_round_trip(void **state)
     assert_int_equal(scratch_count(state), 1);
 }
 
-/* A part of the nodes, with z of the file up: node (i, j, k) comes to (i, k, -j). */
+/* A part of the nodes, with z of the file up: node (i, j, k) becomes (i, k, -j). */
 static void test_df3_boxes_and_turns(void **state)
 {
     const int size[3] = {5, 4, 3};
@@ -546,7 +546,7 @@ static void test_df3_that_lies(void **state)
     write_df3(path, size, 3, 5);
     assert_refused(path, NULL, LIMIT, NEPH_ERR_INPUT, "neither 1, 2 nor 4");
     write_df3(path, none, 1, 5);
-    assert_refused(path, NULL, LIMIT, NEPH_ERR_INPUT, "which is none");
+    assert_refused(path, NULL, LIMIT, NEPH_ERR_INPUT, "an empty block");
     neph_assert_ok(neph_file_write(path, (const char *)giant, sizeof(giant), NULL), NULL);
     assert_refused(path, NULL, LIMIT, NEPH_ERR_INPUT, "65535 x 65535 x 65535");
     write_df3(path, size, 4, 5);
@@ -563,8 +563,8 @@ static uint64_t chosen_seed(void)
     return seed;
 }
 
-/* Cut it, or overwrite one to eight bytes, half of the time near the start, where the structure
- * is; sometimes with the values that break sizes. */
+/* Truncates it, or overwrites one to eight bytes, half of the time near the start with the
+ * structure; sometimes with values that break sizes. */
 static size_t mutate(char *bytes, size_t size, uint64_t *seed)
 {
     if (neph_test_random(seed) % 4 == 0)
@@ -580,7 +580,7 @@ static size_t mutate(char *bytes, size_t size, uint64_t *seed)
     return size;
 }
 
-/* Whatever comes out is a sound grid or an error with a reason; and soon. */
+/* The result is a valid grid or an error with a reason; and takes little time. */
 static void read_damaged(const char *path)
 {
     struct neph_grid *grid = NULL;

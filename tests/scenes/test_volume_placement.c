@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Where the form `volume` of a medium puts the voxels of a file, for each of its keys: by the
- * transform of the file, or by a size for the block of voxels. Contradictions are refused with the
- * way out, and every key that moves a voxel changes the hash of the scene.
+ * The position of a file's voxels in the form `volume` of a medium, for each of its keys: by the
+ * transform of the file, or by a size of the block of voxels. Contradictions are refused with a way
+ * out, and every key that moves a voxel changes the hash of the scene.
  */
 #include "tests/base/scratch.h"
 #include "tests/scene_builders.h"
@@ -147,7 +147,7 @@ static void test_contradictions_are_refused(void **state)
         {"file: cloud.vdb, index_box: {first: [0, 0, 0], last: [2000, 0, 0]}", "at most 1024",
          "index_box"},
         {"file: cloud.df3", "center_m", fit},
-        {"file: cloud.df3, placement: file", "does not say how large", fit},
+        {"file: cloud.df3, placement: file", "has no size and place", fit},
         {"file: cloud.df3, unit_m: 1", "unit_m", ".df3 has neither"},
         {"file: cloud.df3, center_m: [0, 0, 0], longest_side_m: 1, fit_to: values", "fit_to",
          "leave the key out"},
@@ -165,7 +165,7 @@ static void test_contradictions_are_refused(void **state)
     }
 }
 
-/* The store gives a frame again by the hash of the scene. */
+/* The store finds a frame by the scene's hash. */
 static void test_every_key_is_in_the_hash(void **state)
 {
     static const char *const keys[] = {
@@ -192,14 +192,14 @@ static void test_every_key_is_in_the_hash(void **state)
     }
 }
 
-/* Two frames of a simulation: in the second the box has grown and moved on. By the file's transform
- * what is in both stays where it is. */
+/* Two frames of a simulation: in the second the box is larger and has moved. With the file's
+ * transform the common part stays at its position. */
 static void test_a_sequence_keeps_its_place(void **state)
 {
     static const int small[3] = {3, 3, 3}, large[3] = {6, 4, 3};
     char path[SCRATCH_PATH_MAX];
     struct neph_grid *before = make_grid(small), *after = make_grid(large);
-    after->origin_m.x -= 1.0; /* two nodes more on this side, one on the other */
+    after->origin_m.x -= 1.0; /* two more nodes on this side, one on the other */
     for (int k = 0; k < 3; k++)
         for (int j = 0; j < 3; j++)
             for (int i = 0; i < 3; i++)
@@ -209,7 +209,7 @@ static void test_a_sequence_keeps_its_place(void **state)
     neph_assert_ok(neph_volume_write(scratch_path(state, path, "1.vdb"), after, NULL), NULL);
     struct neph_scene *first = load_good(state, "file: 0.vdb, unit_m: 4, origin_m: [1, 2, 3]");
     struct neph_scene *second = load_good(state, "file: 1.vdb, unit_m: 4, origin_m: [1, 2, 3]");
-    for (int n = 0; n < 27; n++) { /* file places times 4, moved */
+    for (int n = 0; n < 27; n++) { /* file positions times 4, moved */
         const struct neph_vec3 point_m = {1 + 4 * (-1 + 0.5 * (n % 3)),
                                           2 + 4 * (2 + 0.25 * (n / 3 % 3)),
                                           3 + 4 * (3 + 2.0 * (n / 9))};
@@ -244,7 +244,7 @@ static struct neph_grid *random_block(uint64_t *seed)
     return grid;
 }
 
-/* The keys that put a .df3 with its layer of zeros where the block is. */
+/* The keys that place a .df3, with its layer of zeros, at the block. */
 static void describe_block(const struct neph_grid *grid, char keys[KEYS_BYTES])
 {
     const struct neph_vec3 o = grid->origin_m, h = grid->spacing_m;
@@ -256,7 +256,7 @@ static void describe_block(const struct neph_grid *grid, char keys[KEYS_BYTES])
              (size[2] + 2) * h.z);
 }
 
-/* Along random rays: to a float32 of a density, 2^-24, and as much again for its share of the
+/* Along random rays: to a float32 of a density, 2^-24, and the same again for its fraction of the
  * largest one; 200 m are rounded to 3e-14 m. */
 static void assert_same_depths(const struct neph_grid *found, const struct neph_grid *expected,
                                uint64_t *seed)
@@ -273,7 +273,7 @@ static void assert_same_depths(const struct neph_grid *found, const struct neph_
     }
 }
 
-/* What is written as a .df3 is the same medium when it is read, whatever its shape. */
+/* A medium written as a .df3 is read back as the same medium, whatever its shape. */
 static void test_a_df3_comes_back(void **state)
 {
     uint64_t seed = (uint64_t)time(NULL);

@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Write cloud_reference.h: single scattering in clouds to 20 digits, from the definition alone.
+"""Writes cloud_reference.h: single scattering in clouds to 20 digits, only from the definition.
 
-Every optical depth is a numerical integral of the density and the radiance an integral over those:
-no closed form of the project is used. Isotropic, albedo 1, sun irradiance 1.
-"""
+Every optical depth is a numerical integral of the density and the radiance an integral over these:
+no closed form of the project is used. Isotropic, albedo 1, sun irradiance 1."""
 
 import pathlib
 import sys
@@ -58,7 +57,7 @@ def gaussian(sigma, width, origin, direction, sun):
 
 
 def shell(sigma, radius, height, origin, direction, sun):
-    """Rays that never meet the ground. The centre is at the origin."""
+    """Rays that never hit the ground. The centre is at the origin."""
     origin = tuple(mpf(x) for x in origin)
     direction, sun = unit(direction), unit(sun)
 
@@ -66,7 +65,7 @@ def shell(sigma, radius, height, origin, direction, sun):
         return sigma * exp(-(sqrt(sum(x * x for x in p)) - radius) / height)
 
     def climbs(o, d):
-        """Upward rays: from the start to 60 scale heights over it."""
+        """Upward rays: from the start to 60 scale heights above it."""
         start, low2 = sum(a * b for a, b in zip(o, d)), sum(a * a for a in o)
         assert start >= 0
         heights = [height * k for k in (0, 1, 3, 6, 10, 16, 24, 40, 60)]
@@ -96,7 +95,7 @@ def one_node(sigma, origin, direction, sun):
         ts = faces(p, sun)
         return ts if len(ts) > 1 else [mpf(0), mpf(0)]
 
-    # Where the sun ray passes an edge the source has a kink of its second derivative.
+    # Where the sun ray crosses an edge, the source has a kink in its second derivative.
     cuts = faces(origin, direction)
     edges = []
     for i in range(3):

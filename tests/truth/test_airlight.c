@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The airlight of point lights against closed forms, against plain quadrature without the
- * substitution, and paths against both; all orders by what leaves a white medium.
+ * Light of point lights scattered in media, against closed forms and plain quadrature without the
+ * substitution, and paths against both; all orders against energy conservation in a white medium.
  */
 #include "tests/lamp_stage.h"
 
@@ -28,7 +28,7 @@ static struct neph_scene make_lamplit(struct neph_medium medium, struct neph_vec
 
 /* ---- closed forms ---- */
 
-/* E1 by its series (Abramowitz & Stegun 5.1.11), for x up to 8 or so: digits of e^x are lost. */
+/* E1 by its series (Abramowitz & Stegun 5.1.11), for x up to about 8: digits of e^x are lost. */
 static double exponential_integral(double x)
 {
     const double euler = 0.57721566490153286061;
@@ -40,7 +40,7 @@ static double exponential_integral(double x)
     return sum;
 }
 
-/* A lamp at the distance b behind the camera, seen away from: the integral over t of
+/* A point light at the distance b behind a camera that looks away from it: the integral over t of
  * sigma/(4 pi) e^(-sigma (2 t + b)) / (t + b)^2 is sigma e^(sigma b) E2(2 sigma b) / (4 pi b). */
 static void test_away_from_a_lamp(void **state)
 {
@@ -56,20 +56,20 @@ static void test_away_from_a_lamp(void **state)
     }
 }
 
-/* B. Sun et al., SIGGRAPH 2005: isotropic and without end, a lamp at the distance D and an angle,
- * L = sigma e^(-sigma D cos) / (2 pi D sin) (F(u, pi/2) - F(u, angle/2)), u = sigma D sin, of
- * F(u, v) = the integral of e^(-u tan x) from 0 to v. */
+/* B. Sun et al., SIGGRAPH 2005: isotropic and infinite, a point light at the distance D and an
+ * angle, L = sigma e^(-sigma D cos) / (2 pi D sin) (F(u, pi/2) - F(u, angle/2)), u = sigma D sin,
+ * with F(u, v) = the integral of e^(-u tan x) from 0 to v. */
 struct sun_et_al {
     double u;
 };
 
-/* x counted from pi/2 down. */
+/* x is measured from pi/2 downwards. */
 static double sun_integrand(double x, const void *context)
 {
     return exp(-((const struct sun_et_al *)context)->u / tan(x));
 }
 
-/* Finer and finer towards pi/2, where the exponent goes to infinity. */
+/* Finer towards pi/2, where the exponent goes to infinity. */
 static double sun_airlight(double sigma, double distance_m, double angle_rad)
 {
     const struct sun_et_al f = {sigma * distance_m * sin(angle_rad)};
@@ -151,7 +151,7 @@ static void plain_source(double t_m, void *context, double value[3])
     value[2] = sum.b;
 }
 
-/* The midpoint rule on 6e4 places: edges of shadows are first order, 1e-4 of the whole. */
+/* The midpoint rule at 6e4 positions: edges of shadows are first order, 1e-4 of the whole. */
 static void test_a_stage_against_plain_quadrature(void **state)
 {
     struct test_scene test;
@@ -174,7 +174,7 @@ static void test_a_stage_against_plain_quadrature(void **state)
     }
 }
 
-/* A plate under a lamp and a spot, in fog: albedo / pi I cos / d^2 e^-depth. */
+/* A plate under a point light and a spot light, in fog: albedo / pi I cos / d^2 e^-depth. */
 static void test_a_lamplit_surface_by_hand(void **state)
 {
     struct neph_solid plate = make_box(-9, -1, -9, 9, 0, 9);
@@ -188,7 +188,7 @@ static void test_a_lamplit_surface_by_hand(void **state)
                                                            (struct neph_vec3){0, -1, 0});
     neph_assert_close(light.radiance.r,
                       0.5 / M_PI * (4.0 / 5.0) / 25.0 * exp(-0.2 * 5.0) * exp(-0.2), 1e-12, 0.0);
-    scene.lights[0].is_spot = true; /* looks away */
+    scene.lights[0].is_spot = true; /* faces away */
     scene.lights[0].axis = (struct neph_vec3){0, 1, 0};
     scene.lights[0].inner_cosine = 0.9;
     scene.lights[0].outer_cosine = 0.8;
@@ -207,7 +207,7 @@ static double near_source(double t_m, const void *context)
            exp(-0.5 * (d_m > 0.0 ? t_m - 4.0 : 6.0 - t_m));
 }
 
-/* Along a ray through the light 1 / d^2 is smooth outside of it: Gauss on 64 parts. */
+/* Along a ray through the light 1 / d^2 is smooth outside of the light: Gauss on 64 parts. */
 static void test_a_light_on_the_ray_outside_the_fog(void **state)
 {
     const double lights_m[] = {0.0, 1e-7, 2.0, 3.999, 6.001, 8.0};
@@ -217,7 +217,7 @@ static void test_a_light_on_the_ray_outside_the_fog(void **state)
         const struct neph_scene *scene = near_lamp_stage(&test, &lamp);
         double sum = 0.0;
         for (int part = 0; part < 64; part++) {
-            /* Finer and finer towards the nearer face. */
+            /* Finer towards the nearer face. */
             const double x0 = pow(part / 64.0, 4), x1 = pow((part + 1) / 64.0, 4);
             const bool is_before = lights_m[i] < 5.0;
             sum += is_before ? neph_gauss(near_source, &lights_m[i], 4 + 2 * x0, 4 + 2 * x1)
@@ -229,7 +229,7 @@ static void test_a_light_on_the_ray_outside_the_fog(void **state)
     }
 }
 
-/* No number is right there. */
+/* The integral diverges there. */
 static void test_a_light_on_the_ray_in_the_fog_has_no_value(void **state)
 {
     const struct {
@@ -240,13 +240,13 @@ static void test_a_light_on_the_ray_in_the_fog_has_no_value(void **state)
         {{0, 0, 0}, {0, 0, 0}, 5, true},       /* inside */
         {{0, 0, 1}, {0, 0, 0}, 5, true},       /* on the near face */
         {{0, 0, -1}, {0, 0, 0}, 5, true},      /* on the far face */
-        {{0, 0, 1.0001}, {0, 0, 0}, 5, false}, /* before it */
-        {{0, 0, 0}, {0, 1, 0}, 5, false},      /* a spot that shines past the ray */
-        {{0, 0, 0}, {0, 0, 1}, 5, true},       /* one that shines along it */
-        {{0, 1e-9, 0}, {0, 0, 0}, 5, false},   /* beside the ray */
+        {{0, 0, 1.0001}, {0, 0, 0}, 5, false}, /* in front of it */
+        {{0, 0, 0}, {0, 1, 0}, 5, false},      /* a spot light that shines past the ray */
+        {{0, 0, 0}, {0, 0, 1}, 5, true},       /* a spot light that shines along it */
+        {{0, 1e-9, 0}, {0, 0, 0}, 5, false},   /* next to the ray */
         {{0, 0, 0.5}, {0, 0, 0}, 0.5, true},   /* at an eye in the fog */
         {{0, 0, 0.5}, {0, 0, 0}, 0.25, false}, /* behind it */
-        {{0, 0, 0.5}, {0, 0, 1}, 0.5, false},  /* at the eye, a spot that shines backwards */
+        {{0, 0, 0.5}, {0, 0, 1}, 0.5, false},  /* at the eye, a spot light that shines backwards */
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
         const struct near_lamp lamp = {.light_m = cases[i].light_m};
@@ -341,9 +341,9 @@ static void test_paths_against_the_stage(void **state)
     neph_tracker_destroy(tracker);
 }
 
-/* A fog without bounds or ground, whose extinction grows downwards until it is infinite. Blue
- * light passes through it as through air. Every path brings a number, and the mean of single
- * scattering is the exact one. The rays look level, down, straight down and up. */
+/* A fog without bounds or ground; its extinction grows downwards to infinity. Blue is not
+ * attenuated. Every path returns a finite value, and the mean of single scattering is the exact
+ * one. The rays are level, downwards, straight down and upwards. */
 static void test_fog_without_ground(void **state)
 {
     static const struct neph_vec3 ways[] = {{0.1, 0, -1}, {0.1, -0.6, -1}, {0, -1, 0}, {0, 1, -1}};
@@ -375,8 +375,8 @@ static void test_fog_without_ground(void **state)
     }
 }
 
-/* Into the sphere by the cosine, or half of them towards the lamp: lines that pass it at h bring
- * 1/h, whose mean square would have no bound. */
+/* Lines into the sphere by the cosine law, or half of them towards the light: lines that pass it at
+ * a distance h contribute 1/h, whose mean square would be unbounded. */
 struct line {
     struct neph_vec3 direction;
     double weight;
@@ -395,12 +395,12 @@ static struct line random_line(const struct neph_scene *scene, struct neph_vec3 
     return line;
 }
 
-/* All that a lamp in a white medium sends out comes out: what has been scattered crosses a sphere
- * around it with the power pi 4 pi R^2 times the mean radiance of lines that enter by the cosine.
- * A ball that reflects all light changes nothing. */
+/* All light of a point light in a white medium leaves it: scattered light crosses a sphere around
+ * it with the power pi 4 pi R^2 times the mean radiance of lines that enter by the cosine law. A
+ * ball that reflects all light changes nothing. */
 static void assert_conserves(struct neph_phase phase, double extinction_per_m, bool ball)
 {
-    const double radius_m = 2.0; /* as random_line() has it */
+    const double radius_m = 2.0; /* as in random_line() */
     struct neph_medium block = make_homogeneous(extinction_per_m,
                                                 (struct neph_bounds){{-1, -1, -1}, {1, 1, 1}});
     block.phase = phase;
@@ -467,7 +467,7 @@ static struct estimate trace_middle_ray(const struct neph_scene *scene, int samp
     return sums;
 }
 
-/* 4.5 standard errors, and an error that is known: none is above a twentieth of the value. */
+/* 4.5 standard errors, which are never above a twentieth of the value. */
 static void test_paths_find_lights_near_rays(void **state)
 {
     const int samples = neph_test_paths(20000);
@@ -484,8 +484,8 @@ static void test_paths_find_lights_near_rays(void **state)
     }
 }
 
-/* The density of the fog goes to 0 where the light is, 1e-6 m from the ray: 1 / d^2 draws nearly
- * all places where nothing is. */
+/* The density of the fog goes to 0 at the light, 1e-6 m from the ray: sampling by 1 / d^2 places
+ * nearly all points where there is no fog. */
 static void test_paths_find_the_fog_around_a_clear_place(void **state)
 {
     struct test_scene test;

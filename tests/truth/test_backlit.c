@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * Light scattered once, seen against the sun through optical depths of 12 to 100: it comes from the
- * far side as much as from the near one, where free flights end. Small samples must know their own
+ * Single scattering towards the sun through optical depths of 12 to 100: light comes from the far
+ * side as much as from the near one, where free flights end. Small samples must estimate their own
  * error: their z-scores against the exact integral have mean 0 and variance 1.
  *
- * Tolerances: the mean of N z-scores is within 4.5 / sqrt(N) (wrong once in 150 000) and of what
- * the skewness g of single paths does to the t-statistic of n of them, -g / (2 sqrt(n)) (P. Hall,
- * "The Bootstrap and Edgeworth Expansion", 1992, 2.6); their variance within 4.5 sqrt(2 / N) of 1,
- * and of (2 + 7/4 g^2) / n of the same source. The skewness itself is held to `skewness_max`.
+ * Tolerances: the mean of N z-scores is within 4.5 / sqrt(N) (wrong once in 150 000) plus the
+ * effect of the skewness g of single paths on the t-statistic of n paths, -g / (2 sqrt(n)) (P.
+ * Hall, "The Bootstrap and Edgeworth Expansion", 1992, 2.6); their variance is within 4.5 sqrt(2 /
+ * N) of 1, plus (2 + 7/4 g^2) / n from the same source. The skewness itself is limited to
+ * `skewness_max`.
  */
 #include "tests/scene_builders.h"
 
@@ -21,7 +22,7 @@ enum { SEEDS = 400, PATHS = 64 };
 static const double sigmas = 4.5;
 
 /* With 64 paths, a shift of the mean z-score by 0.19 and a variance of up to 1.28. Free flights
- * through an optical depth of 12 have 400. */
+ * through an optical depth of 12 have a skewness of 400. */
 static const double skewness_max = 3.0;
 
 /* ---- scenes ---- */
@@ -52,7 +53,7 @@ static const struct {
     double optical_depth;
     struct neph_vec3 sun; /* the camera looks along -z */
     bool coloured;
-    bool is_two; /* another slab of the same depth on top of it */
+    bool is_two; /* another slab of the same depth overlaps it */
 } cases[] = {
     {"slab of 12, the sun behind", slab, 12, {0, 0.02, -1}, false, false},
     {"slab of 16, the sun behind", slab, 16, {0, 0.02, -1}, false, false},
@@ -134,7 +135,7 @@ static void hold_scores(const char *what, int channel, const struct moments *sco
                  skewness_max);
 }
 
-/* Paths over the exact value. */
+/* Paths divided by the exact value. */
 static void test_samples_know_their_error(void **state)
 {
     for (size_t i = 0; i < COUNT(cases); i++) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Light along one ray through Gaussian blobs, shells and grids, in colour: against numbers of 17
- * digits, against the cases that are exact for any density (towards the sun and away from it),
- * against an independent quadrature, and narrow things far away.
+ * Light along one ray through Gaussian blobs, shells and grids, in colour: against values of 17
+ * digits, against cases that are exact for any density (towards the sun and away from it), against
+ * an independent quadrature, and with small bodies far away.
  */
 #include "tests/scene_builders.h"
 
@@ -22,9 +22,9 @@ static struct neph_medium lattice(double extinction_per_m, int side, struct neph
     return make_voxels(extinction_per_m, random_lattice(size, origin_m, spacing_m, -0.5, &seed));
 }
 
-/* ---- numbers ---- */
+/* ---- values ----- */
 
-/* The same lines as in cloud_reference.py. 1e-10 is what grids and shells are integrated to. */
+/* The same lines as in cloud_reference.py. Grids and shells are integrated to 1e-10. */
 static void test_reference(void **state)
 {
     struct neph_medium tent = lattice(3.0, 1, (struct neph_vec3){0}, (struct neph_vec3){1, 1, 1},
@@ -96,8 +96,8 @@ static double channel(struct neph_rgb color, int c)
     return c == 0 ? color.r : c == 1 ? color.g : color.b;
 }
 
-/* Looking at the sun, light has the same way wherever it is scattered: L = w p E tau e^-tau. With
- * the sun behind and nothing in between: L = w p E (1 - e^(-2 tau)) / 2. The largest channel's
+/* Towards the sun the optical path is the same wherever light is scattered: L = w p E tau e^-tau.
+ * With the sun behind and nothing in between: L = w p E (1 - e^(-2 tau)) / 2. The largest channel's
  * error over the largest channel. */
 static double error_along_the_sun(const struct neph_ray_light *light, struct neph_rgb depth,
                                   bool away, double *largest)
@@ -122,7 +122,7 @@ static void test_towards_and_away_from_the_sun(void **state)
     for (uint64_t trial = 0; trial < 40; trial += (uint64_t)neph_test_path_step()) {
         uint64_t seed = 271828 + trial;
         const double scale = scales[trial % COUNT(scales)];
-        /* Four roundings of the coordinates, in cells of 0.6 m or in depths of the lit skin. */
+        /* Four roundings of the coordinates, in cells of 0.6 m or in depths of the lit layer. */
         const double rounding = 4.0 * 0x1p-53 * distance_m / 0.6 * fmax(1.0, sqrt(scale));
         struct neph_medium media[3];
         make_media(media, scale, seed);
@@ -137,7 +137,7 @@ static void test_towards_and_away_from_the_sun(void **state)
             double largest;
             const double error = error_along_the_sun(
                 &light, neph_scene_optical_depth(&scene, origin, d, 0.0, INFINITY), away, &largest);
-            if (largest < 1e-3 * fmin(scale, 1e-3)) /* barely grazed, or opaque */
+            if (largest < 1e-3 * fmin(scale, 1e-3)) /* almost missed, or opaque */
                 continue;
             if (!(error <= light.quadrature_error + rounding * largest))
                 print_error("seed %llu, medium %d, scale %g, %s the sun\n",
@@ -156,7 +156,7 @@ static void test_towards_and_away_from_the_sun(void **state)
 
 enum { GAUSS = 16 };
 
-/* The definition, by 16 nodes on each of many even pieces. */
+/* The definition, with 16 nodes on each of many equal pieces. */
 static struct neph_rgb composite(const struct neph_scene *scene, struct neph_vec3 origin,
                                  struct neph_vec3 d, double t0_m, double t1_m, int piece_count)
 {
@@ -185,8 +185,8 @@ static struct neph_rgb composite(const struct neph_scene *scene, struct neph_vec
     return neph_rgb_mul(sum, scene->sun.irradiance_w_per_m2);
 }
 
-/* The ends of jumps of the density along a ray, ascending: the box of the fogs, the ground of the
- * shells, and where nothing is left. */
+/* The positions of jumps of the density along a ray, ascending: the box of the fogs, the ground of
+ * the shells, and the end of the media. */
 static const double nothing_left_m = 250.0;
 
 static void jumps_on_ray(struct neph_vec3 origin, struct neph_vec3 d, double at_m[5])
@@ -222,9 +222,9 @@ static double difference(struct neph_rgb a, struct neph_rgb b)
     return fmax(fabs(a.r - b.r), fmax(fabs(a.g - b.g), fabs(a.b - b.b)));
 }
 
-/* Against the composite rule, whose own error its halvings show: with kinks anywhere between the
- * nodes one halving may change little by chance, two will not, and the error may be a few times
- * what they show. */
+/* Against the composite rule with its error from halvings: with kinks at any position between the
+ * nodes one halving may change little by chance, two will not, and the error may be a few times the
+ * change. */
 static double assert_composite(const struct neph_scene *scene, struct neph_vec3 origin,
                                struct neph_vec3 d, int piece_count)
 {
@@ -236,13 +236,12 @@ static double assert_composite(const struct neph_scene *scene, struct neph_vec3 
     const double allowed = 4.0 * (difference(fine, coarse) + difference(coarse, coarser)) +
                            light.quadrature_error + 1e-10 * largest;
     neph_assert_close(difference(light.volume, fine), 0.0, 0.0, allowed);
-    assert_true(allowed < 2e-3 * largest); /* the comparison is worth something */
+    assert_true(allowed < 2e-3 * largest); /* the comparison has power */
     return difference(light.volume, fine) / largest;
 }
 
-/* All kinds over and through each other, some with a fog in a box. Kinks limit the composite rule:
- * its error goes with a power of the step between 1.5 (sun rays that graze the ground of a shell)
- * and 4. */
+/* All kinds, overlapping, some with a fog in a box. Kinks limit the composite rule: its error is a
+ * power of the step between 1.5 (sun rays that graze the ground of a shell) and 4. */
 static void test_random_clouds(void **state)
 {
     double worst = 0.0;
@@ -269,8 +268,8 @@ static void test_random_clouds(void **state)
 
 /* ---- colour ---- */
 
-/* Each channel of a coloured scene is a grey scene with that channel's extinction. Also where there
- * is a closed form: boxes that overlap, and one height fog. */
+/* Each channel of a coloured scene is a grey scene with this channel's extinction. Also with a
+ * closed form: boxes that overlap, and one height fog. */
 static void test_a_channel_is_a_grey_scene(void **state)
 {
     uint64_t seed = 577215;
@@ -313,7 +312,7 @@ static void test_a_channel_is_a_grey_scene(void **state)
 
 static void test_coloured_surface_and_furnace(void **state)
 {
-    /* A lit floor under a coloured blob, sun and view straight up and down through its middle. */
+    /* A lit floor under a coloured blob, sun and view vertical through its middle. */
     struct neph_solid floor = {
         .kind = NEPH_SOLID_BOX, .box = {{-50, -21, -50}, {50, -20, 50}}, .albedo = {0.5, 0.6, 0.7}};
     struct neph_scene scene = make_sunny(make_blob(0.2, (struct neph_vec3){0}, 1.5),
@@ -345,9 +344,9 @@ static void test_coloured_surface_and_furnace(void **state)
     }
 }
 
-/* ---- narrow things far away ---- */
+/* ---- small bodies far away ----- */
 
-/* The same cloud from near and from a million metres: its light does not change on the way. Four
+/* The same cloud from near and from a million metres: the distance does not change its light. Four
  * roundings of the coordinates, in widths or cells, and a factor of 3 for optical depth 3. */
 static void test_clouds_far_away(void **state)
 {
@@ -369,8 +368,8 @@ static void test_clouds_far_away(void **state)
     }
 }
 
-/* A level ray of 1e5 m through thin fog, and a small black thing beside it, of width 1, that throws
- * its shadow on the ray: the light that is missing is missing on a few metres. */
+/* A level ray of 1e5 m through thin fog, and a small black body of width 1 next to it, which casts
+ * its shadow on the ray: a few metres of the ray are unlit. */
 static void test_shadow_of_a_small_cloud(void **state)
 {
     for (int kind = 0; kind < 2; kind++) {
@@ -385,7 +384,7 @@ static void test_shadow_of_a_small_cloud(void **state)
         scene.media[1] = cloud;
         scene.medium_count = 2;
         const struct neph_ray_light shaded = neph_transport_ray(&scene, origin, d);
-        /* The shadow lies 300 m below and 67 m before the cloud; elsewhere nothing has changed. */
+        /* The shadow is 300 m below and 67 m in front of the cloud; elsewhere nothing changes. */
         const struct neph_rgb with = composite(&scene, origin, d, 39900.0, 39970.0, 700);
         scene.medium_count = 1;
         const struct neph_rgb without = composite(&scene, origin, d, 39900.0, 39970.0, 700);
@@ -397,9 +396,9 @@ static void test_shadow_of_a_small_cloud(void **state)
     }
 }
 
-/* ---- corners ---- */
+/* ---- extremes --- */
 
-/* Finite, not negative, T in [0, 1], no more light than the sun gives: any scale, any ray. */
+/* Finite, not negative, T in [0, 1], at most the sun's light: any scale, any ray. */
 static void test_never_nonsense(void **state)
 {
     static const double scales[] = {0.0, 1e-300, 1e-9, 1.0, 1e9, 1e300};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The finite box in place of an unbounded medium: what a camera sees through it stays the same, to
- * within the error that comes with the box.
+ * The finite box in place of an unbounded medium: the light that reaches a camera changes by at
+ * most the error reported with the box.
  */
 #include "tests/scene_builders.h"
 
@@ -42,8 +42,8 @@ static double transmittance(struct neph_medium medium, struct neph_bounds bounds
     return exp(-neph_medium_optical_depth(&medium, eye, direction, 0.0, INFINITY));
 }
 
-/* Any azimuth; slopes of all sizes, level and vertical included: it is the grazing views that see
- * what a box leaves out. */
+/* Any azimuth; slopes of all sizes, including level and vertical: grazing views are most affected
+ * by the parts that a box omits. */
 static struct neph_vec3 random_view(uint64_t *seed)
 {
     const double kind = neph_test_uniform(seed, 0, 1),
@@ -80,7 +80,7 @@ static double worst_view(const struct setting *setting, const struct neph_bounds
     return worst;
 }
 
-/* The finite stays as it is, and costs nothing. */
+/* A finite medium is unchanged, without error. */
 static void test_finite_bounds_are_kept(void **state)
 {
     struct neph_medium fog = make_height_fog(0.1, 0.2);
@@ -93,7 +93,7 @@ static void test_finite_bounds_are_kept(void **state)
     assert_memory_equal(&box, &fog.bounds, sizeof(box));
 }
 
-/* Unreal's default fog from eye height: a box of some kilometres, good to 1e-6. */
+/* Unreal's default fog from eye height: a box of some kilometres, accurate to 1e-6. */
 static void test_unreal_default_fog(void **state)
 {
     const struct neph_medium fog = make_height_fog(9.609e-4, 0.01386294361119891);
@@ -111,7 +111,7 @@ static void test_unreal_default_fog(void **state)
     assert_true(box.max_m.x < 2e5 && box.max_m.y < 1e4 && box.min_m.y > -1e4);
 }
 
-/* The promise: no view from the eyes is off by more than the stated error, whatever the fog. */
+/* No view from the eyes has an error above the stated one, for any fog. */
 static void test_no_view_is_off_by_more_than_stated(void **state)
 {
     const uint64_t first_seed = 141421;
@@ -156,7 +156,7 @@ static void test_no_view_is_off_by_more_than_stated(void **state)
                   least_slack);
 }
 
-/* Homogeneous without end: a box as large as can be seen. */
+/* Homogeneous and infinite: a box as large as the visible range. */
 static void test_homogeneous_without_bounds(void **state)
 {
     struct neph_medium fog = make_height_fog(0.02, 0.0);
@@ -168,7 +168,7 @@ static void test_homogeneous_without_bounds(void **state)
     assert_true(is_a_finite_box(&box) && error < 1e-6);
     assert_true(worst_view(&setting, &box, 5000, &seed) <= error);
 
-    /* A layer between two heights, open to the sides, from inside it. */
+    /* A layer between two heights, open to the sides, from inside. */
     setting.keys[1].position_m.y = 8.0;
     fog.bounds.min_m.y = 0.0;
     fog.bounds.max_m.y = 10.0;
@@ -179,7 +179,7 @@ static void test_homogeneous_without_bounds(void **state)
     assert_true(worst_view(&setting, &box, 5000, &seed) <= error);
 }
 
-/* A finite box and an honest error for whatever a scene file may say. */
+/* A finite box and a valid error for any values in a scene file. */
 static void test_corners(void **state)
 {
     static const double extinctions[] = {0.0, 1e-300, 1e-8, 1.0, 1e6};
@@ -205,7 +205,7 @@ static void test_corners(void **state)
     }
 }
 
-/* Sunlight too crosses as much fog in the box as without: scattered radiance stays. */
+/* Sunlight, too, crosses as much fog in the box as without it: scattered radiance is unchanged. */
 static void test_scattered_light_stays(void **state)
 {
     const uint64_t first_seed = 173205;

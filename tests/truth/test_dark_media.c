@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * A bright medium in or behind a dark one that takes nearly all collisions: the path tracer must
- * meet the bright one, and know its error. Two hundred paths have the closed form's value within
- * 4.5 standard errors (wrong once in 150 000 for a normal variable; seeds are fixed) plus 1e-12 for
- * rounding, and the standard error is below a fifth of the value: no radiance is 0 with variance 0.
+ * A bright medium in or behind a dark one that causes nearly all collisions: the path tracer must
+ * sample the bright one, and estimate its error correctly. The mean of two hundred paths is within
+ * 4.5 standard errors of the closed form (wrong once in 150 000 for a normal variable; seeds are
+ * fixed) plus 1e-12 for rounding, and the standard error is below a fifth of the value: no estimate
+ * is 0 with variance 0.
  */
 #include "tests/scene_builders.h"
 
@@ -19,7 +20,7 @@ static const double sigmas = 4.5;
 static const struct neph_vec3 ahead = {0, 0, -1};
 static const struct neph_vec3 eye_m = {0, 0, 10};
 
-/* The camera's ray is in it from z0 + length_m down to z0. */
+/* The camera's ray is inside from z0 + length_m down to z0. */
 static struct neph_medium plate(double extinction_per_m, double z0_m, double length_m,
                                 struct neph_rgb albedo)
 {
@@ -79,7 +80,7 @@ static void test_thin_glow_in_a_dark_medium(void **state)
     }
 }
 
-/* Behind an optical depth that lets nothing through that free flights would find. */
+/* Behind an optical depth that free flights practically never pass. */
 static void test_a_glow_behind_a_dark_medium(void **state)
 {
     for (double depth = 5.0; depth < 80.0; depth *= 2.0) {
@@ -91,8 +92,8 @@ static void test_a_glow_behind_a_dark_medium(void **state)
     }
 }
 
-/* The sun in the camera's back: light goes the same way twice, L = E a k_b / (4 pi) (1 - e^-(2 k
- * 4)) / (2 k). The dark medium may be dark in one channel only. */
+/* The sun is behind the camera: light travels the same path twice, L = E a k_b / (4 pi) (1 - e^-(2
+ * k 4)) / (2 k). The dark medium may be dark in one channel only. */
 static void test_thin_cloud_in_a_dark_medium(void **state)
 {
     static const struct neph_rgb albedos[] = {{0, 0, 0}, {0.9, 0.9, 0}};
@@ -110,8 +111,8 @@ static void test_thin_cloud_in_a_dark_medium(void **state)
         }
 }
 
-/* With all orders a thin cloud has next to no second one: its own part of the light is of the order
- * of its optical depth. */
+/* In a thin cloud second and higher orders are negligible: relative to its first order they are of
+ * the size of its optical depth. */
 static void test_all_orders(void **state)
 {
     const struct neph_vec3 back = {0, 0, 1};
@@ -123,7 +124,7 @@ static void test_all_orders(void **state)
          make_grey(0.5e-9 * -expm1(-8.0 * k_per_m) / (2.0 * k_per_m) / (4.0 * M_PI)));
 }
 
-/* A glow behind Horizon layers, whose optical depth is a matter of chance to the path tracer. */
+/* A glow behind Horizon layers; the path tracer estimates their optical depth by sampling. */
 static void test_horizon_layers_that_are_dark(void **state)
 {
     struct neph_diag diag = {0};
@@ -144,11 +145,11 @@ static void test_horizon_layers_that_are_dark(void **state)
     neph_horizon_destroy(scene.media[0].horizon);
 }
 
-/* Media that are alike keep the estimator that they had. */
+/* Media with equal sources keep the previous estimator. */
 static void test_which_scenes_differ(void **state)
 {
     struct neph_scene scene = make_sunny(plate(0.7, 0, 4, make_grey(0)), ahead);
-    assert_false(neph_scene_sources_differ(&scene)); /* there is one */
+    assert_false(neph_scene_sources_differ(&scene)); /* there is only one */
     scene.media[scene.medium_count++] = plate(0.1, 0, 4, make_grey(0.5));
     assert_true(neph_scene_sources_differ(&scene));
     scene.media[0].albedo = (struct neph_rgb){0.5, 0.5, 0.05};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Random numbers and directions against their laws.
+ * Random numbers and directions against their distributions.
  */
 #include "tests/neph_test.h"
 
@@ -13,7 +13,8 @@ static void test_streams_are_reproducible_and_differ(void **state)
 {
     struct neph_random a = neph_random_stream(1, 2, 3), again = neph_random_stream(1, 2, 3);
     assert_memory_equal(&a, &again, sizeof(a));
-    /* Neighbours, exchanged arguments, and the all-zero start, which would be stuck. */
+    /* Neighbours, exchanged arguments, and the all-zero start, from which the generator would not
+     * move. */
     static const uint64_t others[][3] = {{1, 2, 4}, {1, 3, 3}, {2, 2, 3}, {2, 1, 3},
                                          {1, 3, 2}, {3, 2, 1}, {0, 0, 0}};
     for (size_t i = 0; i < COUNT(others); i++) {
@@ -26,7 +27,7 @@ static void test_streams_are_reproducible_and_differ(void **state)
     }
 }
 
-/* The first numbers of neighbouring streams, as pixels and samples use them: mean, variance and
+/* The first numbers of consecutive streams, as used for pixels and samples: mean, variance and
  * correlation of neighbours, to 4.5 standard errors each. */
 static void test_first_numbers_of_streams(void **state)
 {
@@ -52,17 +53,17 @@ static void test_first_numbers_of_streams(void **state)
 static const double asymmetries[] = {0.0,  1e-9,  1e-4, 0.3,  0.6,  0.85,
                                      0.95, 0.999, -0.3, -0.6, -0.9, -0.999};
 
-/* The share of light turned by a cosine below `c`, of Henyey and Greenstein, without cancellation:
- * (1 - g) (1 + c) / (r (1 + r + g)) with r^2 = 1 + g^2 - 2 g c, from multiplying out the textbook's
- * ((1 - g^2) / r - (1 - g)) / 2 g. */
+/* The fraction of light scattered with a cosine below `c`, of Henyey and Greenstein, without
+ * cancellation: (1 - g) (1 + c) / (r (1 + r + g)) with r^2 = 1 + g^2 - 2 g c, from expanding the
+ * textbook's ((1 - g^2) / r - (1 - g)) / 2 g. */
 static double below(double g, double c)
 {
     const double r = sqrt((1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - c));
     return (1.0 - g) * (1.0 + c) / (r * (1.0 + r + g));
 }
 
-/* u -> versine -> u again. The versine is good to a few roundings, and where its own rounding
- * (1e-16 next to 2) moves u, that is allowed. */
+/* u -> versine -> u again. The versine is accurate to a few roundings; the change of u by its own
+ * rounding (1e-16 next to 2) is allowed. */
 static void test_henyey_greenstein_inverts_its_distribution(void **state)
 {
     for (size_t i = 0; i < COUNT(asymmetries); i++) {
@@ -71,7 +72,7 @@ static void test_henyey_greenstein_inverts_its_distribution(void **state)
         for (double u = 0.001; u < 1.0; u += 0.0127) {
             const double v = neph_phase_versine(&phase, u);
             assert_true(v >= 0.0 && v <= 2.0);
-            /* Forward g: u is the share below; mirrored: the share above of the mirror image. */
+            /* Forward g: u is the fraction below; backward: above in the mirror image. */
             const double found = g >= 0.0 ? below(g, 1.0 - v) : below(-g, v - 1.0);
             const double density = 2.0 * M_PI * neph_phase_per_sr(&phase, 1.0 - v);
             neph_assert_close(found, u, 1e-12, 4e-16 * density);
@@ -138,7 +139,7 @@ static void test_phase_sampling(void **state)
         }
 }
 
-/* The square of the cosine is uniform; mean 2/3, mean square 1/2. All axes, the poles too. */
+/* The square of the cosine is uniform; mean 2/3, mean square 1/2. All axes, including the poles. */
 static void test_cosine_sampling(void **state)
 {
     static const struct neph_vec3 normals[] = {

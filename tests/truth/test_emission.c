@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Light that media emit: exact rays against closed forms and against the sum of the definition, and
- * the path tracer against those; Kirchhoff's furnace, in which media of any albedo vanish.
+ * Light emitted by media: exact rays against closed forms and the definition's sum, and the path
+ * tracer against both; Kirchhoff's furnace, in which media of any albedo are invisible.
  *
  * Tolerances of estimates: 4.5 standard errors of the estimate itself (wrong once in 150 000 for a
  * normal variable; seeds are fixed), plus 1e-12 for rounding where there is no noise.
@@ -25,7 +25,7 @@ static double channel_of(struct neph_rgb rgb, int channel)
 
 /* ---- media ---- */
 
-/* 2 m of the ray ahead lie between the planes z and z + 2. */
+/* 2 m of the ray ahead are between the planes z and z + 2. */
 static struct neph_medium plate(double extinction_per_m, double z_m, struct neph_rgb albedo,
                                 struct neph_rgb emission)
 {
@@ -47,7 +47,7 @@ static struct neph_scene *add(struct neph_scene *scene, struct neph_medium mediu
     return scene;
 }
 
-/* ---- what a medium glows with ---- */
+/* ---- radiance of emission -------- */
 
 static void test_glow(void **state)
 {
@@ -56,13 +56,14 @@ static void test_glow(void **state)
     const struct neph_rgb glow = neph_medium_glow(&medium);
     assert_true(glow.r == 8.0 && glow.g == 6.0 && glow.b == 0.0);
     assert_true(neph_medium_emits(&medium));
-    medium.extinction_color = (struct neph_rgb){0, 0, 1}; /* white where it is seen at all */
+    medium.extinction_color = (struct neph_rgb){0, 0, 1}; /* white in the only channel with
+                                                             extinction */
     assert_false(neph_medium_emits(&medium));
 }
 
 /* ---- exact rays ---- */
 
-/* glow * (1 - e^-tau) per channel, at optical depths 2e-10 to 2e4, whatever the switch. */
+/* glow * (1 - e^-tau) per channel, at optical depths 2e-10 to 2e4, with any mode of scattering. */
 static void test_one_plate(void **state)
 {
     const struct neph_rgb albedo = {0, 0.5, 0.9}, emission = {1, 2, 3};
@@ -76,15 +77,16 @@ static void test_one_plate(void **state)
                 const double depth = 2.0 * extinction_per_m * (j == 0 ? 0.5 : j);
                 const double expected = (1.0 - channel_of(albedo, j)) * channel_of(emission, j) *
                                         -expm1(-depth);
-                /* Roundings of the length, 2 m as the difference of 40 and 38, and of the rest. */
+                /* Roundings of the length, 2 m as the difference of 40 and 38, and of the remaining
+                 * factors. */
                 neph_assert_close(channel_of(light.radiance, j), expected, 1e-14, 0.0);
                 neph_assert_close(channel_of(light.volume, j), expected, 1e-14, 0.0);
             }
         }
 }
 
-/* Plates behind each other that glow differently: each is seen through those before it, though they
- * be of an optical depth of 60, or of 700. One in the same place shares the extinction out. */
+/* Plates in a row with different emission: each is attenuated by the plates in front of it, even
+ * with an optical depth of 60, or of 700. Overlapping ones share the extinction. */
 static void test_plates_that_differ(void **state)
 {
     for (double front_per_m = 0.05; front_per_m < 400.0; front_per_m *= 2.0) {
@@ -103,7 +105,7 @@ static void test_plates_that_differ(void **state)
     }
 }
 
-/* Without an end: 1 where it is opaque, else by its whole optical depth. */
+/* Infinite: 1 where it is opaque, otherwise by its whole optical depth. */
 static void test_fog_without_end(void **state)
 {
     struct neph_scene scene = dark_scene(NEPH_SCATTERING_NONE);
@@ -116,7 +118,7 @@ static void test_fog_without_end(void **state)
                           1e-12, 0.0);
         neph_assert_close(neph_transport_ray(&scene, (struct neph_vec3){0}, up).volume.b,
                           -expm1(-0.5), 1e-12, 0.0);
-        add(&scene, plate(1, 30, make_grey(0), make_grey(5))); /* behind both, seen by neither */
+        add(&scene, plate(1, 30, make_grey(0), make_grey(5))); /* behind both, invisible to both */
         scene.media[1].bounds.min_m.y = 1.0;
     }
 }
@@ -133,7 +135,7 @@ static void test_the_sun_adds(void **state)
     neph_assert_close(both.volume.r, scattered.volume.r + 2.0 * -expm1(-1.4), 1e-14, 0.0);
 }
 
-/* ---- at random ---- */
+/* ---- random scenes -- */
 
 static struct neph_medium random_emitter(uint64_t *seed)
 {
@@ -179,8 +181,8 @@ static double brute_force(const struct neph_scene *scene, struct neph_vec3 origi
     return sum;
 }
 
-/* Three media of any kind and colour before a wall. A midpoint step that holds a face of a box errs
- * by no more than what the step holds, of which there are six. */
+/* Three media of any kind and colour in front of a wall. A midpoint step with a face of a box has
+ * an error of at most the step's own contribution; there are six such steps. */
 static void test_random_scenes_against_brute_force(void **state)
 {
     for (uint64_t start = 1; start <= 60; start++) {
@@ -204,7 +206,7 @@ static void test_random_scenes_against_brute_force(void **state)
     }
 }
 
-/* ---- the path tracer ---- */
+/* ---- path tracer -------- */
 
 struct estimate {
     struct neph_rgb mean, error, order1;
@@ -254,13 +256,14 @@ static void assert_estimate(const struct estimate *found, struct neph_rgb expect
         if (!(fabs(mean - truth) <= sigmas * error + 1e-12 * truth))
             print_error("seed %llu, channel %d\n", (unsigned long long)seed, j);
         neph_assert_close(mean, truth, 1e-12, sigmas * error);
-        /* The test can fail. The error of equal paths is what rounding leaves of a difference of
-         * squares: sqrt((2 n + 2) epsilon / (n - 1)) of the mean, below 3e-8 from 16 paths on. */
+        /* The error estimate is small enough for the test to fail. The error of equal paths is the
+         * rounding of a difference of squares: sqrt((2 n + 2) epsilon / (n - 1)) of the mean, below
+         * 3e-8 from 16 paths on. */
         assert_true(error <= (neph_test_noise(noise) + 3e-8) * truth);
     }
 }
 
-/* One grey medium, all depths drawn from its own table: every path brings the same. */
+/* One grey medium, all depths drawn from its own table: every path has the same value. */
 static void test_a_plate_without_noise(void **state)
 {
     for (int s = NEPH_SCATTERING_NONE; s <= NEPH_SCATTERING_SINGLE; s++) {
@@ -271,8 +274,8 @@ static void test_a_plate_without_noise(void **state)
     }
 }
 
-/* Any three media, with and without a sun, which is scattered once; with tables of the first flight
- * and without. Order 1 is sunlight alone. */
+/* Any three media, with and without a sun with single scattering; with tables of the first flight
+ * and without. Order 1 is only sunlight. */
 static void test_paths_against_exact(void **state)
 {
     for (uint64_t start = 1; start <= 24; start++) {
@@ -294,7 +297,7 @@ static void test_paths_against_exact(void **state)
 
 /* ---- Kirchhoff's furnace ---- */
 
-/* Media of albedos from 0 to 1 that emit what surrounds them, and a white ball. */
+/* Media with albedos from 0 to 1 whose emission matches the surroundings, and a white ball. */
 static struct neph_scene furnace(struct neph_solid *ball)
 {
     const struct neph_rgb surround = {1, 2, 3};
@@ -310,8 +313,7 @@ static struct neph_scene furnace(struct neph_solid *ball)
     scene.media[0].extinction_color = (struct neph_rgb){1, 0.3, 2};
     scene.media[0].phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.6};
     scene.media[1].albedo = (struct neph_rgb){0.3, 1, 0.7};
-    scene.media[1].emission_w_per_m2_sr = (struct neph_rgb){1, 0,
-                                                            3}; /* green has nothing to give */
+    scene.media[1].emission_w_per_m2_sr = (struct neph_rgb){1, 0, 3}; /* green needs no emission */
     return scene;
 }
 
@@ -342,8 +344,8 @@ static void test_paths_in_the_furnace(void **state)
     }
 }
 
-/* Light adds up: what the media emit in the dark, and what they leave of the surround's, are the
- * furnace together. Emitted light alone lights the ball. */
+/* Light is additive: the media's emission in the dark, and the surroundings' light with cold media,
+ * add up to the furnace. Emitted light by itself lights the ball. */
 static void test_halves_of_the_furnace(void **state)
 {
     struct neph_solid ball;
@@ -362,10 +364,10 @@ static void test_halves_of_the_furnace(void **state)
         assert_true(error < neph_test_noise(0.02)); /* the test can fail */
         neph_assert_close(sum, 1.0 + j, 0.0, sigmas * error);
     }
-    dark.medium_count = 1; /* behind the camera: the ball is lit from the side that is seen */
+    dark.medium_count = 1; /* behind the camera: it lights the visible side of the ball */
     dark.media[0].bounds = (struct neph_bounds){{-20, -20, 6}, {20, 20, 8}};
     assert_true(estimate(&dark, from_m, ahead, 4000, true).mean.r > 0.1);
-    dark.scattering = NEPH_SCATTERING_SINGLE; /* seen, and lights nothing */
+    dark.scattering = NEPH_SCATTERING_SINGLE; /* visible, but it does not light surfaces */
     assert_true(estimate(&dark, from_m, ahead, 4000, true).mean.r == 0.0);
 }
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The look of height fog against the formulas that engines publish, written here once more as they
- * have them, against quadrature where they stand for an integral, and at
- * the points where their code divides by 0 or overflows. 1e-6 is what was asked for; what is
- * reached is printed.
+ * The non-physical models of height fog against the engines' published formulas in a second
+ * transcription, against quadrature where a formula stands for an integral, and at points where the
+ * published code divides by 0 or overflows. The required accuracy is 1e-6; the measured one is
+ * printed.
  */
 #include "tests/scene_builders.h"
 
@@ -27,7 +27,7 @@ static struct neph_fog_look plain_look(void)
     return neph_fog_look_only(&all_off, 0);
 }
 
-/* By Unreal's values, a layer each. */
+/* With Unreal's values, one layer each. */
 static struct neph_scene foggy(double density, double falloff, double height_m)
 {
     const struct neph_unreal_fog ui = {density, falloff, height_m};
@@ -63,7 +63,7 @@ static struct view some_view(uint64_t *seed)
     };
 }
 
-/* Each control in every second look. */
+/* Each control is set in every second look. */
 static struct neph_fog_look some_look(uint64_t *seed)
 {
     const struct neph_fog_look full = {
@@ -97,7 +97,7 @@ static double clamped(double x)
     return fmin(1.0, fmax(0.0, x));
 }
 
-/* As the article's listing goes, receiver by receiver; in metres. `end` is Unreal 5's. */
+/* The article's listing, receiver by receiver; in metres. `end` is Unreal 5's. */
 static struct engine_fog as_unreal(const struct neph_scene *scene, const struct view *view)
 {
     const struct neph_fog_look *look = &scene->fog_look;
@@ -163,7 +163,7 @@ static struct engine_fog as_filament(const struct neph_scene *scene, const struc
     const double *own = &look->inscattering_w_per_m2_sr.r, *sky = &look->sky_light.r,
                  *background = &scene->background_w_per_m2_sr.r,
                  *directional = &look->directional_w_per_m2_sr.r;
-    fog.transmittance = fmax(through, 1.0 - look->max_opacity); /* 1 - opacity, all its digits */
+    fog.transmittance = fmax(through, 1.0 - look->max_opacity); /* 1 - opacity, with all digits */
     for (int c = 0; c < 3; c++)
         fog.light[c] = (own[c] + sky[c] * background[c]) * opacity + directional[c] * glow;
     return fog;
@@ -171,7 +171,7 @@ static struct engine_fog as_filament(const struct neph_scene *scene, const struc
 
 typedef struct engine_fog engine_function(const struct neph_scene *scene, const struct view *view);
 
-/* The listing's 1 - T has 2^-53 of 1 to lose, and so its light has. */
+/* The listing's 1 - T is rounded to 2^-53 of 1, and so is its light. */
 static void check_against(engine_function *engine, enum neph_fog_model model,
                           const struct neph_scene *scene, const struct view *view, double *worst)
 {
@@ -190,7 +190,7 @@ static void check_against(engine_function *engine, enum neph_fog_model model,
     }
 }
 
-/* A fog with a look, and a view of it: of one of five through the series. */
+/* A fog with some controls, and a view: one of five in turn. */
 static struct neph_scene some_fog(int trial, uint64_t *seed, bool two_layers, struct view *view)
 {
     struct neph_scene scene = foggy(pow(10.0, neph_test_uniform(seed, -4, 0.3)),
@@ -233,7 +233,7 @@ static void test_filament_is_what_its_shader_says(void **state)
 
 /* ---- part by part ---------------------------------------------------------------------------- */
 
-/* d 2^(-f (y - h)), in Unreal's centimetres and thousandths; the exponent ends at -127. */
+/* d 2^(-f (y - h)), in Unreal's centimetres and thousandths; the exponent is limited to -127. */
 static void test_density_is_unreals(void **state)
 {
     for (int trial = 0; trial < 1000; trial++) {
@@ -252,8 +252,8 @@ static void test_density_is_unreals(void **state)
     neph_assert_close(neph_unreal_density_per_m(&deep, -1000.0), 3.0 * 0x1p127, 0.0, 0.0);
 }
 
-/* L is ln 2 times the mean of 2^-(F t), by Simpson's rule, and near 0 within the cubic that its
- * series leaves out, whose size at the seam is the jump there. */
+/* L is ln 2 times the mean of 2^-(F t), by Simpson's rule, and near 0 within the cubic term that
+ * its series omits; the jump at the seam has this size. */
 static void test_mean_is_ln2_times_the_mean(void **state)
 {
     const double exponents[] = {-120, -30,  -3,    -0.2, -0.011, -0.01, -1e-3, 0,
@@ -273,7 +273,7 @@ static void test_mean_is_ln2_times_the_mean(void **state)
     neph_assert_close(neph_unreal_mean(-1000.0), neph_unreal_mean(-127.0), 0.0, 0.0);
 }
 
-/* What begins later is what a camera further on sees, and what lies nearer sees nothing. */
+/* A start distance equals a camera further on, and nearer points have no fog. */
 static void test_a_start_is_a_camera_further_on(void **state)
 {
     for (int trial = 0; trial < 1000; trial++) {
@@ -295,7 +295,8 @@ static void test_a_start_is_a_camera_further_on(void **state)
     }
 }
 
-/* Fog ends over ground: nowhere straight up, and on a slope of 60 degrees at twice the distance. */
+/* The end is a distance over ground: it does not occur straight up, and on a slope of 60 degrees it
+ * is at twice the distance. */
 static void test_the_end_is_over_ground(void **state)
 {
     struct neph_scene scene = foggy(0.2, 0.1, 5.0);
@@ -309,7 +310,7 @@ static void test_the_end_is_over_ground(void **state)
     neph_assert_close(seen(&scene, NEPH_FOG_UNREAL, &slope).transmittance, at_end, 1e-12, 0.0);
 }
 
-/* The least that comes through; the glow that it does not dim; the pop. */
+/* The minimum transmittance; glow that it does not attenuate; the discontinuity at the limit. */
 static void test_limits(void **state)
 {
     struct neph_scene scene = foggy(2.0, 0.1, 0.0);
@@ -331,8 +332,8 @@ static void test_limits(void **state)
 
 /* ---- physics --------------------------------------------------------------------------------- */
 
-/* With all controls off the transmittance is the medium's, but for the series of level rays; and a
- * fog that only glows is as bright as engine exact has it. */
+/* With all controls off the transmittance is the medium's, except for the series of level rays; and
+ * the radiance of a fog with only emission is that of engine exact. */
 static void test_without_controls_it_is_physics(void **state)
 {
     const double seams[] = {pow(ln2 * 0.01, 2.0) / 6.0, 0.5 * 0.00125};
@@ -364,7 +365,7 @@ static void test_without_controls_it_is_physics(void **state)
     }
 }
 
-/* The sky's light in white fog under an even sky is a furnace: nothing can be seen. */
+/* The sky's light in white fog under a uniform sky is a furnace: fog and surfaces are invisible. */
 static void test_sky_light_is_a_furnace(void **state)
 {
     struct neph_scene scene = foggy(0.5, 0.2, 0.0);
@@ -379,7 +380,7 @@ static void test_sky_light_is_a_furnace(void **state)
     }
 }
 
-/* ---- where the engines' code is no number ---------------------------------------------------- */
+/* ---- where the engines' code gives NaN ------------------------------------------------------- */
 
 static void assert_finite(const struct neph_fog_look_light *fog)
 {
@@ -399,8 +400,8 @@ static void test_nothing_lies_before_what_is_at_the_camera(void **state)
     }
 }
 
-/* A kilometre below the fog's height, falloffs of 0.2 to 2: the further one looks, the less comes
- * through, up, down and level. */
+/* A kilometre below the fog's height, falloffs of 0.2 to 2: transmittance decreases with distance,
+ * upwards, downwards and level. */
 static void test_far_below_the_fog(void **state)
 {
     const double falloffs[] = {0.2, 0.7, 2.0}, rises[] = {-1.0, 0.0, 1e-6, 1.0};
@@ -420,7 +421,7 @@ static void test_far_below_the_fog(void **state)
     }
 }
 
-/* No falloff, no density, straight up and down, to everywhere. */
+/* No falloff, no density, straight up and down, at any distance. */
 static void test_zeros(void **state)
 {
     const double lengths_m[] = {1e-30, 1.0, 1e6, INFINITY};
@@ -461,7 +462,7 @@ static void test_controls_are_switched_one_by_one(void **state)
     }
 }
 
-/* What Filament has no word for does nothing there. */
+/* Controls that Filament does not have are ignored by its model. */
 static void test_filament_does_not_know_all(void **state)
 {
     struct neph_scene scene = foggy(0.5, 0.2, 0.0);

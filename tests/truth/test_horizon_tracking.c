@@ -49,7 +49,7 @@ static int teardown(void **state)
     return 0;
 }
 
-/* Through a place in a cloud, from 500 m before it to 1000 m behind it. */
+/* Through a position in a cloud, from 500 m in front of it to 1000 m behind it. */
 static struct neph_ray random_ray(uint64_t *random, const struct neph_medium *medium)
 {
     struct neph_vec3 p, v;
@@ -82,8 +82,8 @@ static void add(struct mean *mean, double r, double g, double b)
     mean->count++;
 }
 
-/* Returns how many standard errors the mean is off. The error of a mean of equal values is 0: what
- * happens once in `count` times may not have happened. */
+/* Returns the deviation of the mean in standard errors. The error of a mean of equal values would
+ * be 0: it includes 1 / count, for events that are too rare to have occurred. */
 static double hold(const struct mean *mean, int channel, double expected, const char *what)
 {
     const double m = mean->sum[channel] / mean->count;
@@ -129,7 +129,7 @@ static void test_transmittance_is_unbiased(void **state)
     medium->extinction_color = (struct neph_rgb){1.0, 1.0, 1.0};
 }
 
-/* The share of all flights that are still free half way, and at the end, is the transmittance. */
+/* The fraction of all flights that are still free halfway, and at the end, is the transmittance. */
 static void test_collisions_have_their_distribution(void **state)
 {
     struct neph_scene *scene = *state;
@@ -181,7 +181,7 @@ static double single_scattering(const struct neph_scene *scene, const struct nep
     return sum * medium->albedo.g * phase_per_sr * scene->sun.irradiance_w_per_m2.g;
 }
 
-/* With the guess of where the light is, or without. */
+/* With the estimated position of light, or without. */
 static void check_paths(struct neph_scene *scene, bool guessed)
 {
     struct neph_diag diag = {0};
@@ -224,11 +224,11 @@ static void test_single_scattering_of_paths(void **state)
     check_paths(*state, true);
 }
 
-/* The sun straight ahead: light from everywhere on the ray has the same way, so that
- * L = E albedo p tau e^-tau. 64 paths at a time know their own error: over 200 seeds the mean of
- * the z-scores is 0 and their variance 1, within 4.5 standard errors and what the skewness g of a
- * path does to 64 of them: -g / 16, and (2 + 7/4 g^2) / 64 (P. Hall, "The Bootstrap and Edgeworth
- * Expansion", 1992, 2.6). The skewness is at most 4: of free flights it is hundreds. */
+/* The sun straight ahead: light from every point of the ray has the same optical path, so that L =
+ * E albedo p tau e^-tau. Groups of 64 paths estimate their own error: over 200 seeds the mean of
+ * the z-scores is 0 and their variance 1, within 4.5 standard errors and the effect of the skewness
+ * g of a path on groups of 64: -g / 16, and (2 + 7/4 g^2) / 64 (P. Hall, "The Bootstrap and
+ * Edgeworth Expansion", 1992, 2.6). The skewness is at most 4; free flights have hundreds. */
 static void test_clouds_against_the_light(void **state)
 {
     struct neph_scene *scene = *state;

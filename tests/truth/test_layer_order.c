@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Layers above each other: a medium that is cut into layers, in whatever order these are listed, is
- * the medium; seen from below, from inside, from between two layers and from above.
+ * Layers above each other: a medium cut into layers, listed in any order, equals the medium; seen
+ * from below, from inside, from between two layers and from above.
  */
 #include "tests/scene_builders.h"
 
@@ -15,7 +15,7 @@ enum { LAYERS = 3, ORDERS = 6 };
 static const int orders[ORDERS][LAYERS] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
                                            {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
 
-/* What all media are cut to, and the heights between the layers. */
+/* The box of all media, and the heights between the layers. */
 static const struct neph_bounds room = {{-30.0, 0.0, -30.0}, {30.0, 12.0, 30.0}};
 static const double floors_m[LAYERS + 1] = {0.0, 3.5, 7.0, 12.0};
 
@@ -82,7 +82,7 @@ static void check_medium(const char *name, struct neph_medium medium)
             largest = fmax(largest, largest_difference(&whole, &cut, heights_m[h], &seed));
     }
     print_message("%s: cut into layers it is off by %.1e\n", name, largest);
-    /* Quadratures of both are good to 1e-10 of their largest part. */
+    /* Both quadratures are accurate to 1e-10 of their largest part. */
     assert_true(largest < 1e-9);
 }
 
@@ -103,7 +103,7 @@ static void test_a_medium_in_layers_is_the_medium(void **state)
     neph_grid_destroy(grid);
 }
 
-/* A sheet above a cloud, and haze below and around both: whichever is listed first. */
+/* A sheet above a cloud, and haze below and around both: in any order. */
 static void test_any_order_of_layers_is_the_same(void **state)
 {
     struct neph_diag diag = {0};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Whole frames of the oracle: the noise that it reports is the noise it has, the same bits on any
- * number of threads and over any interruption, and refusals in words.
+ * Whole frames of the oracle: the reported noise is the true noise, equal bits with any number of
+ * threads and any interruption, and refusals with a message.
  */
 #include "tests/scene_builders.h"
 
@@ -25,7 +25,7 @@ struct stage {
     struct neph_solid solids[2];
 };
 
-/* A block and a fog in sunlight, over ground, a ball in the block. */
+/* A block and a fog in sunlight, above ground, a ball in the block. */
 static void make_stage(struct stage *stage, enum neph_scattering scattering)
 {
     *stage = (struct stage){.key = {.position_m = {0.5, 2.0, 7.0}, .look_at_m = {0, 1.2, 0}}};
@@ -85,7 +85,7 @@ static void assert_same_bits(const struct neph_image *a, const struct neph_image
     }
 }
 
-/* ---- the noise that it reports ---- */
+/* ---- reported noise --------------- */
 
 /* Pixels of one colour channel. */
 struct scores {
@@ -114,9 +114,9 @@ static struct scores scores_against(const double *truth, const struct neph_image
 }
 
 /* Against exact single scattering, pixel by pixel. Of n independent normal scores the mean has the
- * standard error 1/sqrt(n) and the variance sqrt(2/n). That the variance is itself estimated from
- * N samples of skewness g shifts the mean by g / (2 sqrt N) and the variance by some (2 + 2 g^2)/N:
- * with g <= 2, which was measured for this scene, and N = 512, 0.044 and 0.02. */
+ * standard error 1/sqrt(n) and the variance sqrt(2/n). As the variance is itself estimated from N
+ * samples of skewness g, the mean shifts by g / (2 sqrt N) and the variance by about (2 + 2 g^2)/N:
+ * with g <= 2, measured for this scene, and N = 512, these are 0.044 and 0.02. */
 static void test_reported_noise_is_true(void **state)
 {
     enum { WIDTH = 64, HEIGHT = 36, SAMPLES = 512 };
@@ -142,8 +142,8 @@ static void test_reported_noise_is_true(void **state)
     neph_image_destroy(frame);
 }
 
-/* All orders, colour, surfaces: the difference of two seeds has the sum of their variances. Being
- * symmetric, its mean is not shifted. */
+/* All orders, colour, surfaces: the difference of two seeds has the sum of their variances. It is
+ * symmetric, so its mean is not shifted. */
 static void test_two_seeds_differ_by_their_noise(void **state)
 {
     enum { WIDTH = 48, HEIGHT = 27, SAMPLES = 256 };
@@ -204,11 +204,11 @@ static void test_layers(void **state)
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         const struct neph_vec3 direction =
             neph_camera_ray(&camera, WIDTH, HEIGHT, i % WIDTH, i / WIDTH).direction;
-        stage.scene.media[0].extinction_color = white; /* transport knows grey */
+        stage.scene.media[0].extinction_color = white; /* the transport code supports grey media */
         stage.scene.scattering = NEPH_SCATTERING_NONE;
         const struct neph_ray_light exact = neph_transport_ray(&stage.scene, camera.position_m,
                                                                direction);
-        /* Only the green of the stage is grey: rounding to float, twice. */
+        /* Only the green channel of the stage is grey: rounding to float, twice. */
         neph_assert_close((double)transmittance[1][i], exact.transmittance.g, 1.2e-7, 0.0);
         neph_assert_close((double)dark[1][i], exact.radiance.g, 1.2e-7, 1e-30);
         const double z_m = exact.hit_m * neph_vec3_dot(direction, camera.forward);
@@ -223,7 +223,7 @@ static void test_layers(void **state)
             first_sum += (double)first[j][i];
         }
     }
-    assert_true(more > 0.1 * first_sum); /* there is multiple scattering to see */
+    assert_true(more > 0.1 * first_sum); /* there is a visible part of multiple scattering */
     /* The first order is the same in both; its estimates have the noise of 64 * 576 paths. */
     neph_assert_close(first_sum, single_sum, 0.05, 0.0);
     neph_image_destroy(single);
@@ -231,7 +231,7 @@ static void test_layers(void **state)
     neph_image_destroy(none);
 }
 
-/* Light everywhere alike, nothing absorbed: each pixel is that light, thick cloud or thin. */
+/* Uniform light, no absorption: each pixel has this radiance, for any thickness of the cloud. */
 static void test_white_furnace_frame(void **state)
 {
     struct stage stage;
@@ -252,7 +252,7 @@ static void test_white_furnace_frame(void **state)
     neph_image_destroy(frame);
 }
 
-/* ---- the same bits ---- */
+/* ---- equal bits ------- */
 
 static void test_threads_change_no_bit(void **state)
 {
@@ -274,7 +274,7 @@ static void test_threads_change_no_bit(void **state)
     neph_image_destroy(alone);
 }
 
-/* 13, then 50 samples over the checkpoint: as 50 at once. */
+/* 13, then up to 50 samples from the checkpoint: the same as 50 at once. */
 static void test_resumed_render_has_the_same_bits(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -291,7 +291,7 @@ static void test_resumed_render_has_the_same_bits(void **state)
     struct neph_image *resumed = render(&stage.scene, &params, &stats);
     assert_same_bits(whole, resumed);
     assert_int_equal(stats.collisions, whole_stats.collisions);
-    /* It really did take up the old sums. */
+    /* The old sums are really used. */
     neph_image_destroy(part);
     part = render(&stage.scene, &params, &stats);
     assert_same_bits(whole, part);
@@ -346,7 +346,7 @@ static void test_foreign_and_damaged_checkpoints_are_refused(void **state)
     free(data);
 }
 
-/* ---- ends ---- */
+/* ---- stopping -- */
 
 static void test_target_and_limit(void **state)
 {
@@ -403,7 +403,7 @@ static void *interrupt_soon(void *unused)
     return unused;
 }
 
-/* Last, for an interrupted process stays so. In a child of its own. */
+/* Last, as an interrupted process stays so. In a child process. */
 static void test_interrupted_render_is_resumed(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -426,7 +426,7 @@ static void test_interrupted_render_is_resumed(void **state)
     int status;
     assert_int_equal(waitpid(child, &status, 0), child);
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 42);
-    /* Some rows may be ahead of others by a round of 64 samples: all are brought to one end. */
+    /* Some rows may be ahead by a round of 64 samples: all are brought to the same count. */
     params.samples = 2;
     struct neph_oracle_stats stats;
     struct neph_image *resumed = render(&stage.scene, &params, &stats);
@@ -443,8 +443,8 @@ static void test_interrupted_render_is_resumed(void **state)
 
 /* ---- orthographic cameras ---- */
 
-/* A slab is of one optical depth, sigma d / cos, in all pixels; a ball covers the pixels whose
- * centres lie within its radius, however far it is. */
+/* A slab has the same optical depth, sigma d / cos, in all pixels; a ball covers the pixels with
+ * centres within its radius, at any distance. */
 static void test_parallel_rays(void **state)
 {
     enum { WIDTH = 80, HEIGHT = 60 };
@@ -464,7 +464,7 @@ static void test_parallel_rays(void **state)
     double nearest_m = INFINITY;
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         neph_assert_close(transmittance[i], exp(-0.5 / 0.6), 1e-6, 0.0);
-        /* Pixels are 0.1 m; no centre lies on the circle: two odd squares make no 1600. */
+        /* Pixels are 0.1 m; no centre is on the circle: two odd squares never sum to 1600. */
         const double x_m = 0.1 * (i % WIDTH + 0.5 - WIDTH / 2);
         const double y_m = 0.1 * (i / WIDTH + 0.5 - HEIGHT / 2);
         assert_int_equal(isfinite(depth_m[i]) != 0, x_m * x_m + y_m * y_m < 4.0);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Single paths of the tracer against truths without noise: exact single scattering, slabs by
- * doubling, Chandrasekhar's half-space, the white furnace.
+ * Single paths of the tracer against noise-free truths: exact single scattering, slabs by doubling,
+ * Chandrasekhar's half-space, the white furnace.
  *
  * Tolerances: 4.5 standard errors of the estimate itself (wrong once in 150 000 for a normal
- * variable; the seeds are fixed, so a test that passes stays passing), plus the truth's own error.
+ * variable; the seeds are fixed, so a passing test continues to pass), plus the truth's own error.
  */
 #include "tests/scene_builders.h"
 
@@ -87,7 +87,7 @@ static struct neph_view fixed_view(const struct neph_scene *scene, struct neph_r
 }
 
 /* Lines from a point with directions by the cosine law about an axis: pi times the mean radiance is
- * the flux through a plane across the axis. */
+ * the flux through a plane perpendicular to the axis. */
 static struct neph_view flux_view(const struct neph_scene *scene, struct neph_random *random,
                                   const void *context)
 {
@@ -151,7 +151,7 @@ static void add_medium(struct neph_scene *scene, struct neph_medium medium,
     scene->media[scene->medium_count++] = medium;
 }
 
-/* What one channel of a coloured scene is: a grey scene. Shares the grids. */
+/* The grey scene of one channel of a coloured scene. Shares the grids. */
 static struct neph_scene one_channel(const struct neph_scene *scene, int channel)
 {
     struct neph_scene grey = *scene;
@@ -178,13 +178,13 @@ static const struct line lines[] = {
     {{-6, 1.5, 0.5}, {0.98, -0.17, -0.1}}, /* through all from outside */
     {{0.2, 0.3, 0.4}, {0.1, 0.2, 1}},      /* from inside, upwards */
     {{-1, 6, 0}, {0.1, -1, 0.1}},          /* from above */
-    {{0.1, 1.5, 0.1}, {1, 0, 0}},          /* level, over the wall */
+    {{0.1, 1.5, 0.1}, {1, 0, 0}},          /* level, above the wall */
 };
 
 enum { BRUTE_STEPS = 3000 };
 
-/* Single scattering of one channel by the midpoint rule on its definition, all media together, in
- * t = e^u - 1 m out to 3 km. */
+/* Single scattering of one channel by the midpoint rule on its definition, all media together, in t
+ * = e^u - 1 m out to 3 km. */
 static double brute_force(const struct neph_scene *grey, const struct line *line, int channel,
                           int steps)
 {
@@ -214,12 +214,12 @@ static double brute_force(const struct neph_scene *grey, const struct line *line
 }
 
 /* `error`: of brute force twice the difference to half as many steps, a bound for a rule of second
- * order (steps that straddle a face or a kink included: they are few). */
+ * order (including the few steps that straddle a face or a kink). */
 struct truth {
     double value, error;
 };
 
-/* Radiance of one channel: exact where every medium is a fog, else brute force. */
+/* Radiance of one channel: exact if every medium is a fog, otherwise brute force. */
 static struct truth single_scattering(const struct neph_scene *scene, const struct line *line,
                                       int channel)
 {
@@ -247,8 +247,8 @@ static void check_line(const char *name, const struct neph_scene *scene, const s
     const double most = fmax(truth[0].value, fmax(truth[1].value, truth[2].value));
     double error = 0.0;
     for (int j = 0; j < 3; j++) {
-        /* A channel that hardly sees the media has too few lit paths for a standard error: it must
-         * be right to 2e-3 of the brightest. */
+        /* A channel with very little extinction has too few lit paths for a standard error: it must
+         * be accurate to 2e-3 of the brightest. */
         const double allowed = sigmas * found.error[j] + truth[j].error + 2e-3 * most;
         const double off = fabs(found.mean[j] - truth[j].value);
         if (!(off <= allowed))
@@ -260,7 +260,7 @@ static void check_line(const char *name, const struct neph_scene *scene, const s
     assert_true(error < neph_test_noise(0.04) * most); /* the test can fail */
 }
 
-/* Each channel of the tracer's single scattering against that of its grey scene. */
+/* Each channel of the tracer's single scattering against its grey scene. */
 static void check_single_scattering(const char *name, const struct neph_scene *scene)
 {
     for (size_t i = 0; i < COUNT(lines); i++) {
@@ -292,7 +292,7 @@ static void test_single_scattering_of_one_medium(void **state)
     check_one_medium("voxels", voxels((struct neph_vec3){-1.5, -0.5, -1}, 0.5, 1.3));
 }
 
-/* A wall in view and a bar that shades. */
+/* A visible wall and a bar that casts a shadow. */
 static void add_solids(struct neph_scene *scene, struct neph_solid solids[2])
 {
     solids[0] = (struct neph_solid){
@@ -303,7 +303,8 @@ static void add_solids(struct neph_scene *scene, struct neph_solid solids[2])
     scene->solids = solids;
 }
 
-/* Overlapping, each of another colour, phase and albedo; one channel sees nothing of one. */
+/* Overlapping, with different colours, phase functions and albedos; one medium is absent in one
+ * channel. */
 static void test_single_scattering_of_coloured_media_and_solids(void **state)
 {
     struct neph_solid solids[2];
@@ -318,7 +319,7 @@ static void test_single_scattering_of_coloured_media_and_solids(void **state)
     add_medium(&scene, voxels((struct neph_vec3){-1.5, -0.5, -1}, 0.5, 1.0), &forward,
                (struct neph_rgb){0.2, 1, 1}, (struct neph_rgb){1, 0.7, 0.9});
     check_single_scattering("four media", &scene);
-    scene.media[0] = scene.media[3]; /* two that need candidates, of unlike colours */
+    scene.media[0] = scene.media[3]; /* two that need candidates, with different colours */
     scene.media[1] = scene.media[2];
     scene.medium_count = 2;
     check_single_scattering("voxels and Gaussian", &scene);
@@ -343,8 +344,8 @@ static struct neph_scene slab_scene(double optical_depth, double albedo, struct 
     return scene;
 }
 
-/* Light that enters along the sun's direction and ends in the surroundings, which are seen above
- * (or below) alone, for a black plane closes the other side: reflectance (transmittance). */
+/* Light that enters along the sun's direction and ends in the surroundings, which are visible only
+ * above (or below), as a black plane closes the other side: reflectance (transmittance). */
 static struct estimate share_that_leaves(const struct neph_scene *slab, bool upwards, int samples)
 {
     struct neph_solid plane = {.kind = NEPH_SOLID_BOX};
@@ -396,7 +397,7 @@ static void test_conservative_slabs(void **state)
     }
 }
 
-/* Radiances up and down against doubling. */
+/* Radiances upwards and downwards against doubling. */
 static void check_slab(double optical_depth, double albedo, struct neph_phase phase, int samples)
 {
     static const double cosines[] = {0.25, 0.8};
@@ -413,8 +414,8 @@ static void check_slab(double optical_depth, double albedo, struct neph_phase ph
     const struct neph_scene scene = slab_scene(optical_depth, albedo, phase, params.sun_cosine);
     for (int v = 0; v < params.view_count; v++) {
         const double sine = sqrt(1.0 - cosines[v] * cosines[v]), azimuth = 2.0;
-        /* Light leaves upwards with azimuth `azimuth` against the sunlight's travel, along -x; the
-         * camera looks against it. */
+        /* Light leaves upwards with azimuth `azimuth` against the sunlight's direction of travel,
+         * along -x; the camera looks in the opposite direction. */
         const struct neph_vec3 side = {sine * cos(azimuth), 0, -sine * sin(azimuth)};
         const struct line from_top = {above_m, {side.x, -cosines[v], side.z}};
         const struct line from_bottom = {below_m, {side.x, cosines[v], side.z}};
@@ -436,8 +437,8 @@ static void test_slabs_against_doubling(void **state)
     check_slab(2.0, 0.95, (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, -0.4}, 20000);
 }
 
-/* Any vertical profile is a slab of its whole depth: fog over black ground, a wide grid with an
- * uneven profile, and the atmosphere of a planet so large that it is flat to 1e-5. */
+/* Any vertical profile is equivalent to a slab of its whole depth: fog above black ground, a wide
+ * grid with an uneven profile, and the atmosphere of a planet so large that it is flat to 1e-5. */
 static void check_profile(const char *name, struct neph_medium medium, double optical_depth,
                           bool flights)
 {
@@ -505,7 +506,7 @@ static void test_vertical_profiles_are_slabs(void **state)
     check_profile("shell", atmosphere, 2.0, false);
 }
 
-/* A half-space of absorbing fog that thickens downwards without end. */
+/* A half-space of absorbing fog that thickens downwards to infinity. */
 static void test_half_space_against_chandrasekhar(void **state)
 {
     const double albedo = 0.9, view_cosine = 0.7, sun_cosine = 0.5;

@@ -3,8 +3,8 @@
  * Light between solids against closed forms: form factors of planes, walls and rectangles, the
  * mirrored camera, mirrored lights, the white furnace, the energy in a closed room.
  *
- * Tolerances: 4.5 standard errors of the estimate itself, as in test_path.c; without noise, that of
- * double precision.
+ * Tolerances: 4.5 standard errors of the estimate itself, as in test_path.c; without noise, double
+ * precision.
  */
 #include "tests/scene_builders.h"
 
@@ -36,7 +36,7 @@ static struct estimate estimate_of(double sum, double squares, int n)
     return (struct estimate){mean, sqrt(fmax(0.0, squares / n - mean * mean) / (n - 1))};
 }
 
-/* The mean of the green channel of a part; of NEPH_REFLECTED_PARTS: of what is seen. */
+/* The mean of the green channel of a part; NEPH_REFLECTED_PARTS: of the total. */
 static struct estimate part_seen(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                  struct neph_vec3 direction, struct neph_reflected_limits limits,
                                  int part, int all_samples)
@@ -98,7 +98,7 @@ static void test_ambient_of_a_plane_is_one(void **state)
     assert_true(open.mean == 1.0 && open.error == 0.0);
 }
 
-/* Walls to the sky: half of it is left by one, a quarter by two. */
+/* Walls to the sky: one leaves half of it, two leave a quarter. */
 static void test_ambient_of_a_corner(void **state)
 {
     struct neph_solid solids[] = {floor_of(0.5), grey_box(-far_m, 0, -far_m, 0, far_m, far_m, 0.5),
@@ -108,7 +108,7 @@ static void test_ambient_of_a_corner(void **state)
     assert_mean(ambient(solids, 3, 0.2, 0.01, INFINITY), 0.25);
 }
 
-/* An endless strip hides (1 - cos elevation) / 2 of the cosine-weighted sky. */
+/* An infinite strip hides (1 - cos elevation) / 2 of the cosine-weighted sky. */
 static void test_ambient_of_a_step(void **state)
 {
     static const double distances_m[] = {0.05, 0.5, 1, 3, 20};
@@ -121,8 +121,8 @@ static void test_ambient_of_a_step(void **state)
     }
 }
 
-/* Within a distance D a wall hides a segment of the unit disc, of the directions whose part across
- * the wall is above d / D (Nusselt's analogue). */
+/* Within a distance D a wall hides a segment of the unit disc, of the directions whose component
+ * perpendicular to the wall is above d / D (Nusselt's analogue). */
 static void test_ambient_within_a_distance(void **state)
 {
     static const double distances_m[] = {0.5, 0.9, 1.1, 2, 10};
@@ -135,8 +135,9 @@ static void test_ambient_within_a_distance(void **state)
     }
 }
 
-/* The part of the cosine-weighted hemisphere that a rectangle across the ground fills, of height h
- * and from the nearest point b to one side (Howell, catalogue of configuration factors, B-4). */
+/* The fraction of the cosine-weighted hemisphere that a rectangle perpendicular to the ground
+ * covers, of height h and from the nearest point b to one side (Howell, catalogue of configuration
+ * factors, B-4). */
 static double rectangle_factor(double b, double h, double d)
 {
     const double slant = hypot(d, h);
@@ -152,7 +153,7 @@ static void test_ambient_of_a_board(void **state)
 
 /* ---- diffuse light --------------------------------------------------------------------------- */
 
-/* A board in the sun shines evenly on the ground: its radiance times its form factor. */
+/* A board in the sun lights the ground uniformly: its radiance times its form factor. */
 static void test_one_bounce_off_a_board(void **state)
 {
     const double albedo = 0.6, irradiance = 5.0, d = 0.7;
@@ -172,8 +173,9 @@ static void test_one_bounce_off_a_board(void **state)
                 0.5 * irradiance * 0.6 / M_PI);
 }
 
-/* A board that the picture shows in whole or from half its height on, or not at all: what of its
- * light, and of what it hides, comes from there. The camera looks along x. */
+/* A board that is completely visible on the screen, or from half its height on, or not at all: the
+ * fraction of its light, and of its occlusion, that the screen provides. The camera looks along x.
+ */
 static void test_what_a_screen_knows(void **state)
 {
     const double d = 0.7, height_m = 1.2;
@@ -194,7 +196,8 @@ static void test_what_a_screen_knows(void **state)
                 radiance * whole);
     assert_mean(part_seen(&scene, eye_m, down, limits, NEPH_AMBIENT_ON_SCREEN, 40000), 1 - whole);
 
-    screen.camera.orthographic_height_m = height_m; /* from 0 to height, now from half of it on */
+    screen.camera.orthographic_height_m = height_m; /* the screen was from 0 to height, now it
+                                                       begins at half of it */
     screen.camera.position_m.y = 0;
     screen.aspect = 100.0;
     const double half = 2 * rectangle_factor(2, 0.5 * height_m, d);
@@ -203,7 +206,7 @@ static void test_what_a_screen_knows(void **state)
     assert_mean(part_seen(&scene, eye_m, down, limits, NEPH_AMBIENT_ON_SCREEN, 40000), 1 - half);
     assert_mean(part_seen(&scene, eye_m, down, limits, NEPH_AMBIENT, 40000), 1 - whole);
 
-    /* Behind the camera, and behind something: nothing. */
+    /* Behind the camera, and behind a solid: nothing. */
     screen.camera.position_m = (struct neph_vec3){-2, 0, 0};
     assert_mean(part_seen(&scene, eye_m, down, limits, NEPH_DIFFUSE_ON_SCREEN, 400), 0.0);
     screen.camera.position_m = (struct neph_vec3){10, 0, 0};
@@ -227,7 +230,7 @@ static void make_room(struct neph_solid solids[6], double albedo)
     solids[5] = grey_box(0, 0, z, x, y, z + 1, albedo);
 }
 
-/* A point of a wall, all being alike likely, and the eye a bit before it. */
+/* A uniformly distributed point of a wall, with the eye slightly in front of it. */
 static struct neph_vec3 before_a_wall(uint64_t *seed, struct neph_vec3 *direction)
 {
     const double areas[3] = {room_m[1] * room_m[2], room_m[0] * room_m[2], room_m[0] * room_m[1]};
@@ -245,8 +248,8 @@ static struct neph_vec3 before_a_wall(uint64_t *seed, struct neph_vec3 *directio
     return (struct neph_vec3){at[0], at[1], at[2]};
 }
 
-/* The mean irradiance of all walls: power / area of the lamp, albedo times that of each bounce,
- * 1 / (1 - albedo) of all. */
+/* The mean irradiance of all walls: power / area of the point light, times the albedo for each
+ * bounce, times 1 / (1 - albedo) for all. */
 static void test_energy_in_a_room(void **state)
 {
     const double albedo = 0.7, intensity = 2.0;
@@ -297,7 +300,7 @@ static int make_textured(struct neph_solid *solids)
     return 2;
 }
 
-/* The closed form, the oracle and light between solids, each with code of its own. */
+/* The closed form, the oracle and light between solids, each with its own code. */
 static void test_textures_in_the_sun(void **state)
 {
     struct neph_solid solids[2];
@@ -358,7 +361,7 @@ static void test_textures_in_all_light(void **state)
 
 /* ---- metal ----------------------------------------------------------------------------------- */
 
-/* All that scatters all light is as bright as what is around it, whatever its shape. */
+/* Surfaces that scatter all light are as bright as their surroundings, whatever their shape. */
 static void test_white_furnace(void **state)
 {
     struct neph_solid solids[] = {floor_of(1), make_sphere(0, 1, 0, 1),
@@ -382,8 +385,8 @@ static double seen(double alpha, double cosine)
     return 1 / (1 + 0.5 * (sqrt(1 + alpha * alpha * tangent * tangent) - 1));
 }
 
-/* The light that facets reflect once, by quadrature over facets; with `all`, also what is then
- * caught by others, which makes it 1 (the weak white furnace of Heitz, JCGT 3(2), 2014). */
+/* The light that facets reflect once, by quadrature over facets; with `all`, also the light that
+ * other facets intercept, which makes it 1 (the weak white furnace of Heitz, JCGT 3(2), 2014). */
 static double reflected_once(double alpha, double cos_from, bool all)
 {
     const int n = 600;
@@ -392,7 +395,7 @@ static double reflected_once(double alpha, double cos_from, bool all)
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
             /* tan^2 of the facet's angle is alpha^2 x / (1 - x) of a uniform x; 1 - x = rest^2
-             * takes the steepest facets apart. */
+             * resolves the steepest facets. */
             const double rest = (i + 0.5) / n, tangent = alpha * sqrt(1 - rest * rest) / rest;
             const double cosine = 1 / sqrt(1 + tangent * tangent), sine = tangent * cosine;
             const double azimuth = M_PI * (j + 0.5) / n;
@@ -408,7 +411,7 @@ static double reflected_once(double alpha, double cos_from, bool all)
     return sum / n / n;
 }
 
-/* A plain of rough metal under an even sky, drawn and by the reflectance itself. */
+/* A plane of rough metal under a uniform sky, by sampling and by the reflectance itself. */
 static void test_rough_metal_under_an_even_sky(void **state)
 {
     static const double roughnesses[] = {0.3, 0.6, 1.0}, cosines[] = {0.95, 0.3};
@@ -427,7 +430,7 @@ static void test_rough_metal_under_an_even_sky(void **state)
         }
 }
 
-/* The same light by cosine-drawn directions times the reflectance. */
+/* The same light by cosine-sampled directions times the reflectance. */
 static void test_reflectance_of_rough_metal(void **state)
 {
     const struct neph_vec3 up = {0, 1, 0};
@@ -443,7 +446,7 @@ static void test_reflectance_of_rough_metal(void **state)
     }
     const struct estimate once = estimate_of(sum, squares, samples);
     neph_assert_close(once.mean, reflected_once(0.36, 0.6, false), 1e-4, sigmas * once.error);
-    /* Light goes both ways alike: f(a, b) = f(b, a). */
+    /* Reciprocity: f(a, b) = f(b, a). */
     const struct neph_vec3 to = neph_vec3_normalize((struct neph_vec3){-0.1, 0.4, 0.7});
     neph_assert_close(neph_metal_per_sr(0.6, up, from, to) / to.y,
                       neph_metal_per_sr(0.6, up, to, from) / from.y, 1e-13, 0.0);
@@ -451,11 +454,11 @@ static void test_reflectance_of_rough_metal(void **state)
 
 /* ---- mirrors --------------------------------------------------------------------------------- */
 
-/* A mirror in the plane z = 0, things before it, the sun in its plane. */
+/* A mirror in the plane z = 0, solids in front of it, the sun in its plane. */
 static int make_mirror_stage(struct neph_solid *solids)
 {
     solids[0] = floor_of(0.5);
-    solids[0].surface.texture = (struct neph_paint){/* no pixel sees a line of it */
+    solids[0].surface.texture = (struct neph_paint){/* no pixel crosses a line of it */
                                                     .cell_m = 0.2917,
                                                     .pattern = NEPH_PATTERN_CHECKER,
                                                     .other = make_grey(0.1)};
@@ -467,7 +470,7 @@ static int make_mirror_stage(struct neph_solid *solids)
     return 4;
 }
 
-/* What a mirrored camera sees, times the mirror's colour. */
+/* The view of a mirrored camera, times the mirror's colour. */
 static void test_a_mirror_is_a_mirrored_camera(void **state)
 {
     struct neph_solid solids[4];
@@ -497,7 +500,8 @@ static void test_a_mirror_is_a_mirrored_camera(void **state)
     assert_true(mirrored > 100 && lit > 50);
 }
 
-/* Sun and a lamp that a half-metal mirror throws on the ground, and not beyond its shape. */
+/* Sunlight and a point light's light that a half-metal mirror reflects to the ground, but not
+ * beyond its outline. */
 static void test_light_that_a_mirror_throws(void **state)
 {
     struct neph_solid solids[] = {floor_of(0.5), grey_box(-9, 0, -1, 9, 3, 0, 0.9)};
@@ -512,11 +516,11 @@ static void test_light_that_a_mirror_throws(void **state)
     neph_assert_close(view.direct[0].g, sun * (1 + 0.5 * 0.9), 1e-11, 0.0);
     view = neph_reflected_view(&scene, beyond_m, down);
     neph_assert_close(view.direct[0].g, sun, 1e-11, 0.0);
-    /* A block between the two: the mirror's light comes, the sun's does not; and the other way. */
+    /* A block between the two: the mirror's light arrives, the sun's does not; and vice versa. */
     struct neph_solid shaded[3] = {solids[0], solids[1], grey_box(-9, 0.5, 1.5, 9, 9, 1.6, 0.5)};
     scene.solids = shaded;
     scene.solid_count = 3;
-    view = neph_reflected_view(&scene, near_m, down); /* it hides the sun from both places */
+    view = neph_reflected_view(&scene, near_m, down); /* it hides the sun from both points */
     neph_assert_close(view.direct[0].g, 0.0, 0.0, 0.0);
     shaded[2] = grey_box(-9, 0.4, 0.3, 9, 1.2, 0.4, 0.5);
     view = neph_reflected_view(&scene, near_m, down); /* it hides the mirror */
@@ -532,7 +536,7 @@ static void test_light_that_a_mirror_throws(void **state)
     neph_assert_close(view.direct[0].g, (straight + 0.45 * thrown) / M_PI, 1e-11, 0.0);
 }
 
-/* Turning the world turns the mirror with it. */
+/* Rotating the world rotates the mirror with it. */
 static void test_a_turned_mirror(void **state)
 {
     struct neph_solid solids[] = {floor_of(0.5), grey_box(-9, 0, -1, 9, 3, 1, 0.9)};

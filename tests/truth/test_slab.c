@@ -43,8 +43,8 @@ static void test_h_function(void **state)
     assert_true(isnan(neph_chandrasekhar_h(1.1, 0.3)));
     assert_true(isnan(neph_chandrasekhar_h(0.5, NAN)));
     /* Its own equation, 1/H(mu) = sqrt(1 - w) + (w/2) int mu' H(mu') / (mu + mu') dmu'; at w = 1
-     * also int H = 2. With mu' = x^4 the logarithms at 0 are out of the way, but
-     * for cosines that are smaller than the nodes. */
+     * also int H = 2. mu' = x^4 removes the logarithms at 0, except for cosines smaller than the
+     * nodes. */
     enum { NODES = 60 };
     double x[NODES], weight[NODES];
     neph_gauss_legendre(NODES, x, weight);
@@ -71,8 +71,8 @@ static void test_h_function(void **state)
 
 static const double views5[] = {1.0, 0.7, 0.3, 0.05, 0.01};
 
-/* A slab so thick that e^{-k tau} is rounding. Reflected flux: 1 - sqrt(1 - w) H(mu0). 8 digits is
- * what the nodes promise. */
+/* A slab so thick that e^{-k tau} is below rounding. Reflected flux: 1 - sqrt(1 - w) H(mu0). The
+ * nodes give 8 digits. */
 static void test_half_space(void **state)
 {
     static const double albedos[] = {0.2, 0.9, 0.99};
@@ -95,9 +95,9 @@ static void test_half_space(void **state)
         }
 }
 
-/* Albedo 1, thick: light diffuses. The transmitted flux is H(mu0) / (sqrt 3 (tau + 2 q)), q Hopf's
- * constant (Placzek and Seidel 1947), up to e^-tau. The nodes give 8 digits; rounding acts as an
- * absorption of 1e-16 per event, of which there are tau^2. */
+/* Albedo 1, thick: the diffusion limit. The transmitted flux is H(mu0) / (sqrt 3 (tau + 2 q)), q
+ * Hopf's constant (Placzek and Seidel 1947), up to e^-tau. The nodes give 8 digits; rounding acts
+ * as an absorption of 1e-16 per event; there are tau^2 events. */
 static void test_diffusion_limit(void **state)
 {
     const double q = 0.710446089598763;
@@ -108,7 +108,7 @@ static void test_diffusion_limit(void **state)
             (struct neph_slab_params){depths[i], 1.0, isotropic, mu0, COUNT(views5), views5, 0});
         const double transmitted = h0 / (sqrt(3.0) * (depths[i] + 2.0 * q));
         neph_assert_close(neph_slab_fluxes(slab).transmitted, transmitted, 1e-8, 0.0);
-        /* What leaves has the law of darkening of the Milne problem, H(mu). */
+        /* The transmitted light has the Milne problem's law of darkening, H(mu). */
         for (int v = 0; v < (int)COUNT(views5); v++)
             neph_assert_close(neph_slab_transmitted_per_sr(slab, v, 0.0),
                               transmitted * mu0 * sqrt(3.0) / (4.0 * M_PI) *
@@ -120,8 +120,8 @@ static void test_diffusion_limit(void **state)
 
 /* ---- tables ---- */
 
-/* HG 0.85, albedo 1, sun cosine 0.7: four digits, agreed upon by doubling, cdisort (128 streams)
- * and Monte Carlo. */
+/* HG 0.85, albedo 1, sun cosine 0.7: four digits, on which doubling, cdisort (128 streams) and
+ * Monte Carlo agree. */
 static void test_cloud_fluxes(void **state)
 {
     static const double rows[][3] = {{1.0, 0.0907, 0.9093},
@@ -172,7 +172,7 @@ static double turn(double mu_a, double mu_b, bool same_side, double azimuth_rad)
            sqrt((1.0 - mu_a * mu_a) * (1.0 - mu_b * mu_b)) * cos(azimuth_rad);
 }
 
-/* The second order's radiance / (E albedo^2), summed over all directions between. */
+/* The second order's radiance / (E albedo^2), summed over all directions in between. */
 static double second_order(const struct neph_phase *phase, double tau, double mu0, double mu,
                            bool up, double azimuth_rad)
 {
@@ -195,8 +195,8 @@ static double second_order(const struct neph_phase *phase, double tau, double mu
     return sum;
 }
 
-/* Which of a table of phase functions are taken: all by night; by day the last, which needs most
- * nodes; under the sanitizers the first, which needs least. */
+/* Selects from a table of phase functions: all by night; by day the last, which needs most nodes;
+ * under the sanitizers the first, which needs fewest. */
 static bool is_taken(size_t index, size_t count)
 {
     if (NEPH_TEST_EVERY > 1)
@@ -245,8 +245,8 @@ static void test_second_order(void **state)
     print_message("worst relative difference from the second order: %.2g\n", worst);
 }
 
-/* As the slab thins out, only the first order is left. Isotropic light of one order makes at most
- * 1 - E2(tau/2) of itself in the next, at the middle of the slab. */
+/* In a thin slab only the first order remains. Isotropic light of one order produces at most 1 -
+ * E2(tau/2) of itself in the next, at the middle of the slab. */
 static void test_thin_limit(void **state)
 {
     for (double tau = 1e-1; tau > 1e-6; tau *= 0.01) {
@@ -275,8 +275,8 @@ static const struct neph_phase all_phases[] = {
     {NEPH_PHASE_HENYEY_GREENSTEIN, 0.85},  {NEPH_PHASE_HENYEY_GREENSTEIN, -0.5},
     {NEPH_PHASE_HENYEY_GREENSTEIN, 0.999}, {NEPH_PHASE_HENYEY_GREENSTEIN, -0.999}};
 
-/* No light is lost at albedo 1: each doubling doubles the roundings before it, 1e-16 * 1e3 / 5e-5
- * at the most. */
+/* No light is lost at albedo 1: each doubling doubles the previous roundings, 1e-16 * 1e3 / 5e-5 at
+ * most. */
 static void test_energy_is_conserved(void **state)
 {
     static const double depths[] = {1e-8, 1e-3, 0.3, 4.0, 64.0, 1000.0};
@@ -295,7 +295,7 @@ static void test_energy_is_conserved(void **state)
     assert_true(worst < 1e-10);
 }
 
-/* Fluxes are the integrals of the radiances, first order and azimuths included. */
+/* Fluxes are the integrals of the radiances, including first order and azimuths. */
 static void test_radiances_integrate_to_fluxes(void **state)
 {
     enum { NODES = 64, AZIMUTHS = 160 };
@@ -343,7 +343,7 @@ static void test_reciprocity(void **state)
     }
 }
 
-/* The same answer from other nodes: 8 digits of radiance, also where view and sun coincide; fluxes
+/* The same result with other nodes: 8 digits of radiance, also where view and sun coincide; fluxes
  * of the sharpest phase functions to 1e-6. */
 static void test_number_of_nodes(void **state)
 {
@@ -378,7 +378,7 @@ static void test_number_of_nodes(void **state)
     neph_assert_close(fluxes_of(sharp).reflected, fluxes_of(sharp_other).reflected, 0.0, 1e-6);
 }
 
-/* ---- corners ---- */
+/* ---- extremes --- */
 
 static void test_nothing_there(void **state)
 {

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * Columns that repeat: the step cloud of I3RC, and the cases that slabs answer.
+ * Repeated columns: the step cloud of I3RC, and cases with slabs as the truth.
  */
 #include "tests/neph_test.h"
 
 #include "truth/slab.h"
 #include "truth/step_cloud.h"
 
-/* Within four standard errors of the estimate and of what it is held against: one in 16000 by
- * chance, and the seed is fixed. */
+/* Within four standard errors of the estimate and of the expected value: exceeded once in 16000 by
+ * chance; the seed is fixed. */
 static void assert_estimate(struct neph_estimate estimate, double expected, double expected_error)
 {
     assert_true(estimate.standard_error >= 0.0);
@@ -18,7 +18,7 @@ static void assert_estimate(struct neph_estimate estimate, double expected, doub
 
 /* Case 1 of the intercomparison: 16 columns of optical depth 2, 16 of 18, over 500 m, 250 m thick,
  * Henyey-Greenstein 0.85. Experiments 1..4: sun at 0 and 60 degrees with albedo 1, then with 0.99.
- * Seed and photons are left to the caller. */
+ * The caller sets seed and photons. */
 static struct neph_step_cloud_params i3rc_case(int experiment, double optical_depths[32])
 {
     for (int i = 0; i < 32; i++)
@@ -100,8 +100,8 @@ static void test_equal_columns_are_a_slab(void **state)
     }
 }
 
-/* Columns much wider than thick hardly know of each other: between the two slabs' means. Columns
- * much narrower than a free path are one slab of the mean depth. */
+/* Columns much wider than thick are nearly independent: the result is the mean of two slabs.
+ * Columns much narrower than a free path are one slab of the mean depth. */
 static void test_wide_and_narrow_columns(void **state)
 {
     const double depths[2] = {0.5, 4.0};
@@ -123,7 +123,7 @@ static void test_wide_and_narrow_columns(void **state)
     params.column_width_m = 1e-3;
     params.photons = neph_test_paths(3000);
     neph_assert_ok(neph_step_cloud_solve(&params, &narrow, NULL, NULL), NULL);
-    /* The part of the columns within a few thicknesses of a side: 10 / 1e6. */
+    /* The fraction of the columns within a few thicknesses of a side: 10 / 1e6. */
     assert_estimate(wide.reflected, 0.5 * (reflected[0] + reflected[1]), 1e-4);
     assert_estimate(narrow.reflected, reflected[2], 1e-3);
     assert_true(fabs(reflected[2] - 0.5 * (reflected[0] + reflected[1])) > 0.02);

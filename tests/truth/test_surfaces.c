@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pictures of light between solids: layers that add up, noise that is told, what is refused.
+ * Frames of light between solids: layers that add up, reported noise, refusals.
  */
 #include "tests/scene_builders.h"
 
@@ -80,7 +80,7 @@ static void test_parts_make_the_picture(void **state)
     neph_image_destroy(image);
 }
 
-/* The noise that a picture tells is that between pictures of other seeds. */
+/* The reported noise of a frame is the scatter between frames of different seeds. */
 static void test_noise_is_told(void **state)
 {
     static const char *const names[] = {"diffuse_indirect", "glossy_direct", "ao", NULL};
@@ -103,13 +103,13 @@ static void test_noise_is_told(void **state)
             sum += told[1][p];
         }
         assert_true(sum > 0.0);
-        neph_assert_close(between / sum, 1.0, 0.0, 0.5); /* some 150 pixels of heavy tails */
+        neph_assert_close(between / sum, 1.0, 0.0, 0.5); /* about 150 pixels with heavy tails */
     }
     neph_image_destroy(first);
     neph_image_destroy(second);
 }
 
-/* Single scattering is direct light alone. */
+/* Single scattering is only direct light. */
 static void test_orders_of_scattering(void **state)
 {
     struct test_scene stage;

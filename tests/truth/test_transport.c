@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Light along one ray against 50-digit references, shadows known by hand, brute force, and the
- * scenes whose answer needs no integral at all.
+ * Light along one ray against 50-digit references, shadows by hand, brute force, and scenes with a
+ * result that needs no integral.
  */
 #include "tests/scene_builders.h"
 
@@ -17,8 +17,8 @@ static const double unit_roundoff = 0x1p-53;
 /* Below the range of a double. */
 static const double invisible_per_sr = 1e-290;
 
-/* Slabs from above and below (with mu = mu0), height fog at all heights (up, level, down, from
- * 1e6 m), boxes, fog in boxes, two layers, two media, thin fogs 1e6 m away; three phase functions;
+/* Slabs from above and below (with mu = mu0), height fog at all heights (up, level, down, from 1e6
+ * m), boxes, fog in boxes, two layers, two media, thin fogs 1e6 m away; three phase functions;
  * optical depths 1e-10 .. 1e3. 1e-12, or four roundings of the coordinates. */
 static void test_single_scattering_against_reference(void **state)
 {
@@ -39,7 +39,7 @@ static void test_single_scattering_against_reference(void **state)
                         light.volume.r, r->radiance, error / r->radiance, relative);
             failures++;
         }
-        /* The estimate is honest, up to the rounding that `relative` allows. */
+        /* The estimate is valid, up to the rounding that `relative` allows. */
         if (!(error <= light.quadrature_error + relative * r->radiance + invisible_per_sr))
             failures++;
     }
@@ -48,11 +48,11 @@ static void test_single_scattering_against_reference(void **state)
     assert_int_equal(failures, 0);
 }
 
-/* ---- against the light ---- */
+/* ---- towards the sun ------ */
 
-/* The sun straight ahead: from everywhere on the ray light has the same way, through the whole
- * medium, of whatever shape, so that L = E p tau e^-tau. The phase function is isotropic. 1e-12, or
- * four roundings of the exponent. */
+/* The sun straight ahead: from every point of the ray the optical path is the same, through the
+ * whole medium, of any shape, so that L = E p tau e^-tau. The phase function is isotropic. 1e-12,
+ * or four roundings of the exponent. */
 static void test_the_sun_behind_an_opaque_medium(void **state)
 {
     const struct neph_vec3 ahead = {0, 0, -1};
@@ -83,8 +83,8 @@ static void test_the_sun_behind_an_opaque_medium(void **state)
     }
 }
 
-/* A slab of optical depth 100 and the sun at a slant behind it:
- * L = E p tau e^(-tau / mu0) phi(tau (1 - 1 / mu0)). */
+/* A slab of optical depth 100 and a slanted sun behind it: L = E p tau e^(-tau / mu0) phi(tau (1 -
+ * 1 / mu0)). */
 static void test_a_slanting_sun_behind_a_slab(void **state)
 {
     const double cosine = 0.8, depth = 100.0, far_m = 1e5;
@@ -98,7 +98,7 @@ static void test_a_slanting_sun_behind_a_slab(void **state)
                       1e-12 + 4.0 * unit_roundoff * depth, 0.0);
 }
 
-/* The first 60 optical depths lie in the shadow of a plate. */
+/* The first 60 optical depths are in the shadow of a plate. */
 static void test_light_behind_an_opaque_shadow(void **state)
 {
     const double extinction_per_m = 10.0;
@@ -115,9 +115,9 @@ static void test_light_behind_an_opaque_shadow(void **state)
                       1e-12 + 4.0 * unit_roundoff * 100.0, 0.0);
 }
 
-/* ---- shadows known by hand ---- */
+/* ---- shadows computed by hand -- */
 
-/* Integral of sigma e^{-sigma t} over [low, high]: what an evenly lit stretch shows. */
+/* Integral of sigma e^{-sigma t} over [low, high]: the light of a uniformly lit segment. */
 static double stretch(double extinction_per_m, double low_m, double high_m)
 {
     return exp(-extinction_per_m * low_m) - exp(-extinction_per_m * high_m);
@@ -125,8 +125,8 @@ static double stretch(double extinction_per_m, double low_m, double high_m)
 
 static const struct neph_bounds layer_10m = {{-INFINITY, 0, -INFINITY}, {INFINITY, 10, INFINITY}};
 
-/* Looking along x at height 4 in a layer of 10 m, the sun `slant` to the side per metre up; the
- * light that reaches a point has crossed 6 m of height. */
+/* The view is along x at height 4 in a layer of 10 m, the sun `slant` to the side per metre up;
+ * light crosses 6 m of height to reach a point. */
 static void assert_one_shadow(struct neph_solid solid, double slant, double low_m, double high_m)
 {
     const double sigma = 0.07, secant = sqrt(1.0 + slant * slant);
@@ -142,18 +142,18 @@ static void assert_one_shadow(struct neph_solid solid, double slant, double low_
 
 static void test_shadow_of_one_solid(void **state)
 {
-    /* Above the layer, from 20 to 24 m: 16 and 20 m over the ray. */
+    /* Above the layer, from 20 to 24 m: 16 and 20 m above the ray. */
     assert_one_shadow(make_box(30, 20, -1, 33, 24, 1), 0.0, 30, 33);
     assert_one_shadow(make_box(30, 20, -1, 33, 24, 1), 0.75, 30 - 15, 33 - 12);
     assert_one_shadow(make_box(30, 20, -1, 33, 24, 1), -0.75, 30 + 12, 33 + 15);
     assert_one_shadow(make_box(30, 20, 1, 33, 24, 2), 0.0, 30, 30); /* beside it: nothing */
     struct neph_solid ball = {.kind = NEPH_SOLID_SPHERE, .center_m = {30, 20, 0.6}, .radius_m = 1};
     assert_one_shadow(ball, 0.0, 30 - 0.8, 30 + 0.8);
-    /* A cylinder cut aslant: longer by the secant of the sun, 1.25. */
+    /* An obliquely cut cylinder: longer by the secant of the sun, 1.25. */
     assert_one_shadow(ball, 0.75, 30 - 12 - 1.0, 30 - 12 + 1.0);
 }
 
-/* Two overlapping shadows count once; a solid hit by the ray ends it. */
+/* Two overlapping shadows count once; a solid that the ray hits ends it. */
 static void test_shadows_overlap_and_rays_end(void **state)
 {
     const double sigma = 0.07;
@@ -173,7 +173,7 @@ static void test_shadows_overlap_and_rays_end(void **state)
     assert_true(light.hit_m == 40.0);
 }
 
-/* Height fog, sun overhead, a roof over part of a level ray: density is constant along it. */
+/* Height fog, sun overhead, a roof above part of a level ray: density is constant along it. */
 static void test_shadow_in_height_fog(void **state)
 {
     struct neph_solid roof = make_box(30, 20, -1, 33, 24, 1);
@@ -194,9 +194,9 @@ static void test_shadow_in_height_fog(void **state)
 
 enum { BRUTE_STEPS = 200000 };
 
-/* The midpoint rule on the definition, with the textbook density, and visibility by asking each
+/* The midpoint rule on the definition, with the textbook density, and visibility tested at each
  * point. Returns the radiance and a bound of the rule's error: half a step's worst change at each
- * edge of light, and h^2/24 times the integral of |f''|, taken from second differences. */
+ * edge of light, and h^2/24 times the integral of |f''|, from second differences. */
 static double brute_force(const struct neph_scene *scene, struct neph_vec3 origin,
                           struct neph_vec3 direction, double end_m, double *error)
 {
@@ -249,7 +249,7 @@ struct fence {
     struct neph_solid solids[BARS + 2];
 };
 
-/* The low sun stands behind the fence, so that a ray meets up to 60 shadows. */
+/* The low sun is behind the fence, so that a ray meets up to 60 shadows. */
 static void make_fence(struct fence *fence, const char *name, struct neph_medium medium)
 {
     fence->name = name;
@@ -302,7 +302,7 @@ static void test_fence_against_brute_force(void **state)
             print_message("%-16s ray %zu: relative difference %8.1e, allowed %7.1e\n",
                           fences[f].name, i, light.volume.r / expected - 1.0, allowed / expected);
             neph_assert_close(light.volume.r, expected, 0.0, allowed);
-            /* The bound can see one bar of sixty that throws no shadow. */
+            /* The bound is small enough to detect one bar of sixty without a shadow. */
             assert_true(allowed < 1e-2 * expected);
         }
     test_free(fences);
@@ -325,7 +325,7 @@ static struct neph_medium random_medium(uint64_t *seed)
     return medium;
 }
 
-/* Media that overlap, boxes and spheres, any sun, any ray. */
+/* Overlapping media, boxes and spheres, any sun, any ray. */
 static void test_random_scenes_against_brute_force(void **state)
 {
     const uint64_t first_seed = 161803;
@@ -363,9 +363,9 @@ static void test_random_scenes_against_brute_force(void **state)
     print_message("worst relative difference from 2e5 midpoints, random scenes: %.2g\n", worst);
 }
 
-/* ---- surfaces, switches, furnace ---- */
+/* --- surfaces, switches, furnace ----- */
 
-/* albedo / pi E cos(theta) T_sun, seen through T_view. */
+/* albedo / pi E cos(theta) T_sun, attenuated by T_view. */
 static void test_lambert_through_fog(void **state)
 {
     const double a = 0.02, b = 0.05, mu0 = 0.8, k = -0.6;
@@ -376,7 +376,7 @@ static void test_lambert_through_fog(void **state)
     scene.solid_count = 1;
     scene.solids = &ground;
     scene.scattering = NEPH_SCATTERING_NONE;
-    scene.background_w_per_m2_sr = white; /* seen by the sky alone */
+    scene.background_w_per_m2_sr = white; /* only visible in the sky */
     const struct neph_ray_light light = neph_transport_ray(&scene, (struct neph_vec3){1, 12, 2},
                                                            (struct neph_vec3){0.8, k, 0.0});
     const double to_sun = exp(-a / (b * mu0));
@@ -407,7 +407,7 @@ static void test_a_surface_turned_away_or_shaded_is_black(void **state)
     neph_assert_close(neph_transport_ray(&scene, eye, side).radiance.r, 0.0, 0.0, 0.0);
 }
 
-/* The ground under 1000 km of air is not shaded by its own rounding. */
+/* The ground below 1000 km of air does not shadow itself by rounding. */
 static void test_a_surface_far_away_is_lit(void **state)
 {
     struct neph_solid ground = make_box(-1e7, -10, -1e7, 1e7, 0, 1e7);
@@ -427,7 +427,7 @@ static void test_a_surface_far_away_is_lit(void **state)
     }
 }
 
-/* radiance = volume + T background; each channel has its albedo and its sun. */
+/* radiance = volume + T background; each channel has its own albedo and sun. */
 static void test_parts_add_up(void **state)
 {
     struct neph_medium fog = make_homogeneous(0.3, (struct neph_bounds){{-1, -1, -1}, {1, 1, 1}});
@@ -500,20 +500,20 @@ static void test_what_is_refused(void **state)
     assert_true(neph_transport_is_exact(&scene, reason, sizeof(reason)));
     scene.scattering = NEPH_SCATTERING_MULTIPLE;
     assert_refused(&scene, "multiple scattering");
-    scene.environment_light = true; /* a furnace but for its sun */
+    scene.environment_light = true; /* a furnace, except for its sun */
     scene.background_w_per_m2_sr = white;
     assert_refused(&scene, "multiple scattering");
-    scene.sun.present = false; /* a furnace but for a grey wall */
+    scene.sun.present = false; /* a furnace, except for a grey wall */
     wall.albedo.g = 0.99;
     assert_refused(&scene, "multiple scattering");
-    wall.albedo.g = 1.0; /* a furnace but for a grey fog */
+    wall.albedo.g = 1.0; /* a furnace, except for a grey fog */
     scene.media[0].albedo.b = 0.5;
     assert_refused(&scene, "multiple scattering");
     scene.scattering = NEPH_SCATTERING_SINGLE;
     assert_refused(&scene, "surroundings");
     scene.scattering = NEPH_SCATTERING_NONE; /* the wall is still lit */
     assert_refused(&scene, "surroundings");
-    /* Only attenuation is left: exact whatever the switch says. */
+    /* Only attenuation remains: exact for any setting. */
     wall.albedo = scene.media[0].albedo = (struct neph_rgb){0, 0, 0};
     for (int s = NEPH_SCATTERING_NONE; s <= NEPH_SCATTERING_MULTIPLE; s++) {
         scene.scattering = (enum neph_scattering)s;
@@ -521,7 +521,7 @@ static void test_what_is_refused(void **state)
     }
 }
 
-/* Finite, not negative, T in [0, 1], volume no more than all the sun's light: any corner. */
+/* Finite, not negative, T in [0, 1], volume at most all of the sun's light: all extremes. */
 static void test_never_nonsense(void **state)
 {
     static const double extinctions[] = {0.0, 1e-300, 1e-10, 1e-3, 1.0, 1e3, 1e300};

@@ -34,7 +34,7 @@ static const uint32_t taa_gpu_code[] = {
 
 const struct neph_rt_pass neph_rt_taa = {
     .name = "anti-aliasing",
-    .note = "the mean over jittered frames, held in a neighbourhood clamp",
+    .note = "the mean over jittered frames, with a neighbourhood clamp",
     .shader = {"taa", taa_code, sizeof(taa_code)},
     .variants = {[NEPH_RT_CPU] = {"taa_cpu", taa_cpu_code, sizeof(taa_cpu_code),
                                   .column = RT_TAA_COLUMN},
@@ -55,7 +55,7 @@ static const uint32_t taau_code[] = {
 
 const struct neph_rt_pass neph_rt_taau = {
     .name = "upsampling",
-    .note = "anti-aliasing to a picture of more pixels than are rendered",
+    .note = "anti-aliasing with more output pixels than rendered pixels",
     .shader = {"taau", taau_code, sizeof(taau_code)},
     .condition = {RT_TAA, RT_TAA_UPSAMPLING},
     .resolution = RT_PICTURE,

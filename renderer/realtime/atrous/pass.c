@@ -23,7 +23,7 @@ static const uint32_t atrous_2_code[] = {
 
 const struct neph_rt_pass neph_rt_atrous_2 = {
     .name = "a-trous 2",
-    .note = "the same of texels two apart",
+    .note = "the same with texels two apart",
     .shader = {"atrous_2", atrous_2_code, sizeof(atrous_2_code)},
     .condition = {RT_ATROUS, 1},
     .resolution = RT_HALF,
@@ -37,7 +37,7 @@ static const uint32_t atrous_4_code[] = {
 
 const struct neph_rt_pass neph_rt_atrous_4 = {
     .name = "a-trous 4",
-    .note = "the same of texels four apart",
+    .note = "the same with texels four apart",
     .shader = {"atrous_4", atrous_4_code, sizeof(atrous_4_code)},
     .condition = {RT_ATROUS, 1},
     .resolution = RT_HALF,

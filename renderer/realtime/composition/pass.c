@@ -7,7 +7,7 @@ static const uint32_t code[] = {
 
 const struct neph_rt_pass neph_rt_compose = {
     .name = "composition",
-    .note = "the volume over what is behind it",
+    .note = "the volume composed with the background",
     .shader = {"compose", code, sizeof(code)},
     .condition = {RT_SPLIT, RT_SPLIT_FOUR},
     .done_by_other = {{RT_COMPOSITION, RT_COMPOSITION_TAA},

@@ -7,7 +7,7 @@ static const uint32_t froxel_light_code[] = {
 
 const struct neph_rt_pass neph_rt_froxel_light = {
     .name = "froxel light",
-    .note = "what media near the camera scatter and extinguish, a froxel at a time",
+    .note = "scattered light and extinction of media near the camera, per froxel",
     .shader = {"froxel_light", froxel_light_code, sizeof(froxel_light_code)},
     .condition = {RT_FROXEL_VOLUME, 1},
     .resolution = RT_FROXEL,
@@ -22,7 +22,7 @@ static const uint32_t froxel_sum_code[] = {
 
 const struct neph_rt_pass neph_rt_froxel_sum = {
     .name = "froxel sum",
-    .note = "front to back, what lies before each slice",
+    .note = "light and transmittance in front of each slice, front to back",
     .shader = {"froxel_sum", froxel_sum_code, sizeof(froxel_sum_code)},
     .condition = {RT_FROXEL_VOLUME, 1},
     .resolution = RT_FROXEL_COLUMN,
@@ -36,7 +36,7 @@ static const uint32_t froxel_apply_code[] = {
 
 const struct neph_rt_pass neph_rt_froxel_apply = {
     .name = "froxel composition",
-    .note = "the froxels before the volume that was marched behind them",
+    .note = "froxels composed with the marched volume behind them",
     .shader = {"froxel_apply", froxel_apply_code, sizeof(froxel_apply_code)},
     .condition = {RT_FROXEL_VOLUME, 1},
     .resolution = RT_FULL,
@@ -50,7 +50,7 @@ static const uint32_t lamp_peaks_code[] = {
 
 const struct neph_rt_pass neph_rt_lamp_peaks = {
     .name = "lamp peaks",
-    .note = "what froxels leave out around each lamp, a ray per pixel",
+    .note = "light near each point light that froxels leave out, a ray per pixel",
     .shader = {"lamp_peaks", lamp_peaks_code, sizeof(lamp_peaks_code)},
     .condition = {RT_LAMP_PEAKS, 1},
     .resolution = RT_FULL,

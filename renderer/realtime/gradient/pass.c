@@ -7,7 +7,7 @@ static const uint32_t gradient_code[] = {
 
 const struct neph_rt_pass neph_rt_gradient = {
     .name = "gradient",
-    .note = "what the same rays see that were marched before",
+    .note = "differences of rays that are marched twice",
     .shader = {"gradient", gradient_code, sizeof(gradient_code)},
     .condition = {RT_GRADIENT, 1},
     .done_by_other = {{RT_STEADY, RT_STEADY_KNOWN}, {RT_STEADY, RT_STEADY_UNREAD}},
@@ -26,7 +26,7 @@ static const uint32_t change_code[] = {
 
 const struct neph_rt_pass neph_rt_change = {
     .name = "change",
-    .note = "what has changed around a tile",
+    .note = "change of the light around a tile",
     .shader = {"change", change_code, sizeof(change_code)},
     .condition = {RT_GRADIENT, 1},
     .done_by_other = {{RT_CHANGE_PASS, RT_CHANGE_PASS_RECONSTRUCTION},

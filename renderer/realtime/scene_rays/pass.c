@@ -7,7 +7,7 @@ static const uint32_t code[] = {
 
 const struct neph_rt_pass neph_rt_scene_rays = {
     .name = "scene",
-    .note = "depth and radiance of what is behind all media, a ray per pixel",
+    .note = "depth, and radiance behind all media, a ray per pixel",
     .shader = {"scene_rays", code, sizeof(code)},
     .condition = {RT_SPLIT, RT_SPLIT_FOUR},
     .resolution = RT_FULL,

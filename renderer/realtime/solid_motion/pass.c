@@ -7,7 +7,7 @@ static const uint32_t code[] = {
 
 const struct neph_rt_pass neph_rt_solid_motion = {
     .name = "motion",
-    .note = "how far solids that move have come, a ray per pixel",
+    .note = "motion vectors of moving solids, a ray per pixel",
     .shader = {"solid_motion", code, sizeof(code)},
     .condition = {RT_SOLID_MOTION, 1},
     .resolution = RT_FULL,

@@ -11,7 +11,7 @@ static const uint32_t gpu_code[] = {
 
 const struct neph_rt_pass neph_rt_tile_index = {
     .name = "tile index",
-    .note = "which of its 2x2 half-resolution texels a tile marches",
+    .note = "the half-resolution texel, of 2x2, that each tile marches",
     .shader = {"tile_index", code, sizeof(code)},
     .variants = {[NEPH_RT_GPU] = {"tile_index_gpu", gpu_code, sizeof(gpu_code),
                                   .block = {RT_COLOUR_BLOCK, RT_COLOUR_BLOCK},
