@@ -372,11 +372,11 @@ def capacity(settings):
 
 def page(settings):
     """docs/settings.md"""
-    lines = ["# The settings of `realtime`", "",
-             "Written by `renderer/settings.py . --docs` from the files `settings.toml`: each pass",
-             "has one in its folder, and `shared` those that several passes read. The engines",
-             "`march*` have the settings of the march; where not all of them have one, it names",
-             "those that do: `traced` is `march_traced`, `diffused` is `march_diffused`.", ""]
+    lines = ["# Settings of the ray marchers and of `realtime`", "",
+             "This page lists all settings of engine `realtime`, by pass. Those under *march* are",
+             "also settings of `march` and `march_*`, or of the engines that the row names",
+             "(`traced`: `march_traced`). Words: [glossary.md](glossary.md). Written by",
+             "`renderer/settings.py . --docs` from the files `settings.toml`.", ""]
     for folder in [""] + sorted({setting.folder for setting in settings} - {""}):
         rows = [s for s in settings if s.folder == folder and s.kind != "pipeline"]
         if not rows:

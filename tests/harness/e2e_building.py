@@ -49,7 +49,8 @@ class Packages(unittest.TestCase):
         page = (ROOT / "docs/building.md").read_text()
         for system, column, command in (("ubuntu", 0, "apt-get install"),
                                         ("fedora", 3, "dnf install")):
-            section = page.split(f"<!-- {system} -->")[1].split("<!-- end -->")[0]
+            mark = f"<!-- written by scripts/packages.txt: {system} -->"
+            section = page.split(mark)[1].split("<!-- end -->")[0]
             for need in ("build", "validate", "test"):
                 names = [name for line in packages() if line[2] == need
                          for name in line[column].split(",") if name != "-" and name[-1] != "?"]

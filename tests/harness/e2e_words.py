@@ -99,6 +99,14 @@ class Words(unittest.TestCase):
                    if not (ROOT / page).exists() and "docs/NAME.md" != page]
         self.assertEqual(missing, [])
 
+    def test_exit_codes_are_those_of_the_program(self):
+        page = (ROOT / "docs/verbs.md").read_text().split("\n## Exit codes\n")[1].split("\n## ")[0]
+        told = {(name, code) for code, name in re.findall(r"^\| (\d+) \| (\w+) \|", page, re.M)}
+        rows = re.findall(r'\[NEPH_\w+\] = \{"(\w+)", (\d+)\}',
+                          (ROOT / "base/status.c").read_text())
+        self.assertGreater(len(rows), 10)
+        self.assertEqual(told, set(rows))
+
     def test_lines_are_as_wide_as_a_page(self):
         wide = []
         for name, text in files(C | SCRIPT | PAGE):
