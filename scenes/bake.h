@@ -46,8 +46,8 @@ bool neph_medium_is_whole_grid(const struct neph_medium *medium);
  * Density 1 is the medium's extinction_per_m (for fog, which has none, its largest extinction in
  * the box).
  *
- * NEPH_ERR_INPUT: the box is not finite or is empty, or the lattice is too large, in words.
- * NEPH_ERR_INTERRUPTED. Finish the bake with neph_bake_finish(). */
+ * Errors: NEPH_ERR_INPUT when the box is infinite or empty or the lattice is too large, with the
+ * reason in `diag`; NEPH_ERR_INTERRUPTED. Finish the bake with neph_bake_finish(). */
 enum neph_status neph_medium_bake(const struct neph_medium *medium, const struct neph_bounds *box,
                                   int resolution, struct neph_bake *bake, struct neph_diag *diag);
 

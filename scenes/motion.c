@@ -250,7 +250,7 @@ bool neph_scene_is_static(const struct neph_scene *scene)
 /* --- the static scene of a frame ------------------------------------------------------------- */
 
 /* One block, freed with one call; the scene comes first. */
-struct still {
+struct static_scene {
     struct neph_scene scene;
     struct neph_camera_key camera_key;
     max_align_t rooms[]; /* for neph_medium_borrow() of each medium, then solids that move */
@@ -267,11 +267,11 @@ static size_t count_medium_units(const struct neph_medium *medium)
 }
 
 /* Gives the scene its own copies of the media, which can move. Returns the memory after them. */
-static max_align_t *place_media(struct still *still, struct neph_vec3 by_m)
+static max_align_t *place_media(struct static_scene *static_scene, struct neph_vec3 by_m)
 {
-    max_align_t *room = still->rooms;
-    for (int i = 0; i < still->scene.medium_count; i++) {
-        struct neph_medium *medium = &still->scene.media[i];
+    max_align_t *room = static_scene->rooms;
+    for (int i = 0; i < static_scene->scene.medium_count; i++) {
+        struct neph_medium *medium = &static_scene->scene.media[i];
         neph_medium_borrow(medium, room);
         room += count_medium_units(medium);
         neph_medium_drift(medium, by_m);
@@ -305,13 +305,13 @@ static void stop_time(struct neph_scene *scene)
 }
 
 enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
-                               struct neph_scene **still, struct neph_diag *diag)
+                               struct neph_scene **static_scene, struct neph_diag *diag)
 {
     const size_t solids = has_own_solids(scene) ? (size_t)scene->solid_count : 0;
     size_t room = count_units(solids * sizeof(*scene->solids));
     for (int i = 0; i < scene->medium_count; i++)
         room += count_medium_units(&scene->media[i]);
-    struct still *made = calloc(1, sizeof(*made) + room * sizeof(made->rooms[0]));
+    struct static_scene *made = calloc(1, sizeof(*made) + room * sizeof(made->rooms[0]));
     if (!made)
         return neph_fail_memory(diag);
     made->scene = *scene;
@@ -328,21 +328,22 @@ enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
     if (neph_scene_is_clear(scene, frame))
         made->scene.medium_count = 0;
     stop_time(&made->scene);
-    *still = &made->scene;
+    *static_scene = &made->scene;
     return NEPH_OK;
 }
 
-void neph_scene_shift(struct neph_scene *still, struct neph_vec3 by_m)
+void neph_scene_shift(struct neph_scene *static_scene, struct neph_vec3 by_m)
 {
-    struct neph_camera_key *key = still->camera_keys;
+    struct neph_camera_key *key = static_scene->camera_keys;
     key->position_m = neph_vec3_add(key->position_m, by_m);
     key->look_at_m = neph_vec3_add(key->look_at_m, by_m);
-    for (int i = 0; i < still->medium_count; i++)
-        neph_medium_shift(&still->media[i], by_m);
-    for (int i = 0; i < still->light_count; i++)
-        still->lights[i].position_m = neph_vec3_add(still->lights[i].position_m, by_m);
-    for (int i = 0; i < still->solid_count; i++) {
-        still->solids[i].center_m = neph_vec3_add(still->solids[i].center_m, by_m);
-        still->solids[i].box = neph_bounds_translate(still->solids[i].box, by_m);
+    for (int i = 0; i < static_scene->medium_count; i++)
+        neph_medium_shift(&static_scene->media[i], by_m);
+    for (int i = 0; i < static_scene->light_count; i++)
+        static_scene->lights[i].position_m = neph_vec3_add(static_scene->lights[i].position_m,
+                                                           by_m);
+    for (int i = 0; i < static_scene->solid_count; i++) {
+        static_scene->solids[i].center_m = neph_vec3_add(static_scene->solids[i].center_m, by_m);
+        static_scene->solids[i].box = neph_bounds_translate(static_scene->solids[i].box, by_m);
     }
 }

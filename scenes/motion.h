@@ -64,9 +64,9 @@ bool neph_scene_is_static(const struct neph_scene *scene);
  * a job. Costs one allocation, independent of the size of the scene: all large data are borrowed,
  * so `scene` must outlive the result. Free with neph_scene_destroy(). */
 enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
-                               struct neph_scene **still, struct neph_diag *diag);
+                               struct neph_scene **static_scene, struct neph_diag *diag);
 
 /* Translates a scene from neph_scene_at(); for injections that move the origin. */
-void neph_scene_shift(struct neph_scene *still, struct neph_vec3 by_m);
+void neph_scene_shift(struct neph_scene *static_scene, struct neph_vec3 by_m);
 
 #endif

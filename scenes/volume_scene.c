@@ -130,7 +130,7 @@ static char *format(const char *name, const char *written, const struct neph_gri
         "      # For density 1. The file has no such value: this one gives the densest vertical\n"
         "      # column an optical depth of %g. Replace it by the value of your renderer.\n"
         "      extinction_per_m: %.6g\n"
-        "      albedo: [1, 1, 1] # of what is lost to extinction, the part that is scattered\n"
+        "      albedo: [1, 1, 1] # scattered part of the extinction\n"
         "      phase: henyey_greenstein\n"
         "      asymmetry_g: 0.6 # forward; water droplets have about 0.85\n"
         "\n"

@@ -88,13 +88,13 @@ static struct neph_gpu_mover mover_from(const struct neph_scene *scene,
     const struct neph_placing here = neph_mover_placing(scene, mover, now->frame);
     const struct neph_placing there = neph_mover_placing(scene, mover, before->frame);
     const struct neph_turn a = here.turn, b = there.turn;
-    const bool rests = a.cosine == b.cosine && a.sine == b.sine;
+    const bool is_static = a.cosine == b.cosine && a.sine == b.sine;
     struct neph_gpu_mover made = {
         .first = (uint32_t)mover->first,
         .end = (uint32_t)(mover->first + mover->count),
         .axis = (uint32_t)mover->axis,
-        .cosine = rests ? 1.0f : (float)(a.cosine * b.cosine + a.sine * b.sine),
-        .sine = rests ? 0.0f : (float)(b.sine * a.cosine - b.cosine * a.sine),
+        .cosine = is_static ? 1.0f : (float)(a.cosine * b.cosine + a.sine * b.sine),
+        .sine = is_static ? 0.0f : (float)(b.sine * a.cosine - b.cosine * a.sine),
     };
     set_vector(made.pivot_m, pivot_from(now, now, &here));
     set_vector(made.pivot_before_m, pivot_from(now, before, &there));

@@ -449,10 +449,10 @@ void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observe
     realtime->observer_context = context;
 }
 
-void neph_realtime_use_readable_shaders(struct neph_realtime *realtime, bool leaves)
+void neph_realtime_use_readable_shaders(struct neph_realtime *realtime, bool is_readable)
 {
-    realtime->device.has_no_variants = leaves;
-    neph_rt_absorb_passes(realtime->device.view, realtime->device.kind, !leaves);
+    realtime->device.has_no_variants = is_readable;
+    neph_rt_absorb_passes(realtime->device.view, realtime->device.kind, !is_readable);
 }
 
 void neph_realtime_set_test_hooks(struct neph_realtime *realtime,
@@ -603,14 +603,15 @@ static void read_counters(const struct neph_realtime *realtime, struct neph_real
 /* The split frame: one ray for each tile, or as the settings define it. */
 static enum neph_status render_split(struct neph_realtime *realtime,
                                      const struct neph_realtime_frame *frame,
-                                     const struct neph_scene *still, struct neph_image **image,
-                                     struct progress *made, struct neph_diag *diag)
+                                     const struct neph_scene *static_scene,
+                                     struct neph_image **image, struct progress *made,
+                                     struct neph_diag *diag)
 {
     struct neph_march_scene_cost cost = {made->fill, &made->stats->light_gpu_s, &made->stats->sky};
     made->counts = image;
     if (made->counts)
         memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
-    enum neph_status status = neph_march_scene_update(still, &realtime->march, frame->frame,
+    enum neph_status status = neph_march_scene_update(static_scene, &realtime->march, frame->frame,
                                                       &made->moment, &realtime->scene, &cost, diag);
     realtime->device.is_dark = is_dark(realtime);
     if (!status && frame->given && is_upsampled(realtime))
@@ -653,7 +654,7 @@ static enum neph_status finish(struct neph_realtime *realtime, struct neph_image
 /* The passes after the march read an image on the CPU, which a frame in flight lacks. */
 static enum neph_status submit_frame(struct neph_realtime *realtime,
                                      const struct neph_realtime_frame *frame,
-                                     const struct neph_scene *still,
+                                     const struct neph_scene *static_scene,
                                      const struct neph_march_frame_state *moment,
                                      struct neph_diag *diag)
 {
@@ -667,24 +668,25 @@ static enum neph_status submit_frame(struct neph_realtime *realtime,
                 "cannot be in flight: switch the pass off, or set split=four",
                 pass->name);
     }
-    return neph_march_frame(realtime->whole, still, frame->frame, moment, NULL, NULL, diag);
+    return neph_march_frame(realtime->whole, static_scene, frame->frame, moment, NULL, NULL, diag);
 }
 
 /* Marches every pixel in every frame. */
 static enum neph_status render_whole(struct neph_realtime *realtime,
                                      const struct neph_realtime_frame *frame,
-                                     const struct neph_scene *still, struct neph_image **image,
-                                     struct progress *made, struct neph_diag *diag)
+                                     const struct neph_scene *static_scene,
+                                     struct neph_image **image, struct progress *made,
+                                     struct neph_diag *diag)
 {
     if (frame->given)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "a given depth needs the split frame: set split=four");
     if (!image)
-        return submit_frame(realtime, frame, still, &made->moment, diag);
+        return submit_frame(realtime, frame, static_scene, &made->moment, diag);
     struct neph_image *marched = NULL;
     struct neph_march_stats march;
-    enum neph_status status = neph_march_frame(realtime->whole, still, frame->frame, &made->moment,
-                                               &marched, &march, diag);
+    enum neph_status status = neph_march_frame(realtime->whole, static_scene, frame->frame,
+                                               &made->moment, &marched, &march, diag);
     if (status)
         return status;
     struct neph_realtime_stats *stats = made->stats;
@@ -752,19 +754,19 @@ static struct neph_march_frame_state make_march_transforms(const struct neph_gpu
 /* The static scene of a frame at the world's present origin, with its own or the mirrored
  * camera. */
 static enum neph_status make_static_scene(const struct neph_realtime_frame *frame, bool is_mirrored,
-                                          struct neph_scene **still, struct neph_diag *diag)
+                                          struct neph_scene **static_scene, struct neph_diag *diag)
 {
     const struct neph_injections *injections = neph_scene_injections(frame->scene);
-    const enum neph_status status = neph_scene_at(frame->scene, frame->frame, still, diag);
+    const enum neph_status status = neph_scene_at(frame->scene, frame->frame, static_scene, diag);
     if (status)
         return status;
-    struct neph_camera_key *key = (*still)->camera_keys;
+    struct neph_camera_key *key = (*static_scene)->camera_keys;
     if (is_mirrored) {
         key->position_m.y = 2.0 * injections->mirror.height_m - key->position_m.y;
         key->look_at_m.y = 2.0 * injections->mirror.height_m - key->look_at_m.y;
     }
     if (injections->origin_count > 0)
-        neph_scene_shift(*still, neph_injected_origin_at(injections, frame->frame));
+        neph_scene_shift(*static_scene, neph_injected_origin_at(injections, frame->frame));
     return NEPH_OK;
 }
 
@@ -791,11 +793,11 @@ static enum neph_status inject_history(struct neph_realtime *realtime,
 
 static struct neph_rt_transforms compute_transforms(const struct neph_realtime *realtime,
                                                     const struct neph_realtime_frame *frame,
-                                                    const struct neph_scene *still)
+                                                    const struct neph_scene *static_scene)
 {
     struct neph_rt_transforms now = neph_rt_compute_transforms(
         realtime->device.view, frame->scene, frame->frame, realtime->frame_count, !frame->given);
-    now.camera = neph_scene_camera(still, frame->frame);
+    now.camera = neph_scene_camera(static_scene, frame->frame);
     return now;
 }
 
@@ -845,19 +847,19 @@ static bool has_only_scene_content(const struct neph_realtime *realtime,
 static enum neph_status update_static_state(struct neph_realtime *realtime,
                                             const struct neph_realtime_frame *frame,
                                             bool is_mirrored, bool is_read,
-                                            const struct neph_scene *still, uint32_t *given,
+                                            const struct neph_scene *static_scene, uint32_t *given,
                                             struct neph_diag *diag)
 {
     const bool elides = neph_rt_get_tuning(realtime->device.kind)->elides_outputs;
     struct neph_gpu_view *view = realtime->device.view;
     const bool has_only_scene = !is_mirrored && has_only_scene_content(realtime, frame);
-    const bool rests = view->has_history && !view->is_cut && neph_rt_is_view_static(view) &&
-                       has_only_scene;
+    const bool is_next = view->has_history && !view->is_cut && neph_rt_is_view_static(view) &&
+                         has_only_scene;
     view->settings[RT_STEADY] = RT_STEADY_ASKED;
     if (view->settings[RT_GRADIENT] == 0.0f || realtime->hooks.always_asks_gradient)
         return NEPH_OK;
-    enum neph_status status = neph_rt_static_content_update(&realtime->stillness, still, rests,
-                                                            diag);
+    enum neph_status status = neph_rt_static_content_update(&realtime->stillness, static_scene,
+                                                            is_next, diag);
     if (!status)
         status = neph_rt_scene_cache_bind(&realtime->kept, &realtime->device, realtime->frame_count,
                                           realtime->stillness.pictures, has_only_scene, given,
@@ -882,17 +884,17 @@ static enum neph_status render_size(struct neph_realtime *realtime,
     struct neph_gpu_view *view = realtime->device.view;
     const struct neph_rt_transforms *past = realtime->has_past ? &realtime->past : NULL;
     struct progress made = {.given = 0};
-    struct neph_scene *still = NULL;
+    struct neph_scene *static_scene = NULL;
     int slot;
     enum neph_status status = neph_in_flight_begin(realtime->vulkan, &realtime->flight, &slot,
                                                    diag);
     if (!status)
         status = inject_history(realtime, frame, &past, diag);
     if (!status)
-        status = make_static_scene(frame, is_mirrored, &still, diag);
+        status = make_static_scene(frame, is_mirrored, &static_scene, diag);
     if (status)
         return status;
-    const struct neph_rt_transforms now = compute_transforms(realtime, frame, still);
+    const struct neph_rt_transforms now = compute_transforms(realtime, frame, static_scene);
     made.stats = &realtime->flights[slot];
     made.rays = neph_injected_rays_at(neph_scene_injections(frame->scene), frame->frame);
     *made.stats = (struct neph_realtime_stats){.gpu_s = 0.0};
@@ -901,16 +903,17 @@ static enum neph_status render_size(struct neph_realtime *realtime,
     neph_rt_view_set_transforms(view, frame->scene, &now, past, realtime->frame_count);
     set_solid_motion(realtime, frame->scene);
     set_sun_flags(realtime, frame);
-    status = update_static_state(realtime, frame, is_mirrored, image, still, &made.given, diag);
+    status = update_static_state(realtime, frame, is_mirrored, image, static_scene, &made.given,
+                                 diag);
     made.moment = make_march_transforms(view, &now);
     neph_buffer_ring_advance(&realtime->device.view_turns, &realtime->device.view_buffer);
     neph_rt_device_upload_view(&realtime->device);
     if (!status)
-        status = (realtime->whole ? render_whole : render_split)(realtime, frame, still, image,
-                                                                 &made, diag);
+        status = (realtime->whole ? render_whole : render_split)(realtime, frame, static_scene,
+                                                                 image, &made, diag);
     if (!status)
         status = neph_vulkan_check(realtime->vulkan, diag);
-    neph_scene_destroy(still);
+    neph_scene_destroy(static_scene);
     if (status)
         return status;
     finish_frame(realtime, &now, &made);

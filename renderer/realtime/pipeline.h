@@ -75,8 +75,7 @@ void neph_realtime_destroy(struct neph_realtime *realtime);
  *
  * Errors:
  * - NEPH_ERR_INPUT: the given frame has another size, no Z, a depth that is not above 0, or
- * radiance
- *   that is not finite or is below 0.
+ *   radiance that is not finite or is below 0.
  * - NEPH_ERR_INTERRUPTED as for neph_march_frame(); the sequence cannot be continued.
  * - NEPH_ERR_UNSUPPORTED with `image` NULL: split=none with a pass after the march. */
 enum neph_status neph_realtime_render(struct neph_realtime *realtime,
@@ -110,7 +109,7 @@ void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observe
 
 /* Runs the readable shader of each pass in place of its variant from the next frame on, to compare
  * their times; false: the variants again. */
-void neph_realtime_use_readable_shaders(struct neph_realtime *realtime, bool leaves);
+void neph_realtime_use_readable_shaders(struct neph_realtime *realtime, bool is_readable);
 
 /* For tests: disable optimisations that do not change bits. */
 struct neph_realtime_test_hooks {

@@ -7,62 +7,63 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void copy_content(const struct neph_scene *still, struct neph_rt_content *content)
+static void copy_content(const struct neph_scene *static_scene, struct neph_rt_content *content)
 {
     memset(content, 0, sizeof(*content)); /* with the padding, for memcmp */
-    content->sun.present = still->sun.present;
-    content->sun.direction = still->sun.direction;
-    content->sun.irradiance_w_per_m2 = still->sun.irradiance_w_per_m2;
-    content->background_w_per_m2_sr = still->background_w_per_m2_sr;
-    memcpy(content->lights, still->lights, (size_t)still->light_count * sizeof(still->lights[0]));
-    neph_gpu_scene_pack_media(still, content->media);
+    content->sun.present = static_scene->sun.present;
+    content->sun.direction = static_scene->sun.direction;
+    content->sun.irradiance_w_per_m2 = static_scene->sun.irradiance_w_per_m2;
+    content->background_w_per_m2_sr = static_scene->background_w_per_m2_sr;
+    memcpy(content->lights, static_scene->lights,
+           (size_t)static_scene->light_count * sizeof(static_scene->lights[0]));
+    neph_gpu_scene_pack_media(static_scene, content->media);
 }
 
-static bool has_same_solids(const struct neph_rt_static_content *stillness,
-                            const struct neph_scene *still)
+static bool has_same_solids(const struct neph_rt_static_content *static_content,
+                            const struct neph_scene *static_scene)
 {
-    return stillness->solid_count == still->solid_count &&
-           (still->solid_count == 0 ||
-            memcmp(stillness->solids, still->solids,
-                   (size_t)still->solid_count * sizeof(*still->solids)) == 0);
+    return static_content->solid_count == static_scene->solid_count &&
+           (static_scene->solid_count == 0 ||
+            memcmp(static_content->solids, static_scene->solids,
+                   (size_t)static_scene->solid_count * sizeof(*static_scene->solids)) == 0);
 }
 
-static enum neph_status store_solids(struct neph_rt_static_content *stillness,
-                                     const struct neph_scene *still, struct neph_diag *diag)
+static enum neph_status store_solids(struct neph_rt_static_content *static_content,
+                                     const struct neph_scene *static_scene, struct neph_diag *diag)
 {
-    const size_t bytes = (size_t)still->solid_count * sizeof(*still->solids);
+    const size_t bytes = (size_t)static_scene->solid_count * sizeof(*static_scene->solids);
     struct neph_solid *solids = bytes > 0 ? malloc(bytes) : NULL;
     if (bytes > 0 && !solids)
         return neph_fail_memory(diag);
     if (bytes > 0)
-        memcpy(solids, still->solids, bytes);
-    free(stillness->solids);
-    stillness->solids = solids;
-    stillness->solid_count = still->solid_count;
+        memcpy(solids, static_scene->solids, bytes);
+    free(static_content->solids);
+    static_content->solids = solids;
+    static_content->solid_count = static_scene->solid_count;
     return NEPH_OK;
 }
 
-enum neph_status neph_rt_static_content_update(struct neph_rt_static_content *stillness,
-                                               const struct neph_scene *still, bool rests,
+enum neph_status neph_rt_static_content_update(struct neph_rt_static_content *static_content,
+                                               const struct neph_scene *static_scene, bool is_next,
                                                struct neph_diag *diag)
 {
     struct neph_rt_content content;
-    copy_content(still, &content);
-    const bool has_same = memcmp(&content, &stillness->content, sizeof(content)) == 0 &&
-                          has_same_solids(stillness, still);
-    stillness->pictures = rests && has_same ? stillness->pictures + 1 : 0;
-    stillness->content = content;
-    return has_same ? NEPH_OK : store_solids(stillness, still, diag);
+    copy_content(static_scene, &content);
+    const bool has_same = memcmp(&content, &static_content->content, sizeof(content)) == 0 &&
+                          has_same_solids(static_content, static_scene);
+    static_content->pictures = is_next && has_same ? static_content->pictures + 1 : 0;
+    static_content->content = content;
+    return has_same ? NEPH_OK : store_solids(static_content, static_scene, diag);
 }
 
-void neph_rt_static_content_destroy(struct neph_rt_static_content *stillness)
+void neph_rt_static_content_destroy(struct neph_rt_static_content *static_content)
 {
-    free(stillness->solids);
-    *stillness = (struct neph_rt_static_content){.pictures = 0};
+    free(static_content->solids);
+    *static_content = (struct neph_rt_static_content){.pictures = 0};
 }
 
 /* Frames until a change of 1 has decayed to 0 (CHANGE_LEAST of
- * realtime/gradient/change_around.glsl). */
+ * realtime/gradient/change_samples.glsl). */
 static double count_decay_frames(double hold)
 {
     return hold > 0.0 ? ceil(log(0x1p-14) / log(hold)) + 1.0 : 0.0;
@@ -83,11 +84,11 @@ static bool have_samples(const struct neph_gpu_view *view)
     return !is_cut_twice && view->tile_count[0] > 1 && view->tile_count[1] > 1;
 }
 
-bool neph_rt_is_gradient_known_zero(const struct neph_rt_static_content *stillness,
+bool neph_rt_is_gradient_known_zero(const struct neph_rt_static_content *static_content,
                                     const struct neph_gpu_view *view)
 {
     const double needed = count_sample_frames(view) +
                           count_decay_frames((double)view->settings[RT_CHANGE_HOLD]);
     return view->settings[RT_OVERRIDE_REST] == 0.0f && have_samples(view) &&
-           (double)stillness->pictures >= needed;
+           (double)static_content->pictures >= needed;
 }

@@ -24,14 +24,14 @@ struct neph_rt_static_content {
     uint32_t pictures; /* frames in a row before the latest one with the same content */
 };
 
-/* Compares the content of a frame with the latest one and stores it. `rests`: the frame directly
- * follows the latest one, with the same camera. */
-enum neph_status neph_rt_static_content_update(struct neph_rt_static_content *stillness,
-                                               const struct neph_scene *still, bool rests,
+/* Compares the content of a frame with the latest one and stores it. The flag is true when the
+ * frame directly follows the latest one, with the same camera. */
+enum neph_status neph_rt_static_content_update(struct neph_rt_static_content *static_content,
+                                               const struct neph_scene *static_scene, bool is_next,
                                                struct neph_diag *diag);
 
-/* A zero one is fine. */
-void neph_rt_static_content_destroy(struct neph_rt_static_content *stillness);
+/* A zero-initialised structure is fine. */
+void neph_rt_static_content_destroy(struct neph_rt_static_content *static_content);
 
 /* Whether the gradient of a view is known to be 0, provided that rays see nothing beyond the stored
  * content. False with override_rest, because the two samples of a gradient then come from two

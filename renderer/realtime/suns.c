@@ -8,9 +8,9 @@
 static const double unlike_part = 0.1, unlike_rad = 0.1;
 
 static const struct neph_sun *find_earlier_sun(const struct neph_rt_sun_history *suns,
-                                               uint32_t pictures)
+                                               uint32_t frame_count)
 {
-    return &suns->suns[(suns->last - pictures) % NEPH_RT_SUNS_MAX];
+    return &suns->suns[(suns->last - frame_count) % NEPH_RT_SUNS_MAX];
 }
 
 static bool is_within_tolerance(double a, double b)
@@ -55,9 +55,9 @@ bool neph_rt_sun_history_is_periodic(const struct neph_rt_sun_history *suns, uin
     return !is_steady;
 }
 
-bool neph_rt_sun_history_has_jump(const struct neph_rt_sun_history *suns, uint32_t pictures)
+bool neph_rt_sun_history_has_jump(const struct neph_rt_sun_history *suns, uint32_t frame_count)
 {
-    for (uint32_t i = 0; i < pictures && i + 1 < suns->count; i++)
+    for (uint32_t i = 0; i < frame_count && i + 1 < suns->count; i++)
         if (!are_suns_similar(find_earlier_sun(suns, i), find_earlier_sun(suns, i + 1)))
             return true;
     return false;

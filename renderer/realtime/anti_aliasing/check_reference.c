@@ -454,8 +454,7 @@ static double fetch_age(const struct reference *cpu, const float place_px[2])
     return value[3] >= 1.0f ? fmin(value[3], most) : 1.0;
 }
 
-/* --- share of the clamp, and the blend
- * --------------------------------------------------------- */
+/* --- share of the clamp, and the blend -------------------------------------------------------- */
 
 static const double static_px = 0.02f;
 

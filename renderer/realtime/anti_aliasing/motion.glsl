@@ -81,10 +81,16 @@ vec2 project_from_middle(ViewCamera camera, vec3 point, float depth)
 }
 
 // Motion in pixels since the frame before of a point at eye depth `depth_m`. `from_m`: its motion
-// relative to the camera of that frame. False when the point was behind that camera. Lengths are
-// divided by the depth, so the sky needs no special case and loses no precision. The motion is a
-// difference of two projections: exactly 0 for a static camera. In an orthographic frame all depths
-// move alike, because its camera never turns (scenes/load_motion.c).
+// relative to the camera of that frame. False when the point was behind that camera.
+//
+// Relative to the camera the point is at depth ray now, and was at depth ray - from_m, in the
+// direction ray - from_m / depth. With the projections P of the two cameras
+//
+//     motion = P_now(ray) - P_before(ray - from_m / depth)
+//
+// Lengths are divided by the depth, so the sky needs no special case and loses no precision. The
+// difference of two projections is exactly 0 for a static camera. In an orthographic frame all
+// depths move alike, because its camera never turns (scenes/load_motion.c).
 bool find_motion(vec3 ray, float depth_m, vec3 from_m, out vec2 motion_px)
 {
     precise vec3 ray_before = ray - from_m / view_spread(view_now, depth_m);
@@ -102,9 +108,17 @@ const ivec2 CROSS_2PX[4] = {ivec2(-2, -2), ivec2(2, -2), ivec2(-2, 2), ivec2(2, 
 const ivec2 SQUARE_RING[8] = {ivec2(-1, -1), ivec2(0, -1), ivec2(1, -1), ivec2(-1, 0),
                               ivec2(1, 0),   ivec2(-1, 1), ivec2(0, 1),  ivec2(1, 1)};
 
-// The nearest of the depths of the pixel and of four or eight around it, so that the edge of an
-// object moves with the object; and the object's own motion. As in Unreal the motion is computed at
-// the pixel's place with this depth, not at the neighbour's place.
+// The nearest of the depths of the pixel p and of four or eight around it (x), so that the edge of
+// an object moves with the object; and the object's own motion.
+//
+//     x . . . x
+//     . . . . .                x x x
+//     . . p . .     cross      x p x     square
+//     . . . . .                x x x
+//     x . . . x
+//
+// As in Unreal the motion is computed at the pixel's place with this depth, not at the neighbour's
+// place.
 float nearest_depth(ivec2 pixel, out vec3 moved_m)
 {
     moved_m = vec3(0.0);

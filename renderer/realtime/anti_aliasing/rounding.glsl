@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
 // Stochastic rounding to half floats: random bits choose one of the two neighbours of a value, so
-// that their mean is the value. A history that is rounded to nearest stalls before its limit. A
-// float has 13 bits more than a half: the upper 13 random bits decide.
+// that their mean is the value v: with the distance s of halves at v,
+//
+//     P(s floor(v / s) + s) = v / s - floor(v / s),   else s floor(v / s)
+//
+// A history that is rounded to nearest stalls before its limit. A float has 13 bits more than a
+// half: the upper 13 random bits decide.
 // (Unreal adds up to one step and leaves the rounding to the hardware.)
 #ifndef NEPH_REALTIME_ROUNDING_GLSL
 #define NEPH_REALTIME_ROUNDING_GLSL

@@ -45,7 +45,6 @@
 // of its frames; with taa_medium the history follows the motion of the medium.
 // Left out: the anti-ghosting flag of movers, depth of field, and the unfiltered frame that Unreal
 // blends in where a bilinear history blurs.
-// mixed in where a bilinear history blurs.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 

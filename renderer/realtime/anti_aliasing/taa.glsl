@@ -52,8 +52,7 @@ vec3 relight(vec3 history, ivec2 source, Frame frame, float speed_px)
     return mix(gain, vec3(1.0), beyond(speed_px, STATIC_PX)) * history;
 }
 
-// --- share of the clamp
-// ---------------------------------------------------------------------------
+// --- share of the clamp --------------------------------------------------------------------------
 
 // 0: the pixel is static and in the same light, so that its history is the mean of its frames; 1:
 // the pixel moves or its light changes.
@@ -123,6 +122,12 @@ bool is_responsive(ivec2 source)
            fetch_full(RT_VOLUME, source).a < RESPONSIVE_BELOW;
 }
 
+// With weights w = hdr_weight() of the two colours
+//
+//     weight = alpha w_frame / (alpha w_frame + (1 - alpha) w_history)
+//     result = history + weight (frame - history)
+//
+// A weight of 1 returns the frame bit by bit.
 vec3 blend(vec3 frame, vec3 history, float alpha)
 {
     float frame_part = alpha * hdr_weight(frame);

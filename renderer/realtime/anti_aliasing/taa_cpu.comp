@@ -4,7 +4,6 @@
 // taa.comp for a CPU (lavapipe), with the same bits. A thread processes a column of pixels from top
 // to bottom: two of the three rows of samples around a pixel come from the pixel above, and the
 // weights of the filter are computed once.
-// filter are found once.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 

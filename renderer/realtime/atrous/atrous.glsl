@@ -2,7 +2,17 @@
 //
 // One step of an edge-avoiding a-trous filter of the volume at half resolution, as in C. Schied et
 // al., "Spatiotemporal Variance-Guided Filtering", HPG 2017: 5x5 texels, ATROUS_STEP apart,
-// weighted by a B-spline, by depth, and by the difference of luma relative to its deviation.
+// weighted by a B-spline, by depth, and by the difference of luma relative to its deviation:
+//
+//     w_i = h_x h_y exp(-|l_i - l| / (4 sigma)) exp(-|z_i - z| / (0.1 z))
+//     h   = 1/16  1/4  3/8  1/4  1/16
+//     out = sum w_i v_i / sum w_i
+//
+// with luma l, its deviation sigma and eye depth z. Steps of 1, 2 and 4 texels follow each other,
+// so the filter reaches 2 + 4 + 8 texels with three times 25 taps:
+//
+//     ATROUS_STEP 1     . . x x x x x . .
+//     ATROUS_STEP 2     x . x . x . x . x
 //
 // Differences from SVGF:
 // - The deviation is computed in the 3x3 around a texel of the step's input, from the plane through
@@ -29,8 +39,10 @@ bool is_there(vec4 volume, ivec2 half_pixel)
     return fetch_half(RT_HISTORY_STATE, half_pixel).x > 0.0 && is_sound(volume);
 }
 
-// Deviation of the lumas around, in single steps, from the plane through them, because a slope is
-// no noise; where some of the nine are invalid, from the mean of the others.
+// Deviation of the lumas of 3x3 neighbouring texels from the plane through them (least squares),
+// because a slope is no noise; where some of the nine are invalid, from the mean of the others.
+// With offsets -1, 0, 1 the slope along x is sum l x / sum x^2 = sum l x / 6. The plane has three
+// parameters, so the variance of nine lumas has 9 - 3 = 6 degrees of freedom.
 float deviation_at(ivec2 half_pixel)
 {
     float sum = 0.0, squares = 0.0, count = 0.0;

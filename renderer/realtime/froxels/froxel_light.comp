@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: MIT
 //
 // In each froxel, light that the media scatter towards the camera per metre, and their extinction:
-// sun with the shadows of solids and media, lamps, emission. A froxel has one sample point, which
-// is jittered within it, except for terms with a closed form along its ray (optical depth, and
-// 1/d^2 of lamps). The result is blended with the froxels of the frame before at the same place of
-// the world. Where the surface seen through the sample point lies within the slice, the sample is
-// taken in front of it: behind it may be another room.
+// sun with the shadows of solids and media, point and spot lights, emission. A froxel has one
+// sample point, which is jittered within it, except for terms with a closed form along its ray
+// (optical depth, and 1/d^2 of a light). The result is blended with the froxels of the frame before
+// at the same place of the world. Where the surface seen through the sample point lies within the
+// slice, the sample is taken in front of it: behind it may be another room.
 #extension GL_GOOGLE_include_directive : require
 
 // Defined in froxels.glsl, which needs the view.

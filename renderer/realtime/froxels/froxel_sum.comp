@@ -3,7 +3,6 @@
 // Sums a column front to back: in-scattered radiance and transmittance in front of the far edge of
 // each slice. Each froxel is integrated along its length (froxels.glsl), which conserves energy for
 // any optical depth.
-// energy however thick it is.
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/pass.glsl"

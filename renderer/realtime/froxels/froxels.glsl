@@ -4,8 +4,14 @@
 // into slices of eye depth that grow with depth (B. Wronski, "Volumetric Fog: Unified Compute
 // Shader-Based Solution to Atmospheric Scattering", SIGGRAPH 2014; S. Hillaire, "Physically Based
 // and Unified Volumetric Rendering in Frostbite", SIGGRAPH 2015). Slice edges are at
-//     near ((1 + end / near)^(k / slices) - 1),
-// uniform at first and exponential beyond `near`, with the first at the camera.
+//
+//     e_k = near ((1 + end / near)^(k / slices) - 1),   k = 0 .. slices
+//
+// so e_0 = 0 is the camera and e_slices = end. Below `near` slices are about uniform,
+// near ln(1 + end / near) / slices long; beyond it they grow by a constant factor:
+//
+//     camera |-|-|--|---|-----|--------|-------------| end
+//            e_0 e_1 ..
 //
 // One target has three sections of slices, one below the other: light and extinction of the froxels
 // of even frames, of odd frames, and the sums in front of the far edge of each slice.
@@ -62,8 +68,13 @@ float froxel_reach_m(float extinction_per_m, float length_m)
     return length_m * phi(extinction_per_m * length_m);
 }
 
-// Light and transmittance of a length of one froxel, which is homogeneous:
-// L (1 - e^(-sigma dt)) / sigma.
+// Light and transmittance of a length l of one froxel, which is homogeneous with scattered light j
+// per metre and extinction sigma:
+//
+//     integral 0 .. l of j e^(-sigma t) dt = j (1 - e^(-sigma l)) / sigma = j l phi(sigma l),
+//     phi(x) = (1 - e^-x) / x
+//
+// Unlike j l, it conserves energy for any optical depth (Hillaire 2015).
 vec4 froxel_stretch(vec4 froxel, float length_m)
 {
     return vec4(froxel.rgb * froxel_reach_m(froxel.a, length_m),
@@ -103,10 +114,14 @@ vec4 froxels_before(vec2 place_px, float depth_m, float slope)
     return before;
 }
 
-// A lamp's light peaks with 1/d^2, more sharply than froxel columns can resolve. Within a ball
-// around the lamp the peak is left out of the froxels (march_lamps.glsl) and computed per pixel
-// (lamp_peaks.comp). The radius of the ball is FROXEL_BALL columns: over one column the kernel (1 -
-// (1 - d^2 / R^2)^2) / d^2 changes by an eighth.
+// The light of a point light or spot light peaks with 1/d^2, more sharply than froxel columns can
+// resolve. Within a ball of radius R around the light, the peak is left out of the froxels
+// (march_lamps.glsl) and computed per pixel (lamp_peaks.comp):
+//
+//     1/d^2 = (1 - (1 - d^2/R^2)^2) / d^2     froxels: 2/R^2 - d^2/R^4, finite at the light
+//           + (1 - d^2/R^2)^2 / d^2           lamp_peaks.comp: 0 at the ball's surface
+//
+// R is FROXEL_BALL columns: over one column the froxels' part changes by an eighth.
 const float FROXEL_BALL = 4.0;
 
 float froxel_ball_m(vec3 lamp_m)

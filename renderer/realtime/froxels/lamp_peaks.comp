@@ -1,8 +1,16 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The peaks of lamps, which froxels leave out: light that the media scatter within a ball around
-// each lamp, (1 - d^2 / R^2)^2 of it, along the pixel's own ray, seen through the froxels in front.
+// The peaks of point lights and spot lights, which froxels leave out (froxels.glsl): light that the
+// media scatter within a ball of radius R around each light, (1 - d^2/R^2)^2 of it, along the
+// pixel's own ray, seen through the froxels in front.
+//
+// The ray passes the light at height h. With s from the foot of the height, s = h tan theta:
+//
+//     d^2 = h^2 + s^2,   ds / d^2 = d theta / h
+//
+// Parts of equal angles theta therefore have equal integrals of 1/d^2 (C. Kulla, M. Fajardo,
+// "Importance Sampling Techniques for Path Tracing in Participating Media", EGSR 2012).
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/rays.glsl"
@@ -28,8 +36,8 @@ vec3 integrate_peak_part(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, floa
     return lamp_scattered_per_m(lamp, pass, ray, s0_m, s1_m, peak / length_m) * length_m;
 }
 
-// The visible light of one lamp's peak in front of `end_m`: the optical depth up to the ball comes
-// from the froxels, within the ball from the media at the lamp.
+// The visible light of one light's peak in front of `end_m`, by parts of at most LAMP_PART: each is
+// dimmed by the froxels in front of its middle.
 vec3 integrate_peak(Lamp lamp, ViewRay ray, vec2 place_px, float slope, float end_m)
 {
     LampPass pass = lamp_pass(lamp.position_m, ray, froxel_ball_m(lamp.position_m));

@@ -25,7 +25,7 @@ Change load_change(int target, ivec2 tile)
     return Change(found.rgb, found.a);
 }
 
-// 0 up to `least`, 1 from twice that on.
+// A ramp: 0 up to `least`, 1 from 2 `least` on, linear between; 1 for `least` = 0.
 float beyond(float value, float least)
 {
     return least > 0.0 ? clamp(value / least - 1.0, 0.0, 1.0) : 1.0;

@@ -3,7 +3,6 @@
 // The change around a tile (change_samples.glsl) for a GPU that has the samples in shared memory:
 // they are loaded again instead of kept in registers, three neighbours at a time. Where all samples
 // are unchanged the search for a residue is skipped.
-// samples are the same as before there is nothing to explain.
 #ifndef NEPH_REALTIME_CHANGE_AROUND_GPU_GLSL
 #define NEPH_REALTIME_CHANGE_AROUND_GPU_GLSL
 

@@ -4,9 +4,14 @@
 // of their light, and the largest difference that it does not explain. A setting sun is a gain, by
 // which history is multiplied (relight); the edge of a shadow is a residue.
 //
-// A place is not sampled in every frame, so a change decays over several frames (change_hold);
-// otherwise it would be 0 in the frames between two samples.
-// changes would pass for unchanged by turns.
+// With samples s0 (earlier) and s1 (now) of 3x3 tiles and n frames between them:
+//
+//     gain      g = clamp(sum s1 / sum s0, 1 - relight, 1 + relight)     one for all nine tiles
+//     residue   r = max over the tiles of |s1 - g s0| / max(s1, g s0)    0 .. 1
+//     per frame 1 + (g - 1) / n, the nth root of g to first order
+//
+// A place is not sampled in every frame, so a residue decays over several frames (change_hold):
+// it would else be 0 in the frames between two samples.
 #ifndef NEPH_REALTIME_CHANGE_SAMPLES_GLSL
 #define NEPH_REALTIME_CHANGE_SAMPLES_GLSL
 
@@ -34,6 +39,7 @@ struct Around {
     bool is_same;   // all these tiles have the same light in both samples
 };
 
+// Adds the pair of one tile to the sums, if its earlier sample exists.
 void add(vec4 now, vec4 then, inout Around around)
 {
     precise vec3 sum_now = around.now + now.rgb, sum_then = around.then + then.rgb;
@@ -49,7 +55,7 @@ float find_larger_residue(vec4 now, vec4 then, vec3 gain, float most)
     return residue > most ? residue : most;
 }
 
-// The change per frame.
+// RGB: the gain per frame, from the gain over `frames` frames; A: the residue.
 vec4 scale_to_frame(vec3 gain, float frames, float most)
 {
     precise vec3 gain_of_frame = 1.0 + (gain - 1.0) / frames;

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
-// Two samples of the same light: the gain between them, and the residue, the remaining difference.
+// Two samples of the same light, s0 and later s1: the gain between them, and the residue, the
+// difference that the gain does not explain. For the channels c:
+//
+//     gain      g_c = clamp(s1_c / s0_c, 1 - relight, 1 + relight);  s1_c / 0 counts as 1
+//     residue   r   = max_c |s1_c - g_c s0_c| / max(max_c s1_c, max_c g_c s0_c)
+//
+// No light is negative, so r is in 0 .. 1.
 #ifndef NEPH_REALTIME_GRADIENT_SAMPLES_GLSL
 #define NEPH_REALTIME_GRADIENT_SAMPLES_GLSL
 
 #include "renderer/realtime/shared/view.glsl"
 
-// The factor from light `then` to light `now`, channel by channel, between 1 - relight and
-// 1 + relight.
+// The gain from light `then` to light `now`, channel by channel.
 vec3 gain_between(vec3 now, vec3 then)
 {
     vec3 gain;
@@ -43,7 +48,7 @@ float largest(vec3 value)
     return most > value.b ? most : value.b;
 }
 
-// The largest difference of a channel, relative to the brightest channel.
+// The residue of a pair under a gain.
 float residue_between(vec3 now, vec3 then, vec3 gain)
 {
     precise vec3 expected = gain * then;

@@ -44,7 +44,12 @@ float read_ray_dither(ivec2 tile, ivec2 half_pixel)
 }
 
 // The tile of a ray, square by square, in Morton order within a square, x first: 8 consecutive
-// rays, which lavapipe marches together, are 4x2 tiles, and 32 are 8x4.
+// rays, which lavapipe marches together, are 4x2 tiles, and 32 are 8x4:
+//
+//      0  1  4  5 16 17 20 21
+//      2  3  6  7 18 19 22 23
+//      8  9 12 13 24 25 28 29
+//     10 11 14 15 26 27 30 31
 ivec2 find_ray_tile(int ray)
 {
     const int side = RT_MARCH_BLOCK;

@@ -1,6 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// The neighbourhood clamp: the choice of this frame's rays around a texel that form its box.
+// The neighbourhood clamp of the reconstruction: the choice of rays around a texel, the box around
+// their values, and the clamp of history to it. A texel without a ray in this frame has no value of
+// its own, so the box takes the rays of 3x3 tiles that show the same medium as the texel:
+//
+//     - the nearest ray in depth (nearest_ray()), always;
+//     - rays with about the texel's depth: |z - z_ray| < box_depth z_ray;
+//     - rays with about the nearest ray's transmittance: |T - T_ray| < box_transmittance, or with
+//       contrast = opacity that part of the smaller of the two opacities.
+//
+// The box of `min_max` reaches from the least to the largest value of these rays, the box of
+// `variance` a standard deviation to either side of their mean, extended to the nearest ray.
 #ifndef NEPH_REALTIME_CLAMP_HISTORY_GLSL
 #define NEPH_REALTIME_CLAMP_HISTORY_GLSL
 
@@ -8,8 +18,9 @@
 
 bool in_box[9]; // of the rays around
 
-const float OPACITY_LEAST = 1e-6; // c52e's, against 0 / 0
+const float OPACITY_LEAST = 1e-6; // against 0 / 0; as in c52e/SkyRendering
 
+// Whether two transmittances are about equal.
 bool is_alike(float transmittance, float other)
 {
     precise float difference = abs(transmittance - other);
@@ -21,6 +32,7 @@ bool is_alike(float transmittance, float other)
     return difference < allowed;
 }
 
+// Whether the box includes a ray.
 bool is_accepted(int ray, int nearest, float nearest_through, float center_depth_m,
                  bool is_center_sky)
 {
@@ -45,6 +57,8 @@ void extend_by_rays(inout Box box, int space)
             extend(box, to_space(space, ray_at(i).value));
 }
 
+// The mean and the variance are computed in two passes: in one pass, E[v^2] - E[v]^2 would lose its
+// digits for values that differ little.
 void extend_by_variance(inout Box box, int space)
 {
     float count = 0.0;

@@ -2,6 +2,15 @@
 //
 // Reprojection: the place in the frame before of the medium that a half-resolution texel shows, and
 // the history at that place. Where the scene behind has changed (disocclusion) history is invalid.
+//
+//     t0 - - - - t1     p   the point of the medium on the texel's ray
+//     :     b     :     b   its place in the frame before, from p minus the wind:
+//     :           :             b = texel + P_before(p - wind) - P_now(p) - jitter
+//     :           :         with the projections P of the two cameras
+//     t2 - - - - t3     t   the four texels with centres around b; for b at (x, y) from t0,
+//                           0 .. 1, history is their bilinear mean,
+//                               sum w_i t_i / sum w_i   over the valid taps,
+//                               w = (1 - x) (1 - y), x (1 - y), (1 - x) y, x y
 #ifndef NEPH_REALTIME_HISTORY_GLSL
 #define NEPH_REALTIME_HISTORY_GLSL
 
@@ -29,8 +38,7 @@ bool is_static()
     return IS_VIEW_STATIC && !has_jitter;
 }
 
-// --- value of the history
-// -------------------------------------------------------------------------
+// --- value of the history ------------------------------------------------------------------------
 
 History fetch_history_texel(ivec2 half_pixel)
 {
@@ -86,8 +94,7 @@ History interpolate_history(vec2 place_px)
     return history;
 }
 
-// --- place of the history
-// -------------------------------------------------------------------------
+// --- place of the history ------------------------------------------------------------------------
 
 // A medium without effect on the ray has an infinite distance.
 float known_distance_m(float distance_m)
@@ -166,8 +173,7 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
     return false;
 }
 
-// --- place and value
-// ------------------------------------------------------------------------------
+// --- place and value -----------------------------------------------------------------------------
 
 // The history of a half-resolution texel, given its scene's eye depth and its medium's distance.
 History find_history(ivec2 half_pixel, float depth_m, float distance_m)

@@ -19,9 +19,12 @@ Change change_around_tile(ivec2 tile);
 // --- change -----------------------------------------------------------------------------------
 
 // The difference between the nearest ray and the history of that ray's own texel: relative
-// difference of luminance, or difference of transmittance. A gradient as in C. Schied, C. Peters,
-// C. Dachsbacher, "Gradient Estimation for Real-Time Adaptive Temporal Filtering", HPG 2018; each
-// tile has it without an additional ray.
+// difference of luminance L, or difference of transmittance T,
+//
+//     max(|L_ray - L_history| / max(L_ray, L_history), |T_ray - T_history|)    0 .. 1
+//
+// A gradient as in C. Schied, C. Peters, C. Dachsbacher, "Gradient Estimation for Real-Time
+// Adaptive Temporal Filtering", HPG 2018; each tile has it without an additional ray.
 float change_at_ray(ivec2 tile, int ray)
 {
     ivec2 find_tile = ray_tile(tile, ray);
@@ -87,6 +90,11 @@ vec4 blend(vec4 a, vec4 b, float weight_of_b)
 }
 
 // Weight of a fresh ray. `part`: share of the history's age that counts (box_age).
+//
+//     weight = 1 - part history_fade (1 - 1 / n),   n = min(age, history_age_max)
+//
+// With history_fade = 1 and part = 1 this is 1 / n: the history is the mean of its rays until it
+// has history_age_max of them, and an exponential average from then on.
 float fresh_weight(float age, float part)
 {
     if (!is_set(RT_HISTORY_AGE_MAX))
@@ -109,8 +117,10 @@ vec4 blend_fresh(vec4 history, vec4 ray, float weight)
 // --- without history ----------------------------------------------------------------------------
 
 // Weights of the tile before, the texel's own tile and the tile after along one axis. A texel's
-// centre is a quarter of a tile before its tile's centre; for the other texel the weights are
-// mirrored.
+// centre x is a quarter of a tile before its tile's centre; for the other texel the weights are
+// mirrored:
+//
+//     |     o     |  x  o     |     o     |     o  centres of tiles: 0.75, 0.25 and 1.25 tiles away
 const vec3 LINEAR_WEIGHTS = vec3(0.25, 0.75, 0.0);
 const vec3 GAUSSIAN_WEIGHTS = vec3(0.569782825, 0.939413063, 0.209611387); // exp(-d^2)
 

@@ -14,8 +14,12 @@ float luminance(vec3 color) { return dot(color, vec3(0.2126, 0.7152, 0.0722)); }
 // 4 times the luma of YCoCg.
 float luma_4(vec3 color) { return color.r + 2.0 * color.g + color.b; }
 
-// RT_SPACE_YCOCG has all three axes 4 times as long: sums of whole multiples are rounded less.
-// RT_SPACE_REINHARD compresses by the luminance, RT_SPACE_CHANNELS each channel by itself.
+// The spaces, with luminance L:
+//
+//     YCOCG      Y = (R + 2 G + B) / 4,  Co = (R - B) / 2,  Cg = (2 G - R - B) / 4; all three times
+//                4: sums of whole multiples are rounded less
+//     REINHARD   (R, G, B) / (1 + L)
+//     CHANNELS   c / (1 + |c|), each channel by itself
 vec3 to_space(int space, vec3 color)
 {
     switch (space) {

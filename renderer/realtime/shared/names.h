@@ -15,7 +15,7 @@
 //   SOLIDS       number of solids of the scene, or RT_SOLIDS_UNKNOWN (known_solids.glsl)
 //   HALVES       the driver's conversions of halves that are used (renderer/halves.h)
 //   GPU_ACCESS   the form of shared/device.glsl
-//   RESTS        the static parts of the frame
+//   STATIC_PARTS the static parts of the frame
 //   BALLS        which of few solids are spheres, in two constants
 //   DARK         rays compute only transmittance (realtime/ray_march/ray_march.comp)
 //   CHOICE       the first constant with choices

@@ -270,8 +270,16 @@ void put(int target, ivec2 texel, vec4 value)
     }
 }
 
-// Elements by their place in the view: pixels, half-resolution texels or tiles, clamped to its
-// sides.
+// Elements by their place in the view: pixels (fetch_full), pixels of the output (fetch_output),
+// half-resolution texels (fetch_half) or tiles (fetch_tile), clamped to its sides. A tile:
+//
+//     +-------+-------+
+//     | p   p | p   p |     4x4 pixels p, 2x2 half-resolution texels,
+//     | p   p | p   p |     one element at quarter resolution
+//     +-------+-------+
+//     | p   p | p   p |
+//     | p   p | p   p |
+//     +-------+-------+
 vec4 fetch_full(int target, ivec2 pixel)
 {
     return fetch(target, view_origin() + clamp(pixel, ivec2(0), view_size() - 1));

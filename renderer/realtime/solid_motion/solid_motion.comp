@@ -25,6 +25,10 @@ vec3 turned_back(Mover mover, vec3 v)
     return vec3(c * v.x - s * v.y, s * v.x + c * v.y, v.z);
 }
 
+// The displacement of a point x of a solid, with the mover's rotation R back to the frame before:
+//
+//     x - x_before = (a - R a) + (pivot - pivot_before),   a = x - pivot
+//
 // A static mover gives exactly 0: both differences are between equal numbers.
 vec3 moved_m(uint solid, vec3 point_m, out float is_mover)
 {

@@ -18,7 +18,11 @@ ivec2 target_size(int target)
     return ivec2(view.targets[target].width, view.targets[target].height);
 }
 
-// Indexed by RT_SLOT_ORDER_*.
+// The place of each slot in its tile, indexed by RT_SLOT_ORDER_*:
+//
+//     clockwise   raster   diagonal   anticlockwise
+//       0 1        0 1       0 2          0 3
+//       3 2        2 3       3 1          1 2
 const ivec2 SLOT_PLACES[4][4] = ivec2[4][4](
     ivec2[4](ivec2(0, 0), ivec2(1, 0), ivec2(1, 1), ivec2(0, 1)),
     ivec2[4](ivec2(0, 0), ivec2(1, 0), ivec2(0, 1), ivec2(1, 1)),
