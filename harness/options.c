@@ -44,7 +44,7 @@ static const struct neph_cli_option shared_options[] = {
      .at = offsetof(struct neph_cli_shared, engine)},
     {"error", 0, "E", .help = "Relative RMSE of radiance against the truth"},
     {"exposure", 0, "EV", .help = "Display value = 2^EV times radiance"},
-    {"fps", 0, "HZ", .help = "Frame rate of the display (default: what the frames say, else 60)"},
+    {"fps", 0, "HZ", .help = "Frame rate of the display (default: the frames' attribute, else 60)"},
     {"frames", 0, "N", .help = "Frames of the sequence"},
     {"jobs", 'j', "N", "Processes that render at the same time; results do not depend on it",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_cli_shared, jobs), .minimum = 1, .maximum = 256},
