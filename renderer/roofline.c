@@ -31,10 +31,8 @@ static const struct sizes {
 } cpu_sizes = {(size_t)64 << 20, 1u << 12, 64, 1u << 12, 256},
   gpu_sizes = {(size_t)512 << 20, 1u << 20, 256, 1u << 21, 1024};
 
-enum {
-    arithmetic_rows = 8
-}; /* operations of a thread's turn, in shaders/ceiling_arithmetic.comp
-                               */
+/* Operations of a thread's turn, in shaders/ceiling_arithmetic.comp. */
+enum { arithmetic_rows = 8 };
 
 enum { grid_side = 128 };
 

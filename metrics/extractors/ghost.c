@@ -21,11 +21,8 @@
 #include <math.h>
 #include <stdint.h>
 
-enum {
-    AGE_COUNT = 4,
-    AGE_LAST = 32
-}; /* number of ages with a metric; last age with counted
-    * ghosts */
+/* The number of ages with a metric, and the last age with counted ghosts. */
+enum { AGE_COUNT = 4, AGE_LAST = 32 };
 
 static const int ages[AGE_COUNT] = {1, 4, 8, 16};
 static const double ghost_share = 0.1;

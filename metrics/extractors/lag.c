@@ -32,11 +32,8 @@
 #include <stdint.h>
 
 enum { RESIDUAL_FRAME = 16, PHASE_COUNT = 4, LIMIT_COUNT = 3 };
-enum {
-    GHOST_LIMIT = 1,
-    GHOST_FRAMES = 32
-}; /* index of the ghost limit; frames in which ghosts are
-    * summed */
+/* The index of the ghost limit, and the frames over which ghosts are summed. */
+enum { GHOST_LIMIT = 1, GHOST_FRAMES = 32 };
 
 static const double limits[LIMIT_COUNT] = {0.5, 0.1, 0.01};
 

@@ -1,18 +1,20 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""reduce.py FOLDER: seen.csv, error.csv and pairs.csv from FOLDER/flicker.csv, which goes.
+"""reduce.py FOLDER: TABLE.csv of each metric and pairs.csv from FOLDER/flicker.csv, which goes.
 
-seen.csv and error.csv: the mean over seeds of a scene and a preset, of the flicker seen (contrast
-over threshold) and of the relative RMSE. pairs.csv: the geometric mean over scenes of the first
-preset over each other one, with Student's 95 % interval of the logarithm."""
+TABLE.csv has the mean over seeds of a scene and a preset: flicker seen (contrast over threshold),
+relative RMSE, half-life [frames], ghosts [area times frames]. pairs.csv has the geometric mean over
+scenes of the first preset over each other one, with Student's 95 % interval of the logarithm, over
+the scenes in which both have a value above 0."""
 import csv
 import math
 import pathlib
 import statistics
 import sys
 
-METRICS = {"seen": "seen_contrast", "error": "rel_rmse"}
-T_OF_12 = 2.201  # Student's t, 11 degrees of freedom, 97.5 %
+METRICS = {"seen": "seen_contrast", "error": "rel_rmse", "half_life": "half_life_p50",
+           "ghosts": "ghost_area_frames"}
+STUDENT_T = {9: 2.306, 10: 2.262, 11: 2.228, 12: 2.201}  # 97.5 %, by the number of scenes
 
 
 def write(path, rows):
@@ -32,20 +34,21 @@ def main():
                 values.setdefault(key, []).append(float(row["value"]))
                 scenes[row["scene"]] = presets[row["preset"]] = None
     means = {key: statistics.fmean(found) for key, found in values.items()}
-    assert len(scenes) == 12, "t is of 12 scenes"
+    first, *others = presets
     for table, metric in METRICS.items():
         write(folder / f"{table}.csv", [
-            {"scene": scene} | {preset: f"{means[metric, scene, preset]:.6g}" for preset in presets}
-            for scene in scenes])
-    first, *others = presets
+            {"scene": scene} | {preset: f"{means[metric, scene, preset]:.6g}" for preset in presets
+                                if (metric, scene, preset) in means}
+            for scene in scenes if (metric, scene, first) in means])
     pairs = []
     for second in others:
         row = {"first": first, "second": second}
         for table, metric in METRICS.items():
-            logs = [math.log(means[metric, scene, first] / means[metric, scene, second])
+            both = [(means.get((metric, scene, first), 0.0), means.get((metric, scene, second), 0.0))
                     for scene in scenes]
+            logs = [math.log(a / b) for a, b in both if a > 0.0 and b > 0.0]
             mean = statistics.fmean(logs)
-            half = T_OF_12 * statistics.stdev(logs) / math.sqrt(len(logs))
+            half = STUDENT_T[len(logs)] * statistics.stdev(logs) / math.sqrt(len(logs))
             for name, value in (("times", mean), ("low", mean - half), ("high", mean + half)):
                 row[f"{table}_{name}"] = f"{math.exp(value):.4g}"
             row[f"{table}_better"] = sum(value < 0.0 for value in logs)

@@ -4,6 +4,7 @@
 import collections
 import pathlib
 import re
+import sys
 import unittest
 
 import neph_case
@@ -172,6 +173,19 @@ def commands():
                 yield path.name, found[1].split()
 
 
+VERBS = re.compile(r"(<!-- written by tests/harness/e2e_flags.py --write -->\n)(.*?)(<!-- end -->)",
+                   re.DOTALL)
+
+
+def page_of_verbs():
+    """docs/verbs.md with the table of verbs as `neph --help` has it."""
+    found = re.findall(r"^  (\w+) +(.*)$", ask().split("\n\n`neph")[0], re.MULTILINE)
+    rows = "".join(f"| `{name}` | {text} |\n" for name, text in found)
+    page = (ROOT / "docs/verbs.md").read_text()
+    return VERBS.sub(lambda match: f"{match[1]}| verb | purpose |\n| --- | --- |\n{rows}{match[3]}",
+                     page)
+
+
 class Pages(unittest.TestCase):
     maxDiff = None
 
@@ -196,6 +210,11 @@ class Pages(unittest.TestCase):
                     wrong.append(f"{page}: neph {' '.join(words)}: no {word}")
         self.assertEqual(wrong, [])
         self.assertGreater(count, 50)
+
+    def test_the_page_has_every_verb(self):
+        page = (ROOT / "docs/verbs.md").read_text()
+        self.assertRegex(page, VERBS)
+        self.assertEqual(page, page_of_verbs())
 
     def test_the_manual_has_every_flag(self):
         text = (pathlib.Path(neph_case.NEPH).parent / "neph.1").read_text().replace("\\-", "-")
@@ -287,4 +306,7 @@ class Commands(neph_case.NephCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    if sys.argv[1:] == ["--write"]:
+        (ROOT / "docs/verbs.md").write_text(page_of_verbs())
+    else:
+        unittest.main()

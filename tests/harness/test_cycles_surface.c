@@ -62,7 +62,7 @@ static void test_light_of_mirrors_is_refused(void **state)
     test_add_sphere(&stage, (struct neph_vec3){0, 1, -5}, 1);
     stage.solids[0].surface.metalness = 1.0;
     assert_false(test_can_render(&neph_engine_cycles, &stage.scene, reason, sizeof(reason)));
-    assert_non_null(strstr(reason, "in a mirror"));
+    assert_non_null(strstr(reason, "with a mirror"));
     stage.solids[0].surface.roughness = 0.1;
     assert_true(test_can_render(&neph_engine_cycles, &stage.scene, reason, sizeof(reason)));
     stage.solids[0].surface.roughness = 0.0;

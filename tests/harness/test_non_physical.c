@@ -28,7 +28,7 @@ static void test_which_engines_are_non_physical(void **state)
         {"march", "fog=unreal", true, "fog=unreal"},
         {"march_traced", "fog=filament", true, "fog=filament"},
         {"march_octaves", NULL, true, NULL},
-        {"fog_look", NULL, true, "look of the fog"},
+        {"fog_look", NULL, true, "fog model"},
         {"realtime", "lighting=single", false, NULL},
         {"realtime", "lighting=traced", false, NULL},
         {"realtime", "lighting=octaves", true, NULL},

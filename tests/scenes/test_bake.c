@@ -190,7 +190,7 @@ static void test_unbakeable_media(void **state)
         int resolution;
         const char *words;
     } cases[] = {
-        {everywhere, 64, "no end"},  {flat, 64, "nothing"},   {unit_box, 1, "2..1024"},
+        {everywhere, 64, "no end"},  {flat, 64, "exclude the whole"}, {unit_box, 1, "2..1024"},
         {unit_box, 1025, "2..1024"}, {unit_box, 1000, "MiB"},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
