@@ -143,8 +143,8 @@ class Flags(unittest.TestCase):
         self.assertEqual([names for text, names in texts.items() if text and len(names) > 1], [])
 
     def test_old_names_warn_in_one_line_and_work(self):
-        table = re.findall(r'^    \{"([\w ]+)", "([\w-]+)", "([\w-]+)"\},$',
-                           (ROOT / "harness/old_options.c").read_text(), re.MULTILINE)
+        table = old_options()
+        self.assertEqual((ROOT / "docs/flags.md").read_text(), page_of_flags())
         page = [tuple(cell.strip("`").removeprefix("--") for cell in row)
                 for row in rows("## Old names")]
         self.assertEqual(page, table)
@@ -173,17 +173,34 @@ def commands():
                 yield path.name, found[1].split()
 
 
-VERBS = re.compile(r"(<!-- written by tests/harness/e2e_flags.py --write -->\n)(.*?)(<!-- end -->)",
-                   re.DOTALL)
+WRITTEN = re.compile(r"(<!-- written by tests/harness/e2e_flags.py --write -->\n)(.*?)(<!-- end -->)",
+                     re.DOTALL)
+
+
+def with_table(page, rows):
+    """A page with the rows in its written table, whose head stays."""
+    def renew(match):
+        head = "".join(match[2].splitlines(keepends=True)[:2])
+        return f"{match[1]}{head}{rows}\n{match[3]}"
+    return WRITTEN.sub(renew, (ROOT / page).read_text())
 
 
 def page_of_verbs():
     """docs/verbs.md with the table of verbs as `neph --help` has it."""
     found = re.findall(r"^  (\w+) +(.*)$", ask().split("\n\n`neph")[0], re.MULTILINE)
-    rows = "".join(f"| `{name}` | {text} |\n" for name, text in found)
-    page = (ROOT / "docs/verbs.md").read_text()
-    return VERBS.sub(lambda match: f"{match[1]}| verb | purpose |\n| --- | --- |\n{rows}{match[3]}",
-                     page)
+    return with_table("docs/verbs.md", "".join(f"| `{name}` | {text} |\n" for name, text in found))
+
+
+def old_options():
+    """(verb, old, new) of each row in the code."""
+    return re.findall(r'^    \{"([\w ]+)", "([\w-]+)", "([\w-]+)"\},$',
+                      (ROOT / "harness/old_options.c").read_text(), re.MULTILINE)
+
+
+def page_of_flags():
+    """docs/flags.md with the table of old names as the code has it."""
+    return with_table("docs/flags.md", "".join(f"| `{verb}` | `--{old}` | `--{new}` |\n"
+                                               for verb, old, new in old_options()))
 
 
 class Pages(unittest.TestCase):
@@ -213,7 +230,7 @@ class Pages(unittest.TestCase):
 
     def test_the_page_has_every_verb(self):
         page = (ROOT / "docs/verbs.md").read_text()
-        self.assertRegex(page, VERBS)
+        self.assertRegex(page, WRITTEN)
         self.assertEqual(page, page_of_verbs())
 
     def test_the_manual_has_every_flag(self):
@@ -308,5 +325,6 @@ class Commands(neph_case.NephCase):
 if __name__ == "__main__":
     if sys.argv[1:] == ["--write"]:
         (ROOT / "docs/verbs.md").write_text(page_of_verbs())
+        (ROOT / "docs/flags.md").write_text(page_of_flags())
     else:
         unittest.main()
