@@ -173,8 +173,8 @@ def commands():
                 yield path.name, found[1].split()
 
 
-WRITTEN = re.compile(r"(<!-- written by tests/harness/e2e_flags.py --write -->\n)(.*?)(<!-- end -->)",
-                     re.DOTALL)
+WRITTEN = re.compile(
+    r"(<!-- written by tests/harness/e2e_flags.py --write -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 
 def with_table(page, rows):
@@ -188,7 +188,8 @@ def with_table(page, rows):
 def page_of_verbs():
     """docs/verbs.md with the table of verbs as `neph --help` has it."""
     found = re.findall(r"^  (\w+) +(.*)$", ask().split("\n\n`neph")[0], re.MULTILINE)
-    return with_table("docs/verbs.md", "".join(f"| `{name}` | {text} |\n" for name, text in found))
+    return with_table("docs/verbs.md",
+                      "".join(f"| `{name}` | {text} |\n" for name, text in found))
 
 
 def old_options():
