@@ -2,9 +2,11 @@
  *
  * Suites: lists of scenes for studies, with a reason for each, in scenes/studies/.
  *
- *   {"format": FORMAT, "suites": {NAME: [{"scene": ..., "reason": ..., ...}, ...], ...}}
+ *   {"format": FORMAT, "shut": {NAME: REASON},
+ *    "suites": {NAME: [{"scene": ..., "reason": ..., ...}, ...], ...}}
  *
- * A scene is in one suite only, so that methods tuned on one suite are judged on another.
+ * A scene is in one suite only, so that methods tuned on one suite are judged on another. No preset
+ * is measured on a suite under "shut" before the settings are chosen.
  */
 #ifndef NEPH_HARNESS_STUDY_SUITES_H
 #define NEPH_HARNESS_STUDY_SUITES_H

@@ -1,8 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """`neph scenes`: scene templates, all errors of a file, a .vdb in place of a scene."""
+import json
 import math
+import pathlib
 import re
+import shutil
+import subprocess
+import sys
 import unittest
 
 import frames
@@ -97,6 +102,18 @@ class Scenes(neph_case.NephCase):
         said = self.neph("scenes", "old.yaml", said="warning: old.yaml:7: the key `physics` is now "
                          "called `description`")
         self.assertIn("\nwords\n", said.stdout)
+
+    def test_scenes_in_motion_are_those_of_their_script(self):
+        kept = neph_case.ROOT / "scenes/studies/motion"
+        for script in kept.glob("*.py"):
+            shutil.copy(script, self.folder)
+        subprocess.run([sys.executable, "-B", "motion.py"], cwd=self.folder, check=True)
+        written = {file.name: file.read_text() for file in self.folder.glob("*.yaml")}
+        self.assertEqual(written, {file.name: file.read_text() for file in kept.glob("*.yaml")})
+        suites = json.loads((neph_case.ROOT / "scenes/studies/flicker.json").read_text())["suites"]
+        listed = [pathlib.Path(entry["scene"]).name
+                  for suite in ("motion", "motion_test") for entry in suites[suite]]
+        self.assertEqual(sorted(written), sorted(listed))
 
     def test_a_vdb_is_a_scene(self):
         vdb = self.volume()

@@ -87,9 +87,32 @@ static void test_a_reference_has_no_shadow_map(void **state)
 
 /* ---- suites ---------------------------------------------------------------------------------- */
 
+static void assert_renders(const struct neph_scene *scene, const char *name, const char *preset)
+{
+    char reason[512];
+    const struct neph_engine *engine = neph_engine_find(name);
+    struct neph_settings settings = neph_settings_default(engine);
+    if (preset)
+        neph_assert_ok(neph_settings_preset(engine, preset, &settings, NULL), NULL);
+    neph_settings_adapt_to_scene(engine, scene, &settings);
+    if (!neph_engine_can_render(engine, scene, &settings, reason, sizeof(reason)))
+        fail_msg("%s, %s: %s", scene->name, preset ? preset : name, reason);
+}
+
+/* All presets, their reference, and engine `exact` if the description names it. */
+static void assert_engines_of_the_study_render(const struct neph_scene *scene)
+{
+    const struct neph_preset *preset = neph_engine_find("realtime")->presets;
+    assert_renders(scene, "march", NULL);
+    if (strstr(scene->description, "engine `exact`"))
+        assert_renders(scene, "exact", NULL);
+    for (; preset->name; preset++)
+        assert_renders(scene, "realtime", preset->name);
+}
+
 static void test_suites_hold_scenes_that_are_there(void **state)
 {
-    static const char *const suites[] = {"tuning", "test", "test2", "air"};
+    static const char *const suites[] = {"tuning", "test", "test2", "air", "motion", "motion_test"};
     for (size_t s = 0; s < sizeof(suites) / sizeof(suites[0]); s++) {
         struct neph_arena arena = {.last = NULL};
         const char *const *names;
@@ -101,6 +124,7 @@ static void test_suites_hold_scenes_that_are_there(void **state)
             struct neph_scene *scene = NULL;
             neph_assert_ok(neph_data_load_scene(names[i], &scene, &diag), &diag);
             assert_int_equal(scene->scattering, NEPH_SCATTERING_SINGLE);
+            assert_engines_of_the_study_render(scene);
             neph_scene_destroy(scene);
         }
         neph_arena_finish(&arena);
