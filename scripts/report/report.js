@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// Lays out a report from window.NEPH_REPORT (data.js; README.md beside this file is the contract).
-// Strings of the data reach the page as text nodes and attribute values alone, never as markup.
-// Every number on the page names its place in the data (data-path) and its exact value
-// (data-value; data-scale is the factor of a changed unit), or, where it is counted here, what it
-// counts (data-derived), so that check_report.mjs can hold the page against data.json.
+// Lays out a report from window.NEPH_REPORT (data.js; README.md of this folder specifies it).
+// Strings of the data reach the page only as text nodes and attribute values, never as markup.
+// Every number on the page has its path in the data (data-path) and its exact value (data-value;
+// data-scale is the factor of a changed unit). A number that this script counts has the name of
+// the count instead (data-derived). check_report.mjs compares these numbers with data.json.
 (function () {
   "use strict";
 
@@ -17,12 +17,12 @@
 
   const RUNGS = {
     exact: "exact: closed form or converged quadrature",
-    tracer: "tracer: our unbiased path tracer",
-    witness: "witness: another project's renderer",
-    model: "model: a real-time method under test",
+    tracer: "tracer: the unbiased path tracer of this project",
+    witness: "witness: external renderer, from another project",
+    model: "model: real-time method under test",
   };
   const QUANTITIES = { radiance: "Radiance", transmittance: "Transmittance", depth: "Depth",
-    volume: "Light of the medium alone" };
+    volume: "Light of the medium only" };
   const STATUSES = {
     rendered: ["rendered", ""],
     cannot: ["cannot", "open-word"],
@@ -44,14 +44,14 @@
     optical_depth_max: "largest error", optical_depth_mean: "mean error",
     transmittance_max: "transmittance of the chords, largest error",
   };
-  // What the whole run has come to: its word, and the class of its colour.
+  // The state of the whole run: its word, and the class of its colour.
   const RUNS = {
     pass: ["Pass", "pass"],
     fail: ["Fail", "fail"],
     running: ["Running", "open"],
     interrupted: ["Interrupted", "open"],
   };
-  // What a participant of the physics suite made of a check.
+  // The result of a participant of the physics suite in a check.
   const FINDINGS = {
     agrees: ["✓ agrees", "pass-word"],
     known: ["△ off, cause known", "open-word"],
@@ -63,29 +63,29 @@
     differ: ["≠ differ", "open-word"],
     "cannot tell: noise": ["○ cannot tell: noise", "soft"],
   };
-  // What a rung of the physics suite asks, in plain words.
+  // The test of each group of checks of the physics suite, in plain words.
   const QUESTIONS = {
-    furnace: "A medium that absorbs nothing and is lit evenly from all sides cannot be seen: as "
-      + "much light is scattered into every ray as out of it. Every pixel must show the surround. "
-      + "An engine that makes or loses energy shows the medium.",
-    single: "Light that is scattered exactly once has formulas and integrals that can be worked "
-      + "out to many digits. This tests extinction, phase functions, the sun's own path through "
-      + "the medium, and the sum along the view.",
-    slab: "Light scattered any number of times. In an endless slab this is solved by adding thin "
-      + "layers and doubling thick ones: another road than following light paths, so both cannot "
-      + "share a mistake.",
-    fog: "The same for fog that thins out with height: it holds as much matter as a slab of the "
-      + "same optical depth, and must reflect the same light.",
-    "half-space": "A slab so thick that nothing comes out below. Its light was solved with pen and "
-      + "paper by S. Chandrasekhar (1950).",
-    conservation: "What enters a medium that absorbs nothing must leave it: reflected, transmitted "
-      + "and unscattered light add up to all there was.",
-    "step-cloud": "A cloud whose thin and thick columns stand side by side, an exercise of the "
-      + "Intercomparison of 3D Radiation Codes (I3RC): light leaks through their sides, which no "
-      + "engine gets right that thinks in layers. The truth is a Monte Carlo of its own for "
-      + "columns, whose noise is part of the error given.",
-    reciprocity: "Light goes the same way back. When camera and sun change places, the reflection "
-      + "must stay what it was.",
+    furnace: "A medium without absorption, in uniform light from all directions, is invisible: "
+      + "as much light is scattered into each ray as out of it. Every pixel must have the "
+      + "radiance of the environment. If an engine creates or loses energy, the medium is visible.",
+    single: "Light that is scattered exactly once has formulas and integrals that can be "
+      + "computed to many digits. These checks test extinction, phase functions, the path of "
+      + "sunlight through the medium, and the integral along the view ray.",
+    slab: "Light that is scattered any number of times. For an infinite slab, the adding-doubling "
+      + "method computes it: it adds thin layers and doubles thick ones. This method follows no "
+      + "light paths, so it shares no errors with path tracing.",
+    fog: "Light that is scattered any number of times in fog whose density decreases with height. "
+      + "This fog must reflect the same light as a slab of the same optical depth.",
+    "half-space": "A slab so thick that no light leaves it below. S. Chandrasekhar (1950) solved "
+      + "its light analytically.",
+    conservation: "All light that enters a medium without absorption must leave it: reflected, "
+      + "transmitted and unscattered light must add up to the incoming light.",
+    "step-cloud": "A cloud of thin columns beside thick columns, a case of the Intercomparison of "
+      + "3D Radiation Codes (I3RC). Light passes through the sides of the columns; an engine that "
+      + "assumes horizontal layers computes this wrongly. The reference is a separate Monte Carlo "
+      + "program for columns. The stated error includes its noise.",
+    reciprocity: "Light paths are reversible. When camera and sun change places, the reflection "
+      + "must stay the same.",
   };
   // The one error of a scene and engine in the summary: the first of these that was measured.
   const HEADLINES = [
@@ -95,34 +95,34 @@
     ["transmittance", "max_abs", "all"],
     ["depth", "rmse", "all"],
   ];
-  // The number that ranks a frame: the first of these that was measured, over the whole picture.
+  // The number that ranks a frame: the first of these that was measured, over the whole frame.
   const RANKING = [
     ["radiance", "rel_rmse", "all"],
     ["transmittance", "rmse", "all"],
     ["depth", "rel_rmse", "all"],
   ];
-  // The numbers of a scene's card: head, note below it, and the first of these that is there.
+  // The columns of a scene's card: head, note below it, and metrics; the first measured is shown.
   const CARD = [
     ["Radiance RMSE", "of the mean", [["radiance", "rel_rmse"], ["radiance", "rmse"]]],
     ["Radiance bias", "of the mean", [["radiance", "rel_bias"]]],
     ["FLIP", "mean, 0 to 1", [["radiance", "flip_mean"]]],
     ["Transmittance", "largest error, 0 to 1", [["transmittance", "max_abs"]]],
   ];
-  // The least errors of the heat map's classes after the first.
+  // Lower bounds of the error classes of the heat map, without the first class.
   const HEAT = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3];
-  const MANY_ENGINES = 6; // a heat map of more takes the whole width
+  const MANY_ENGINES = 6; // a heat map of more engines has the full width
   const WORST_SHOWN = 3; // frames on the first screen
-  const CAUSES_SHOWN = 3; // frames beside a scene's text
-  const WORTH_A_LOOK = 0.01; // a relative RMSE that no gate limits and that the list names
-  const WORTH_MOST = 5; // of those, before the rest is left to the cards
-  // From minus to plus the scale; the program's maps interpolate these linearly in sRGB codes.
+  const CAUSES_SHOWN = 3; // frames beside a scene's description
+  const WORTH_A_LOOK = 0.01; // the list of troubles names ungated frames from this relative RMSE on
+  const WORTH_MOST = 5; // ungated frames in that list; the cards of the scenes have the others
+  // From -scale to +scale. The difference maps of neph interpolate them linearly in sRGB codes.
   const DIFFERENCE_COLOURS = ["#053061", "#4393c3", "#f7f7f7", "#d6604d", "#67001f"];
   const BEYOND_COLOURS = { below: "#00e5ff", above: "#ffd500", not_a_number: "#ff00ff" };
-  // Units of numbers that have none in the data because they are ratios.
+  // Units of ratios, which have no unit in the data.
   const RATIO_UNITS = { seen_contrast: "× threshold", std_p95: "of white" };
   const BROKEN = ["failed", "timeout", "interrupted"];
-  const SCENES_NAMED = 8; // in the contents; more are folded there
-  const LISTED = 12; // troubles in the verdict before the rest is folded away
+  const SCENES_NAMED = 8; // in the table of contents; a longer list is folded
+  const LISTED = 12; // entries of the list of troubles; the others are folded
 
   // ------------------------------------------------------------------------------------- elements
 
@@ -135,10 +135,10 @@
     return el("span", { class: className || null }, text);
   }
 
-  /** The reason of a state, which need not say the state again. */
+  /** The reason of a frame's status, without the status word "cannot". */
   const why = (frame) => String(frame.reason ?? "").replace(/^cannot:\s*/, "").trim();
 
-  /** Its first line; a longer one, such as the log of a child, stands whole where its log is. */
+  /** The first line of the reason. A longer reason (a child's log) gets a link to the full text. */
   function briefly(frame) {
     const [first, ...rest] = why(frame).split("\n");
     return [first, rest.length > 0 && ids.has(frame) && [" … ", link(`#${ids.get(frame)}`, "log")]];
@@ -148,7 +148,7 @@
   const inside = (path) => (typeof path === "string" && /^(images|charts)\/[\w.@\-/]+$/.test(path)
     && !path.includes("..") ? path : null);
 
-  /** A page of neph view that lies in the report, or null. */
+  /** The path of the scene's neph view page inside the report, or null. */
   const viewerOf = (scene) => (/^view\/[\w.\-]+\/index\.html$/.test(scene.viewer ?? "")
     && !scene.viewer.includes("..") ? scene.viewer : null);
 
@@ -163,7 +163,7 @@
 
   // -------------------------------------------------------------------------------------- numbers
 
-  const paths = new WeakMap(); // of each object and list of the data: its place, with a slash
+  const paths = new WeakMap(); // object or list of the data -> its path, with a final slash
   function findPlaces(node, path) {
     paths.set(node, path);
     for (const [key, child] of Object.entries(node))
@@ -173,7 +173,7 @@
 
   const grouped = (digits) => digits.replace(/\B(?=(\d{3})+(?!\d))/g, "\u202f");
 
-  /** Three significant digits, or as many as asked for; whole numbers in full. */
+  /** The text of a number with `digits` significant digits; integers below 1e6 in full. */
   function written(value, exact, digits = 3) {
     const magnitude = Math.abs(value);
     let text;
@@ -187,13 +187,13 @@
         text = rounded >= 10000 ? grouped(magnitude.toFixed(0)) : magnitude.toFixed(0);
       else text = magnitude.toFixed(Math.max(0,
           digits - 1 - Math.floor(Math.log10(rounded) + 1e-12)));
-      // A limit is what somebody chose, not a measurement: it has no trailing zeros.
+      // Exact numbers, such as limits, are not measurements: they have no trailing zeros.
       if (exact && text.includes(".")) text = text.replace(/\.?0+(?=e|$)/, "");
     }
     return text.replace("e-", "e−");
   }
 
-  // Powers in units are written as such: W m^-2 sr^-1.
+  // Powers in units become superscripts: W m^-2 sr^-1.
   const SUPERSCRIPTS = { "-": "⁻", 1: "¹", 2: "²", 3: "³", 4: "⁴" };
   const raised = (unit) => unit.replace(/\^(-?[1-4])(?!\d)/g, (_, power) => [...power]
     .map((digit) => SUPERSCRIPTS[digit]).join(""));
@@ -229,11 +229,11 @@
   const interval = ({ interval: ends }, options) => ends
     && ["[", number(ends, 0, options), ", ", number(ends, 1, options), "]"];
 
-  /** A number counted on this page; the checker counts again. */
+  /** A number counted by this script; check_report.mjs counts it again. */
   const derived = (what, count) => el("span", { "data-derived": what, "data-value": count },
     String(count));
 
-  /** Ratios come as plain numbers; people read percent. */
+  /** The data have ratios as plain numbers; the page shows them in percent. */
   const isRatio = (unit) => unit === "" || unit === "1" || unit === null || unit === undefined;
   function reading(metric, unit) {
     const signed = /bias$/.test(metric);
@@ -241,7 +241,7 @@
       ? { scale: 100, signed, unit: "%" } : { signed, unit: isRatio(unit) ? "" : unit };
   }
 
-  // ---------------------------------------------------------------------------- looking things up
+  // ------------------------------------------------------------------------------------- look-ups
 
   const scenes = report?.scenes ?? [];
   const engines = report?.engines ?? [];
@@ -251,7 +251,7 @@
   const measurementsOf = (frame) => frame.measurements ?? [];
   const physics = report?.physics ?? null;
   const rows = physics?.rows ?? [];
-  const ids = new Map(); // of scenes, frames' logs, checks and rungs: their anchors
+  const ids = new Map(); // scene, frame (its log), check or rung -> its anchor
   for (const scene of scenes) ids.set(scene, anchor("scene", scene.name));
   for (const scene of scenes)
     for (const frame of framesOf(scene))
@@ -293,7 +293,7 @@
 
   const head = () => el("header", { class: "brief" }, el("h1", null, report.title), verdict());
 
-  /** What ran, when and where: below the first screen. */
+  /** Date, duration, version and host of the run: below the first screen. */
   function facts() {
     const size = report.size_px ?? [];
     return el("dl", { class: "facts" },
@@ -304,21 +304,21 @@
         number(report.host, "memory_bytes", { scale: 1 / 2 ** 30, unit: "GiB" })]),
       report.counts && fact("Results", [derived("counts.reported", report.counts.reported), " of ",
         derived("counts.expected", report.counts.expected), " are in this report, ",
-        derived("counts.compared", report.counts.compared), " compared with a truth; no gate ",
-        "limits the radiance of ", derived("frames.ungated", ungated().length)]),
-      scenes.length > 0 && fact("Pictures",
+        derived("counts.compared", report.counts.compared), " compared with a reference; no ",
+        "gate limits the radiance of ", derived("frames.ungated", ungated().length)]),
+      scenes.length > 0 && fact("Frame size",
         size.length ? [number(size, 0), " × ", number(size, 1), " pixels"] : absent()),
-      report.screen === "screen/index.html" && fact("Beside",
-        link("screen/index.html", "what a screen cannot know")));
+      report.screen === "screen/index.html" && fact("Also",
+        link("screen/index.html", "pixels that no screen-space method can compute")));
   }
 
   const item = (...children) => el("li", {}, children);
 
-  /** An entry of the verdict: its word, where it is, of which engine or participant. */
+  /** An entry of the list of troubles: status word, scene or check, engine or participant. */
   const finding = (sign, where, engine, ...rest) => item(sign, " ", where, " · ", bold(engine),
     rest);
 
-  /** Failed gates, farthest over their limit first. */
+  /** Failed gates, sorted by value / limit, the largest first. */
   function failedGates(all) {
     const over = ({ gate }) => (typeof gate.value === "number"
       ? Math.abs(gate.value) / gate.maximum : Infinity);
@@ -328,12 +328,12 @@
   const failedLines = (failing) => failing.map(({ gate, scene }) => finding(word(VERDICTS, "fail"),
     sceneLink(scene), gate.engine, " · ", measured(gate), ": ", gateValue(scene, gate, "value"),
     ", limit ", gateValue(scene, gate, "maximum"), gate.reason ? ` (${gate.reason})` : "",
-    "; again: ", el("code", {}, `neph validate ${scene.name}`)));
+    "; to repeat: ", el("code", {}, `neph validate ${scene.name}`)));
 
   const brokenFrames = () => scenes.flatMap((scene) => framesOf(scene)
     .filter((frame) => BROKEN.includes(frame.status)).map((frame) => ({ scene, frame })));
 
-  /** Frames that are not compared, since they did not fit the budget of their engine. */
+  /** Frames that were not compared because they exceeded the time budget of their engine. */
   const unfitted = () => scenes.flatMap((scene) => framesOf(scene)
     .filter((frame) => frame.status === "over_budget").map((frame) => ({ scene, frame })));
 
@@ -352,13 +352,13 @@
       .map((row) => broken(row, checkLink(row.check), row.participant))];
   }
 
-  /** Frames that were compared, the largest error first. */
+  /** Compared frames, the largest error first. */
   const compared = () => scenes.flatMap((scene) => framesOf(scene)
     .filter((frame) => !isTruth(scene, frame.engine))
     .map((frame) => ({ scene, frame, found: rankingNumber(frame) })))
     .filter(({ found }) => found).sort((a, b) => b.found.value - a.found.value);
 
-  /** Of them those whose radiance was measured and that no gate of radiance limits. */
+  /** Compared frames whose radiance was measured, but has no gate. */
   const ungated = () => compared().filter(({ scene, frame, found }) =>
     found.quantity === "radiance" && !gatesOf(scene).some((gate) =>
       gate.engine === frame.engine && gate.quantity === "radiance"));
@@ -384,10 +384,10 @@
   function gateSentence(all, failing, open) {
     const total = derived("gates", all.length);
     const [first] = failing;
-    return [all.length === 0 ? [total, " gates: nothing was held to a limit."]
+    return [all.length === 0 ? [total, " gates: no number had a limit."]
       : failing.length > 0
         ? [derived("gates.fail", failing.length), " of ", total, plural(all.length, " gate",
-          " gates"), plural(failing.length, " is", " are"), " over the limit, farthest ",
+          " gates"), plural(failing.length, " is", " are"), " over the limit, the worst: ",
           bold(first.gate.engine), " in ", sceneLink(first.scene), " (", measured(first.gate), " ",
           gateValue(first.scene, first.gate, "value"), ", limit ",
           gateValue(first.scene, first.gate, "maximum"), ")."]
@@ -399,26 +399,26 @@
       " could not be measured."]];
   }
 
-  /** The largest error of the run, whatever its gates say and however small its bias. */
+  /** The largest error of the run, independent of gates and bias. */
   function worstSentence([first]) {
     if (!first) return null;
     const { scene, frame, found } = first;
     const bias = measurementOf(frame, found.quantity, "rel_bias");
     const isGated = gatesOf(scene).some((gate) => gate.engine === frame.engine
       && gate.quantity === found.quantity);
-    return [" The largest error is that of ", el("b", { class: "worst" }, frame.engine), " in ",
-      sceneLink(scene), ": ", rankedWords(found), bias && [", bias ", readNumber(bias)],
-      frame.look ? ", a model that claims no physics" : !isGated && ", which no gate limits", "."];
+    return [" The largest error: ", el("b", { class: "worst" }, frame.engine), " in ",
+      sceneLink(scene), ", ", rankedWords(found), bias && [", bias ", readNumber(bias)],
+      frame.look ? ", a non-physical model" : !isGated && ", which no gate limits", "."];
   }
 
-  /** Engines and frames that the verdict is without. */
+  /** Engines and frames that are not part of the verdict. */
   function withoutSentence(late) {
     const missing = engines.filter((engine) => !engine.available && !engine.broken);
     return [missing.length > 0 && [" Not installed, so not compared: ",
       bold(missing.map((engine) => engine.name).join(", ")), "."],
     late.length > 0 && [" ", derived("frames.over_budget", late.length),
       plural(late.length, " rendering", " renderings"),
-      " did not fit the budget: not compared."]];
+      " exceeded the time budget: not compared."]];
   }
 
   function verdict() {
@@ -437,10 +437,10 @@
           plural(unfinishedFrames.length, " rendering", " renderings"), " did not finish."],
         worstSentence(compared()), withoutSentence(late),
         missing.length > 0 && [" ", derived("absent", missing.length), plural(missing.length,
-            " scene was", " scenes were"), " left out: its data are not on this machine."])));
+            " scene was", " scenes were"), " left out: data files are missing on this machine."])));
   }
 
-  /** All that failed, that no gate limits, that could not be measured or is not here. */
+  /** List of failed, ungated, unmeasured and missing results. */
   function troubles() {
     const all = scenes.flatMap((scene) => gatesOf(scene).map((gate) => ({ gate, scene })));
     const open = all.filter(({ gate }) => gate.verdict === "not_measured");
@@ -448,19 +448,19 @@
       ({ scene, frame }) => broken(frame, sceneLink(scene), frame.engine)), ...physicsLines(),
     ...ungatedLines(ungated()), ...openLines(open), ...absentLines()];
     return lines.length > 0 && section("troubles",
-      "What failed, what no gate limits, what is missing",
-      listed(lines, LISTED, "The rest of the list", "small troubles"));
+      "Failed, ungated and missing results",
+      listed(lines, LISTED, "The other entries", "small troubles"));
   }
 
-  /** A page that was written before the run was over says so, and how much of it is here. */
+  /** A sentence about the progress of a run that is running or was interrupted. */
   function unfinished() {
     const { progress } = report;
     if (!progress) return null;
     const isRunning = report.verdict === "running";
     return el("p", {}, isRunning
-      ? "This page is written as the run goes on: load it again to see more. "
-      : "The run was cut short; the same command goes on from here. ",
-      number(progress, "done"), " of ", number(progress, "total"), " steps are over",
+      ? "The run updates this page: reload it to see more. "
+      : "The run was interrupted; the same command continues it. ",
+      number(progress, "done"), " of ", number(progress, "total"), " steps are finished",
       typeof progress.left_s === "number" && isRunning ? [", about ",
         number(progress, "left_s", { unit: "s", digits: 2 }), " are left."] : ".");
   }
@@ -475,7 +475,7 @@
     return el("nav", { "aria-label": "Contents" }, el("ul", {},
       scenes.length > 0 && place("heat", "Errors at a glance"),
       (report.charts ?? []).length > 0 && place("charts", "Speed against accuracy"),
-      physics && place("physics", "Physics: who agrees"),
+      physics && place("physics", "Physics: agreement"),
       rungs.map((rung) => place(ids.get(rung), sentenceCase(rung.name))),
       !isLong && all,
       sequences.length > 0 && place("over-time", "Over time"),
@@ -487,10 +487,10 @@
 
   // -------------------------------------------------------------------------------- first screen
 
-  /** The class of an error in the heat map, from 0 on. */
+  /** The class of an error in the heat map: 0 for the smallest errors. */
   const heatOf = (value) => HEAT.filter((least) => value >= least).length;
 
-  /** The error of every scene by every engine: the worst scene on top, the worst engine at left. */
+  /** The error of each engine in each scene; worst scene at the top, worst engine on the left. */
   function heatMap() {
     const largest = (list) => Math.max(-1, ...list.map(sizeOf));
     const columns = engines.map((engine) => ({ engine, size: largest(scenes
@@ -507,7 +507,7 @@
       heatLegend()];
   }
 
-  /** A long name breaks behind its underscores. */
+  /** A column head in which a long name can break after an underscore. */
   const engineHead = (name) => el("th", { scope: "col", class: "num", "data-label": name },
     name.split(/(?<=_)/).map((part, n) => [n > 0 && el("wbr"), part]));
 
@@ -525,39 +525,39 @@
     return cell(`heat-${heatOf(found.value)}`, readNumber(found), small(
       found.quantity !== "radiance" && `${found.quantity} `,
       verdicts.includes("fail") ? "✗ fails" : verdicts.includes("pass") ? "✓ passes"
-        : frame.look ? "no physics" : "no gate"));
+        : frame.look ? "non-physical" : "no gate"));
   }
 
   const heatLegend = () => el("p", { class: "heat-key small soft" },
-    "RMSE over the picture, relative to the mean of the reference: ",
+    "RMSE over the frame, relative to the mean of the reference: ",
     ["", ...HEAT].map((least, n) => el("span", { class: `swatch heat-${n}` },
       n === 0 ? `under ${100 * HEAT[0]} %` : n === HEAT.length ? `${100 * least} % or more`
         : `${Number((100 * least).toPrecision(2))} % or more`)));
 
-  /** Rows of the ranking with what they are of. */
+  /** Rows of the ranking with their scene, frame and error. */
   const ranked = () => (report.ranking ?? []).map((row) => {
     const scene = scenes.find(({ name }) => name === row.scene);
     const frame = scene && frameBy(scene, row.engine);
     return { row, scene, frame, found: frame && rankingNumber(frame) };
   }).filter(({ found }) => found);
 
-  /** The first of the ranking, each with where it is off and why. */
+  /** The first entries of the ranking, each with the place and the cause of its error. */
   function worst() {
     const list = ranked().slice(0, WORST_SHOWN);
     return list.length > 0 && el("section", { class: "worst-part", "aria-labelledby": "worst" },
-      el("h2", { id: "worst" }, `The worst ${list.length === 1 ? "one" : list.length}, and why`),
+      el("h2", { id: "worst" }, `Largest ${list.length === 1 ? "error" : "errors"} and causes`),
       el("ol", { class: "worst" }, list.map(({ row, scene, frame, found }) => {
         const bias = measurementOf(frame, found.quantity, "rel_bias");
         const transmittance = measurementOf(frame, "transmittance", "max_abs");
         return item(bold(frame.engine), " in ", sceneLink(scene), ": ", rankedWords(found),
           bias && [", bias ", readNumber(bias)],
-          transmittance && [", transmittance off by up to ", number(transmittance, "value")],
+          transmittance && [", largest error of transmittance ", number(transmittance, "value")],
           row.failing && [" ", word(VERDICTS, "fail")], ". ",
           el("span", { class: "cause" }, row.cause));
       })));
   }
 
-  /** Verdict, heat map, worst three and the chart share the first screen. */
+  /** The first screen below the verdict: heat map, worst frames and the first chart. */
   function front() {
     const [first] = report.charts ?? [];
     if (scenes.length === 0) return first && el("div", { class: "front" }, chartSection([first]));
@@ -569,9 +569,8 @@
   }
 
   // -------------------------------------------------------------------------------------- summary
-  // -------------------------------------------------------------------------------------- summary
 
-  /** The first headline that much of the matrix can show, so that its cells are alike. */
+  /** The first headline that at least half as many frames have as the most frequent headline. */
   function commonHeadline() {
     const counts = HEADLINES.map((headline) => scenes.flatMap(framesOf)
       .filter((frame) => measurementOf(frame, ...headline)).length);
@@ -590,20 +589,21 @@
       folded("The table", scrolling("Summary", table("wide matrix",
         [colHead("Scene"), engines.map((engine) => numHead(engine.name,
           engine.available ? engine.rung : "not installed")),
-        attributed && colHead("Stands alone")],
+        attributed && colHead("Odd one out")],
         scenes.map((scene) => tr(
           rowHead(sceneLink(scene), el("small", { class: "mono" }, scene.name)),
           engines.map((engine) => num(summaryCell(scene, engine, order, unit))),
           attributed && el("td", {}, standsAlone(scene))))),
       [`The number is the ${common[1]} of the ${common[0]} over the ${maskName(common[2])}`,
-        unit && `, in ${unit},`, " against the reference of the scene; where another one stands, ",
-        "it says which. Below it, the relative bias (+ is too bright) and the word of the gates. ",
-        attributed && "“Stands alone” is who differs from all others, without any reference. ",
+        unit && `, in ${unit},`, " against the reference of the scene. A cell with another ",
+        "metric names it. Below the number: relative bias (+ is too bright), result of the gates. ",
+        attributed && "“Odd one out” is the engine that differs from all others; no reference is "
+          + "used. ",
         "A dash is a number that was not measured."])));
   }
 
   function standsAlone(scene) {
-    if (!scene.attribution) return absent("not asked");
+    if (!scene.attribution) return absent("not computed");
     if (scene.attribution.odd_one_out)
       return el("span", { class: "open-word" }, `≠ ${scene.attribution.odd_one_out}`);
     return el("span", { class: "soft small" }, scene.attribution.sentence);
@@ -631,51 +631,52 @@
       !isRatio(shown.unit) && shown.unit !== commonUnit
         && el("small", { class: "unit" }, shown.unit),
       bias && small("bias ", readNumber(bias)), stepBias(frame, headline[0]),
-      frame.bake && small("saw a baked grid"), gate];
+      frame.bake && small("with a baked grid"), gate];
   }
 
   const help = () => el("section", { class: "help", "aria-labelledby": "help" },
     el("h2", { id: "help" }, "How to read this"),
-    folded("What is compared, gates, pictures, numbers", el("dl", {},
+    folded("Comparisons, gates, images, numbers", el("dl", {},
       physics && physicsHelp(),
       (scenes.length > 0 || !physics) && sceneHelp(),
-      entry("Difference maps", "Engine minus reference on a fixed scale, which stands below each "
-        + "map: blue is below the reference, red is above it, white agrees. Cyan is below the "
+      entry("Difference maps", "Engine minus reference on a fixed scale, shown below each "
+        + "map: blue is below the reference, red is above it, white is equal. Cyan is below the "
         + "lower end of the scale, yellow is above its upper end, magenta is not a number."),
       entry("RMSE and bias", "RMSE is the root of the mean squared error over the pixels: all "
-        + "errors count. Bias is the difference of the means: errors of both signs cancel, so a "
-        + "bias near 0 does not mean that an engine is right. The page ranks by RMSE."),
+        + "errors count. Bias is the difference of the means: errors of opposite sign cancel, so "
+        + "an engine with a bias near 0 can have large errors. The page ranks by RMSE."),
       entry("Times", "Warm frame: the wall time of one frame of an engine that is already running, "
-        + "with its interval and how often it was rendered, as “neph benchmark” measures it. "
-        + "Start-up stands in its own column. “Not measured”: there was no time to repeat it."),
+        + "with its interval and the number of repeats, as “neph benchmark” measures it. Start-up "
+        + "has its own column. “Not measured”: there was no time for repeats."),
       entry("Numbers", "1.2e−4 means 0.00012. In [brackets]: the 95\u00a0% interval, unless "
-        + "another one is named. A dash was not measured. “Cannot” is an honest refusal: the "
-        + "engine does not model what the scene asks for. Point at a number for all its digits."),
+        + "another one is named. A dash: not measured. “Cannot”: the engine does not support a "
+        + "feature of the scene. Move the pointer over a number to see all its digits."),
     )));
 
   const sceneHelp = () => [
-    entry("What is compared", "Each scene isolates one piece of the physics of light in fog or "
-      + "cloud. Several engines render it from the same file, camera and light, and each is "
-      + "measured against the scene's reference."),
-    entry("Reference and rung", "The reference is the highest rung of the ladder of truth that "
-      + "can do the scene: exact (closed form), then tracer (our unbiased path tracer). Witnesses "
-      + "(other projects' renderers) and models (real-time methods) are never the truth."),
-    entry("Gates", "A gate is a limit set beforehand for one number of one engine. ✓ is within "
-      + "it, ✗ is over it, ○ could not be measured and says why."),
-    entry("Pictures", "All pictures of a scene share one frozen exposure, so brighter means "
-      + "brighter. Move over a picture, or use the slider below it, to wipe to the reference; a "
-      + "click swaps the two. Numbers are taken from linear data, never from these pictures."),
-    entry("Who stands alone", "Every pair of engines is also held against each other, without "
-      + "any reference, with the noise taken out by two independent frames each. The odd one out "
-      + "differs from all others while these do not differ among themselves."),
-    entry("Step bias", "Witnesses march through uneven media in steps. More samples do not mend "
-      + "that error, smaller steps do: a study halves the step, extrapolates to none, and says "
-      + "what is left."),
+    entry("Comparisons", "Each scene isolates one part of the physics of light in fog or cloud. "
+      + "Several engines render it from the same file, with the same camera and light. Each "
+      + "engine is compared with the reference of the scene."),
+    entry("Reference and level", "The reference is the highest level of the reference hierarchy "
+      + "that can render the scene: exact (closed form), then tracer (the unbiased path tracer of "
+      + "this project). External renderers (level witness) and real-time methods (level model) "
+      + "are never the reference."),
+    entry("Gates", "A gate is a limit, set before the run, for one metric of one engine. ✓: "
+      + "within the limit. ✗: over the limit. ○: not measured, with the reason."),
+    entry("Images", "All images of a scene have the same fixed exposure, so their brightness can "
+      + "be compared. Move over an image, or use the slider below it, to wipe to the reference; a "
+      + "click swaps the two. Numbers are computed from linear data, never from these images."),
+    entry("Odd one out", "Every pair of engines is also compared, without any reference. Two "
+      + "independent frames of each engine make it possible to subtract the noise. The odd one "
+      + "out differs from all other engines, while the others agree with each other."),
+    entry("Step bias", "External renderers march through heterogeneous media in steps. Smaller "
+      + "steps reduce this error, more samples do not. A step study halves the step repeatedly, "
+      + "extrapolates to step 0, and shows the remaining bias."),
   ];
 
   // --------------------------------------------------------------------------------------- scenes
 
-  /** A card: what it is, what was found, five numbers an engine, the pictures; the rest folded. */
+  /** A scene's card: description, findings, main numbers of each engine, images; details folded. */
   function sceneSection(scene) {
     const { truth } = scene;
     const viewer = viewerOf(scene);
@@ -684,8 +685,8 @@
       el("div", { class: "beside" }, el("div", {},
         el("p", {}, scene.physics),
         el("p", { class: "small soft" }, el("span", { class: "mono" }, scene.name), " · ",
-          truth ? ["held against ", bold(truth.engine), ` (${truth.rung})`]
-            : "no reference: no engine of a trusted rung rendered it",
+          truth ? ["compared with ", bold(truth.engine), ` (${truth.rung})`]
+            : "no reference: no engine of level exact or tracer rendered it",
           " · exposure ", exposure(scene),
           scene.size_px && [" · ", number(scene.size_px, 0), " × ", number(scene.size_px, 1),
             " pixels"],
@@ -704,9 +705,9 @@
         attribution(scene), studies(scene), runs(scene), gates(scene)));
   }
 
-  // ---------------------------------------------------------------------------- five numbers a row
+  // ---------------------------------------------------------------------------- table of the card
 
-  /** What gates say of an engine, by quantity, and of which quantity none says anything. */
+  /** The results of an engine's gates by quantity, and the quantities without a gate. */
   function gatedWords(scene, frame) {
     const own = gatesOf(scene).filter((gate) => gate.engine === frame.engine);
     const sorts = [["fail", "✗ ", "fail-word", " fails"], ["pass", "✓ ", "pass-word", " passes"],
@@ -742,9 +743,9 @@
       : el("span", { class: "soft" }, "none"));
     const isFailing = ({ engine }) => gatesOf(scene)
       .some((gate) => gate.engine === engine && gate.verdict === "fail");
-    return scrolling(`${titleOf(scene)}: what matters`, table("wide five",
+    return scrolling(`${titleOf(scene)}: main numbers`, table("wide five",
       [colHead("Engine, worst first"), columns.map(({ head, note }) => numHead(head, note)),
-        isNoisy && numHead("Noise left", "in a pixel, of the rms"),
+        isNoisy && numHead("Noise left", "per pixel, of the RMS"),
         numHead("Warm frame", "wall time"), numHead("Start-up", "wall time"), colHead("Gates")],
       list.map((frame) => el("tr", { class: isFailing(frame) ? "failing" : null },
         rowHead(frame.engine, small(frame.rung)),
@@ -762,7 +763,7 @@
   const warmFrame = ({ speed: found }) => (typeof found?.render_s === "number"
     ? number(found, "render_s", { unit: "s" }) : notMeasured());
 
-  /** A frame of an engine that is already running: the same definition for all engines. */
+  /** The time of a frame of an engine that is already running, with its interval and repeats. */
   function speed(frame) {
     const found = frame.speed;
     if (typeof found?.render_s !== "number") return notMeasured();
@@ -781,15 +782,14 @@
       `${kind} (${timed.filter((frame) => frame.speed.interval === kind)
         .map((frame) => frame.engine).join(", ")})`);
     return [kinds.length > 0 && `Intervals of times: ${kinds.join("; ")}. `,
-      "What each frame of this page cost when it was rendered stands under “What ran, and what "
-      + "it cost”."];
+      "The folded part of each scene lists the run time of each frame of this page."];
   }
 
-  // -------------------------------------------------------------------------------------- pictures
+  // --------------------------------------------------------------------------------------- images
 
   function notRendered(scene) {
     const rest = framesOf(scene).filter((frame) => frame.status !== "rendered");
-    return rest.length > 0 && el("p", { class: "small soft not-rendered" }, "No picture from ",
+    return rest.length > 0 && el("p", { class: "small soft not-rendered" }, "No frame from ",
       rest.map((frame, n) => [n > 0 && "; ", bold(frame.engine), " (",
         word(STATUSES, frame.status), why(frame) && [": ", briefly(frame)], ")"]), ".");
   }
@@ -798,13 +798,13 @@
     .sort((a, b) => isTruth(scene, b.engine) - isTruth(scene, a.engine));
   const mapsOf = (scene, kind) => framesOf(scene).some((frame) => frame.difference?.[kind]);
 
-  /** Each engine's picture beside the truth's, and what it is off by. */
+  /** The image of each engine beside the image of the reference, and the difference map. */
   function pictures(scene, kind) {
     const drawn = drawnFrames(scene);
     const truthFrame = framesOf(scene).find((frame) => isTruth(scene, frame.engine));
     if (drawn.length === 0) return el("p", {}, "No engine rendered this scene.");
     return [
-      el("h3", {}, "Pictures, and the difference in radiance"),
+      el("h3", {}, "Images, and the difference in radiance"),
       pictureGrid(scene, drawn.map((frame) => card(scene, frame, truthFrame, kind)))];
   }
 
@@ -820,19 +820,19 @@
   const isColour = (text) => /^#[0-9a-f]{6}$/i.test(text ?? "");
   const isColours = (list) => Array.isArray(list) && list.length > 1 && list.every(isColour);
 
-  /** A square of a colour and what it means. */
+  /** A square of a colour and its meaning. */
   function swatch(colour, text) {
     const square = el("span", { class: "square", "aria-hidden": "true" });
     square.style.background = colour;
     return el("span", { class: "swatch" }, square, text);
   }
 
-  /** What colours beyond a map's scale mean: their names too, for who cannot tell them apart. */
+  /** The key of the colours beyond a map's scale, with their names for colour-blind readers. */
   const beyondKey = (colours, names) => el("div", { class: "beyond" },
     Object.entries(names).map(([key, text]) => isColour(colours?.[key])
       && swatch(colours[key], text)));
 
-  /** The scale of a difference map, with what lies beyond it. It stands below every map. */
+  /** The scale of a difference map, shown below every map, with the colours beyond the scale. */
   function differenceKey(node, key, unit) {
     const given = report.difference_colours;
     return el("div", { class: "map-key" },
@@ -841,7 +841,7 @@
         number(node, key, { scale: -1, exact: true, unit }), "0",
         number(node, key, { signed: true, exact: true, unit })),
       beyondKey(report.difference_beyond ?? BEYOND_COLOURS, { below: "cyan: lower",
-        above: "yellow: higher", not_a_number: "magenta: no number" }));
+        above: "yellow: higher", not_a_number: "magenta: not a number" }));
   }
 
   function legend(scene, kind) {
@@ -865,11 +865,11 @@
     const other = reference ? null : inside(truthFrame?.picture);
     const title = titleOf(scene);
     return pictureCard(frame.engine, reference ? `reference · ${frame.rung}` : frame.rung,
-      !own ? [hole("no picture: this engine gave no radiance"), below()]
+      !own ? [hole("no image: this engine computed no radiance"), below()]
         : other ? wipe(own, other, frame.engine, scene.truth.engine, title, sizeOfScene(scene))
           : [el("div", { class: "stack" }, pixels(own, `${title}, by ${frame.engine}`,
             sizeOfScene(scene))),
-            below(reference ? "what the others are held against" : "no reference to wipe to")],
+            below(reference ? "the reference of this scene" : "no reference to compare with")],
       mapsOf(scene, kind) && !reference && differenceFigure(scene, frame, kind));
   }
 
@@ -878,7 +878,7 @@
     return el("figure", {}, path ? pixels(path,
       `${titleOf(scene)}: signed ${kind} difference of ${frame.engine} from the reference`,
       sizeOfScene(scene))
-      : hole(scene.truth ? `no difference: ${frame.engine} or the reference gives no ${kind}`
+      : hole(scene.truth ? `no difference: ${frame.engine} or the reference computed no ${kind}`
         : "no reference in this scene"),
     el("figcaption", {}, `${frame.engine} − ${scene.truth?.engine ?? "reference"}, ${kind}`,
       path && legend(scene, kind)));
@@ -891,7 +891,7 @@
       el("span", { class: "tag left", "aria-hidden": "true" }, truth), el("span",
         { class: "tag right", "aria-hidden": "true" }, engine));
     const slider = el("input", { type: "range", min: 0, max: 100, value: 0,
-        "aria-label": `Wipe the picture of ${engine} to that of ${truth}` });
+        "aria-label": `Wipe the image of ${engine} to the image of ${truth}` });
     const show = (percent) => {
       stack.style.setProperty("--wipe", `${percent}%`);
       stack.classList.toggle("wiping", percent > 0);
