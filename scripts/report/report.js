@@ -931,26 +931,27 @@
     return [
       el("h3", {}, "Numbers"),
       whole.length > 0 && numbersTable(scene, columns, whole,
-        `Errors over the whole picture against ${scene.truth?.engine ?? "no reference"}`),
+        `Errors over the whole image; reference: ${scene.truth?.engine ?? "none"}`),
       parts.length > 0 && el("details", { open: whole.length === 0 },
-        el("summary", {}, "Numbers by part of the picture: ",
+        el("summary", {}, "Numbers by part of the image: ",
           [...new Set(parts.map(([{ row }]) => maskName(row.mask)))].join(", ")),
-        numbersTable(scene, columns, parts, "Errors by part of the picture")),
+        numbersTable(scene, columns, parts, "Errors by part of the image")),
       truths.map(ofItself),
       unmeasured(measured),
     ];
   }
 
-  /** The reference is held against nothing: what is counted in it stands in a line. */
+  /** The numbers of the reference, which is compared with no other engine, in one line. */
   function ofItself(frame) {
     const list = frame.measurements.filter((row) => typeof row.value === "number");
-    return list.length > 0 && el("p", { class: "small soft" }, `Of ${frame.engine} itself: `,
+    return list.length > 0 && el("p", { class: "small soft" },
+      `Numbers of ${frame.engine}, the reference: `,
       list.map((row, n) => [n > 0 && ", ", `${row.quantity} ${row.metric} (${maskName(row.mask)}) `,
         number(row, "value", reading(row.metric, row.unit)),
         row.interval && [" ", interval(row)]]), ".");
   }
 
-  /** Why numbers are missing, each reason once. */
+  /** The reasons for missing numbers, each once. */
   function unmeasured(columns) {
     const missing = columns.flatMap(measurementsOf).filter((row) => typeof row.value !== "number");
     const reasons = Map.groupBy(missing, (row) => row.undefined_because || "no reason is given");
@@ -960,7 +961,7 @@
   }
 
   function numbersTable(scene, columns, groups, label) {
-    const explained = new Set(); // each measure is explained where it first stands
+    const explained = new Set(); // each measure is explained in its first row
     const bodies = groups.map((group, n) => {
       const [{ row: { quantity, mask } }] = group;
       const metrics = [...Map.groupBy(group, ({ row }) => row.metric)]
@@ -969,7 +970,7 @@
         el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: columns.length + 1 },
             `${QUANTITIES[quantity] ?? quantity}, ${maskName(mask)}`)),
         metrics.map(([metric, cells]) => metricRow(scene, columns, metric, cells, explained)),
-        tr(rowHead("pixels", n === 0 && small("that the numbers above are taken over")),
+        tr(rowHead("pixels", n === 0 && small("included in the numbers above")),
           columns.map((frame) => {
             const first = firstIn(frame, quantity, mask);
             return num(first ? number(first, "pixel_count") : absent());
@@ -1012,7 +1013,7 @@
     ];
   }
 
-  // ------------------------------------------------------------------ who disagrees, steps, baking
+  // ------------------------------------------------------------------ disagreement, steps, baking
 
   // The axis of all interval plots: linear within ±0.01 %, logarithmic beyond, ±100 % at its ends.
   const AXIS = { width: 168, height: 16, fine: 1e-4, most: 1,
@@ -1025,13 +1026,13 @@
     height: AXIS.height, viewBox: `0 0 ${AXIS.width} ${AXIS.height}`, "aria-hidden": "true" },
   ...parts);
 
-  /** Head of a column of interval plots: where the ticks stand. */
+  /** The head of a column of interval plots: the names of the ticks. */
   const TICK_NAMES = [[-0.1, "−10 %"], [-0.001, "−0.1"], [0.001, "0.1"], [0.1, "10 %"]];
   const axisHead = () => el("th", { scope: "col", class: "plot" },
-    hidden("Picture of the interval"), plot("", TICK_NAMES.map(([tick, text]) =>
+    hidden("Plot of the interval"), plot("", TICK_NAMES.map(([tick, text]) =>
       label(across(tick), 11, "middle", text))));
 
-  /** A value and its interval against zero; the numbers stand beside it in the same row. */
+  /** Plots a value and its interval about zero; the numbers are beside it in the same row. */
   function whisker(value, range, state, zone) {
     const cell = el("td", { class: "plot" });
     if (typeof value !== "number") return cell;
@@ -1058,40 +1059,40 @@
 
   function attribution(scene) {
     const { attribution: found } = scene;
-    const title = el("h3", {}, "Who disagrees with whom");
+    const title = el("h3", {}, "Disagreement between engines");
     if (found === undefined) return null;
     if (found === null)
-      return [title, el("p", { class: "soft" }, "Fewer than three engines rendered this scene, or "
-          + "too little of it is lit: nobody can be called the odd one out.")];
+      return [title, el("p", { class: "soft" }, "The outlier cannot be determined: fewer than "
+          + "three engines rendered this scene, or too little of it is lit.")];
     const [kind, sign] = found.odd_one_out ? ["odd", "≠ "]
       : /^cannot tell/.test(found.sentence) ? ["silent", "○ "] : ["calm", "· "];
     return [
       title,
       el("p", { class: `finding ${kind}` }, el("b", { "aria-hidden": "true" }, sign),
         found.sentence),
-      scrolling(`${titleOf(scene)}: who disagrees with whom`, table("wide",
+      scrolling(`${titleOf(scene)}: disagreement between engines`, table("wide",
         [colHead("Pair"), colHead("Finding"), numHead("Mean difference"),
           numHead("Interval"), axisHead(),
-          numHead("Pixel by pixel", "RMS, noise taken out"),
-          numHead("Noise", "RMS of a pixel")],
+          numHead("Pixel by pixel", "RMS, noise subtracted"),
+          numHead("Noise", "RMS per pixel")],
         (found.pairs ?? []).map((pair) => pairRow(pair, found)))),
       el("p", { class: "note small soft" }, "Radiance over ", number(found, "pixel_count"),
         ` pixels (${maskName(found.mask)}), relative to its mean. `,
         typeof found.mean_meant === "number"
-          && ["Engines agree when they are certainly closer than ", limitShare(found, "mean_meant"),
-            " in the mean (the band in the plots) and ", limitShare(found, "rms_meant"),
-            " pixel by pixel; they differ when they are certainly farther apart; else noise leaves "
-            + "it open. "],
+          && ["Two engines agree if their difference is certainly below ",
+            limitShare(found, "mean_meant"), " in the mean (the band in the plots) and below ",
+            limitShare(found, "rms_meant"), " pixel by pixel. They differ if it is certainly "
+            + "larger. Otherwise there is too much noise for a finding. "],
         typeof found.family_alpha === "number"
-          && ["The intervals are wide enough that engines which all agree are told apart in ",
+          && ["If all engines agree, the intervals still show a difference in ",
             limitShare(found, "family_alpha"), " of runs."]),
     ];
   }
 
-  /** What the step study says about a frame, beside its number. */
+  /** The bias of a frame by its step study, shown beside the bias that was measured. */
   function stepBias({ study }, quantity) {
     const level = study?.levels?.[study.chosen];
-    return quantity === "radiance" && level && small("of its step ",
+    return quantity === "radiance" && level && small("step bias ",
       percent(level, "bias", { unit: "%" }),
       level.bias_noise > 0 && [" ± ", share(level, "bias_noise")]);
   }
@@ -1099,10 +1100,10 @@
   function studies(scene) {
     const studied = framesOf(scene).filter((frame) => frame.study?.levels?.length > 0);
     return studied.length > 0 && [
-      el("h3", {}, "Step error of the witnesses"),
+      el("h3", {}, "Step error of the external renderers"),
       el("p", { class: "small soft" },
-        "Brightness of the picture at finer and finer steps, against the extrapolated limit of no "
-        + "step at all. The first setting that is good enough was used for the frame."),
+        "Mean radiance of the image at finer and finer steps, compared with the extrapolated limit "
+        + "at step size zero. The frame uses the first setting that is accurate enough."),
       studied.map((frame) => study(scene, frame)),
     ];
   }
@@ -1116,12 +1117,12 @@
       "known", tolerance),
     num(number(level, "wall_s", { unit: "s" })));
 
-  // The word of a study, and the words before and after its tolerance.
+  // The class of a study's verdict, its word, and the text before and after the tolerance.
   const STUDIED = {
     within: ["pass-word", "✓ within ", "", ", noise included."],
     noise: ["open-word", "○ not certain", ": noise hides whether it is within ", "."],
     off: ["fail-word", "✗ off", ": even the finest step is not within ",
-      ", or its error does not shrink as it should."],
+      ", or its error does not decrease at the expected order."],
   };
 
   function study(scene, { engine, study }) {
@@ -1130,9 +1131,10 @@
     return [
       el("p", {}, bold(engine), ` was rendered with ${study.option} = `,
         number(chosen, "setting", { exact: true }),
-        study.shipped ? " by a study that comes with neph, which is off by " : ", which is off by ",
+        study.shipped ? " (from a study that comes with neph). The bias of this step is "
+          : ". The bias of this step is ",
         percent(chosen, "bias", { unit: "%" }), " ± ",
-        percent(chosen, "bias_noise", { signed: false, unit: "%" }), " for its step alone: ",
+        percent(chosen, "bias_noise", { signed: false, unit: "%" }), ": ",
         el("span", { class: kind }, sign), before, limitShare(study, "tolerance"), after),
       scrolling(`${titleOf(scene)}: step error of ${engine}`, table(null,
         [colHead(study.option), numHead("Mean radiance", "± noise"), numHead("Bias", "± noise"),
@@ -1142,16 +1144,16 @@
         number(study, "limit", { digits: 5, unit: "W m⁻² sr⁻¹" }),
         " by order ", number(study, "order", { exact: true }),
         typeof study.observed_order === "number" ? [" (observed ", number(study, "observed_order"),
-          ")"] : " (noise hides the observed one)",
-        Array.isArray(study.size_px) && ["; pictures of ", number(study.size_px, 0), " × ",
+          ")"] : " (the observed order is hidden by noise)",
+        Array.isArray(study.size_px) && ["; images of ", number(study.size_px, 0), " × ",
           number(study.size_px, 1), " pixels"],
-        ". Plots: ± twice the noise; band: good enough."),
+        ". Plots: ± twice the noise; band: the tolerance."),
     ];
   }
 
   const spoken = (key) => BAKED[key] ?? String(key).replace(/_/g, " ");
 
-  /** Any value of the data in words: numbers keep their place, the rest is text. */
+  /** Any value of the data in words: numbers keep their data path, other values are text. */
   function told(node, key) {
     const value = node[key];
     if (typeof value === "number") return number(node, key);
@@ -1161,14 +1163,14 @@
     return value === true ? "yes" : value === false ? "no" : value ?? absent();
   }
 
-  /** Media that were baked to a grid for an engine: what that cost each of `owners`. */
+  /** Media that were baked to a grid for an engine: the error of the grid for each of `owners`. */
   function baked(owners, nameKey) {
     const list = owners.filter((owner) => owner.bake);
     return list.length > 0 && [
       el("h3", {}, "Baked media"),
       el("p", { class: "small soft" },
-        "These engines cannot evaluate the medium themselves and saw it on a grid. What the grid "
-        + "differs by from the medium is part of their difference above:"),
+        "These engines cannot evaluate the medium themselves and rendered a grid of it. The error "
+        + "of the grid is part of their difference above:"),
       el("ul", { class: "small" },
         list.map((owner) => item(bold(owner[nameKey]), ": ", told(owner, "bake")))),
     ];
@@ -1183,8 +1185,8 @@
         why(frame) && el("pre", { class: "log", id: ids.get(frame), tabindex: "0" }, why(frame)),
         frame.note && el("div", { class: "small" }, frame.note),
         frame.step_optical_depth > 1 && el("div", { class: "small" },
-          bold("Steps too long: "), "one spans an optical depth of up to ",
-          number(frame, "step_optical_depth"), "; what happens within a step is not seen."),
+          bold("Steps too long: "), "one step spans an optical depth of up to ",
+          number(frame, "step_optical_depth"), "; detail within a step is not resolved."),
         frame.status === "rendered" && typeof frame.seed === "number"
           && el("div", { class: "small soft" }, `seed ${frame.seed}`),
         frame.settings && el("div", { class: "small soft" }, frame.settings),
@@ -1199,14 +1201,15 @@
     engine?.device && el("div", { class: "small soft" }, engine.device));
 
   const runs = (scene) => framesOf(scene).length > 0 && [
-    el("h3", {}, "What ran, and what it cost"),
-    scrolling(`${titleOf(scene)}: what ran, and what it cost`, table("wide",
+    el("h3", {}, "Runs and their costs"),
+    scrolling(`${titleOf(scene)}: runs and their costs`, table("wide",
       [["Engine", "State", "Version and device"].map((name) => colHead(name)),
         ["Radiance pass", "All passes", "Processor", "Memory"].map((name) => numHead(name))],
       framesOf(scene).map(runRow)),
-    "Costs of the one rendering of this run, which are not comparable between engines: radiance "
-      + "pass is without start-up where an engine can tell; all passes have the start-up of "
-      + "engines that start anew; processor sums all threads; memory is the peak."),
+    "Costs of one rendering in this run; they are not comparable between engines. The radiance "
+      + "pass excludes start-up if the engine measures it. All passes include the start-up of "
+      + "engines that run as a new process. Processor time is the sum over all threads. Memory "
+      + "is the peak."),
   ];
 
   const gates = (scene) => [
@@ -1226,18 +1229,18 @@
 
   const isOurs = (row) => ["exact", "tracer"].includes(engineNamed(row.engine)?.rung);
 
-  /** Before any medium: the functions that say where light is scattered to. */
+  /** The tests of the phase functions, which need no medium. */
   function phaseFunctions() {
     const list = physics?.phase_functions ?? [];
     return list.length > 0 && section("phase-functions", "Phase functions",
-      el("p", {}, "A phase function says where light is scattered to. Over all directions it must "
-        + "add up to 1, and its mean cosine must be g; so must that of the directions that are "
-        + "drawn from it."),
-      folded(list.some((row) => row.verdict === "off") ? "Which, and by how much"
+      el("p", {}, "A phase function is the distribution of the directions of scattered light. Its "
+        + "integral over all directions must be 1, and its mean cosine must be g. The mean cosine "
+        + "of directions that are sampled from it must also be g."),
+      folded(list.some((row) => row.verdict === "off") ? "Some are off: the numbers"
         : "All agree: the numbers", scrolling("Phase functions", table(null,
         [colHead("Phase function"), colHead("Finding"), numHead("g", ""),
           numHead("Integral", "must be 1"), numHead("Mean cosine", "must be g"),
-          numHead("Drawn mean cosine", "must be g")], list.map(phaseRow)))));
+          numHead("Sampled mean cosine", "must be g")], list.map(phaseRow)))));
   }
 
   const phaseRow = (row) => el("tr", { class: row.verdict === "off" ? "failing" : null },
@@ -1249,7 +1252,7 @@
 
   const sentenceCase = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
-  /** agrees, known, gap, wrong (FINDINGS) or open. */
+  /** The finding of a row: agrees, known, gap, wrong (FINDINGS) or open. */
   function findingOf(row) {
     if (row.verdict === "agrees") return "agrees";
     if (row.verdict !== "off") return "open";
@@ -1270,12 +1273,12 @@
     [n > 0 && (n === items.length - 1 ? " and " : ", "), item]);
   const isMeasured = (row) => row.verdict !== "not_measured";
 
-  // What the measurements of engines that do not claim to be the truth come to: one, and many.
+  // The findings of engines that are not reference engines: for one measurement, and for more.
   const COUNTED = [["agrees", " agrees", " agree"],
     ["known", " is off for a known cause", " are off for a known cause"],
-    ["gap", " shows light that the engine does not model",
-      " show light that the engine does not model"],
-    ["wrong", " is off and nobody knows why", " are off and nobody knows why"]];
+    ["gap", " is off by light that the engine does not model",
+      " are off by light that the engine does not model"],
+    ["wrong", " is off for an unknown cause", " are off for an unknown cause"]];
 
   function physicsVerdict() {
     const ours = rows.filter((row) => isOurs(row) && isMeasured(row));
@@ -1285,44 +1288,44 @@
     const wrong = counted(ours, "wrong");
     const open = rows.length - ours.length - others.length;
     return [
-      el("p", {}, "Light that is known without any renderer is asked of every engine. ",
-        names.length > 0 && ["Those that claim to be the truth (", enumerated(names), ") ",
-          wrong === 0 ? "agree with it in all "
+      el("p", {}, "Every engine renders scenes whose light is known without a renderer. ",
+        names.length > 0 && ["The reference engines (", enumerated(names), ") ",
+          wrong === 0 ? "agree with the known light in all "
             : ["are off in ", derived("physics.ours.wrong", wrong), " of "],
           derived("physics.ours", ours.length), " measurements. "],
         others.length > 0 && ["Of ", derived("physics.others", others.length),
-          " measurements of the others ",
+          " measurements of the other engines ",
           enumerated(COUNTED.map(([state, ...words]) => [state, counted(others, state), words])
             .filter(([, count]) => count > 0).map(([state, count, words]) =>
               [derived(`physics.others.${state}`, count), plural(count, ...words)])), ". "],
-        open > 0 && [derived("physics.open", open), " could not be measured, and say why."]),
-      el("p", { class: "small soft" }, "With ", number(physics, "tests"),
-        " measurements at once chance must not cry wolf: off is what lies more than ",
-        number(physics, "critical_z"),
-        " standard errors from the truth (on top of bounded step and rounding errors), so that a "
-          + "run in which all are right calls anyone off with a probability of ",
+        open > 0 && [derived("physics.open", open), plural(open, " measurement", " measurements"),
+          " could not be made; the tables give the reasons."]),
+      el("p", { class: "small soft" }, "A measurement is off if it differs from the truth by more "
+        + "than ", number(physics, "critical_z"), " standard errors, in addition to bounded step "
+        + "and rounding errors. This limit is for ", number(physics, "tests"), " measurements: if "
+        + "all engines are correct, any of them is called off with a probability of ",
         limitShare(physics, "family_alpha"), " (Šidák)."),
     ];
   }
 
   const physicsHelp = () => [
     entry("What is compared",
-      "Scenes so simple that their light is known from formulas, integrals or a solution by other "
-      + "means. The truth of every pixel is computed without any renderer."),
+      "The scenes are simple: their light is known from formulas, from integrals or from another "
+      + "numerical method. The truth of every pixel is computed without a renderer."),
     entry("Findings",
-      "✓ agrees: the interval holds 0. △ off, and the cause is known. ◇ model gap: the engine does "
-      + "not claim this physics; it was given single scattering alone, or is a look. ✗ off: nobody "
-      + "knows why, or the engine claims to be the truth."),
-    entry("z", "The difference in standard errors of chance. Engines without chance have a bound "
-      + "of their step error instead, from two step sizes. A large z can agree all the same, where "
-      + "the rounding of an engine's own numbers is larger than its noise."),
+      "✓ agrees: the interval contains 0. △ off, cause known. ◇ model gap: the engine does not "
+      + "model this light: it rendered single scattering only, or is a non-physical model. ✗ off: "
+      + "the cause is unknown, or the engine is a reference engine."),
+    entry("z", "The difference in standard errors. Engines without noise have a bound of their "
+      + "step error instead, from two step sizes. A measurement with a large z can agree: if the "
+      + "rounding error of the engine's numbers is larger than its noise."),
     entry("Interval plots",
-      "The dot is the difference, the bar what chance, step and rounding allow. The scale is "
-      + "logarithmic: ticks at 0.1, 1, 10 and 100\u00a0% on both sides of zero."),
-    entry("Small pictures",
-      "A mean over a few hundred pixels tests more than a large picture: these are shown large, "
-      + "pixel by pixel. Wipe to the truth with the pointer or the slider. Noise averages out in "
-      + "the number, not in the picture; difference maps end at a tenth of the mean truth."),
+      "The dot is the difference, the bar its uncertainty by noise, step and rounding. The scale "
+      + "is logarithmic: ticks at 0.1, 1, 10 and 100\u00a0% on both sides of zero."),
+    entry("Small images",
+      "The images have few pixels, because a test needs only the mean of a few hundred. They are "
+      + "enlarged without smoothing. Wipe to the truth with the pointer or the slider. The mean "
+      + "has less noise than the image. Difference maps end at a tenth of the mean truth."),
   ];
 
   function agreements({ participant }) {
@@ -1335,21 +1338,23 @@
 
   function physicsMatrix() {
     if (!physics) return null;
-    const who = participants();
-    return section("physics", "Physics: who agrees with what",
-      scrolling("Physics: who agrees with what", el("table", { class: "wide matrix findings" },
-        el("thead", {}, tr(colHead("Check"), who.map((row) => numHead(row.participant,
-          row.look ? "a look" : engineNamed(row.engine)?.rung ?? row.engine)))),
-        el("tbody", {}, el("tr", { class: "total" }, rowHead("Agrees in"), who.map(agreements))),
+    const columns = participants();
+    return section("physics", "Physics: agreement by check and engine",
+      scrolling("Physics: agreement by check and engine",
+        el("table", { class: "wide matrix findings" },
+        el("thead", {}, tr(colHead("Check"), columns.map((row) => numHead(row.participant,
+          row.look ? "non-physical" : engineNamed(row.engine)?.rung ?? row.engine)))),
+        el("tbody", {},
+          el("tr", { class: "total" }, rowHead("Agrees in"), columns.map(agreements))),
         rungs.map((rung) => el("tbody", {},
-          el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: who.length + 1 },
+          el("tr", { class: "group" }, el("th", { scope: "rowgroup", colspan: columns.length + 1 },
             link(`#${ids.get(rung)}`, sentenceCase(rung.name)), `: ${rung.title}`)),
           checksOf(rung).map((check) => tr(rowHead(el("a",
             { href: `#${ids.get(check)}`, class: "mono", title: check.what }, check.name)),
-          who.map((column) => physicsCell(rows.find((row) => row.check === check.name
+          columns.map((column) => physicsCell(rows.find((row) => row.check === check.name
             && row.participant === column.participant)))))))),
       "Difference from the truth over the whole check (+ is too bright), and the finding. Point at "
-        + "a check for what it is; empty: does not take part."));
+        + "a check for its description. Empty: the engine does not take part."));
   }
 
   const physicsCell = (row) => (!row ? num() : el("td", { class: `num ${findingOf(row)}` },
@@ -1357,7 +1362,7 @@
 
   const rungSection = (rung) => section(ids.get(rung), sentenceCase(rung.title),
     QUESTIONS[rung.name] && el("p", {}, QUESTIONS[rung.name]),
-    folded("Each check: numbers and pictures", checksOf(rung).map(checkSection)));
+    folded("Each check: numbers and images", checksOf(rung).map(checkSection)));
 
   function checkSection(check) {
     const own = rows.filter((row) => row.check === check.name);
@@ -1380,7 +1385,7 @@
       : ["step_bound", "step"];
     return el("tr", { class: state === "wrong" ? "failing" : null },
       rowHead(row.participant,
-        small(row.look ? "a look, not physics" : engineNamed(row.engine)?.rung)),
+        small(row.look ? "non-physical model" : engineNamed(row.engine)?.rung)),
       el("td", { class: "tight" }, findingWord(row)),
       num(percent(row, "deviation", { unit: "%" }), there && Array.isArray(row.interval)
         && small(interval(row, { scale: 100, signed: true }), unitText("%"))),
@@ -1399,9 +1404,9 @@
     if (!isMeasured(row)) return why(row) || "no reason is given";
     return [
       row.verdict === "agrees" ? "" : row.cause ? `${row.participant} is off because ${row.cause}.`
-        : `${row.participant} is off and the cause is not known.`,
+        : `${row.participant} is off; the cause is not known.`,
       row.lowered && el("div", { class: "small" },
-        "It was given single scattering from the sun alone, since it refuses the rest."),
+        "It rendered single scattering of sunlight only: it does not support the rest."),
     ];
   }
 
@@ -1418,9 +1423,9 @@
     const title = `${check.name}, view ${v + 1}`;
     const drawn = own.filter((row) => inside(row.pictures?.[v]));
     const cards = el("div", { class: "pictures small-pictures" },
-      truth && pictureCard("truth", "no renderer: computed",
+      truth && pictureCard("truth", "computed without a renderer",
         el("div", { class: "stack" }, pixels(truth, `${title}, the truth`, size)),
-        below("what the others are held against")),
+        below("all engines are compared with it")),
       drawn.map((row) => {
         const own = inside(row.pictures[v]);
         const map = inside(row.differences?.[v]);
@@ -1438,7 +1443,7 @@
       el("p", { class: "small soft" }, check.views.length > 1
         && `View ${v + 1} of ${check.views.length}. `, view.what && `${sentenceCase(view.what)}. `,
         "Exposure ", exposure(view), "."),
-      fit(cards, size, size[0] > 3 * size[1] ? 400 : 216), // a strip needs its length to be seen
+      fit(cards, size, size[0] > 3 * size[1] ? 400 : 216), // a strip needs its whole length
     ];
   }
 
@@ -1461,7 +1466,7 @@
       el("div", { class: "beside" }, el("div", {},
         el("p", {}, sequence.physics),
         el("p", { class: "small soft" }, number(sequence, "frames"), " frames of ",
-          number(sequence.size_px, 0), " × ", number(sequence.size_px, 1), " pixels, as seen at ",
+          number(sequence.size_px, 0), " × ", number(sequence.size_px, 1), " pixels, displayed at ",
           number(sequence, "rate_hz", { unit: "Hz", exact: true }), ", exposure ",
           exposure(sequence), `. Reference: ${reference.text}, `,
           number(reference, "cpu_s", { unit: "s" }), " of processor time."),
@@ -1484,11 +1489,11 @@
         number(row, "render_s", { unit: "s" })],
       flipbook(row, sequence), row.map && el("figure", {}, pixels(row.map,
         `${sequence.scene}: amplitude of the flicker of ${row.preset}`, sequence.size_px),
-      el("figcaption", {}, "visible flicker, in multiples of the threshold of visibility",
+      el("figcaption", {}, "visible flicker, in multiples of the visibility threshold",
         sequence.map_scale && flickerKey(sequence.map_scale)))))),
   sequence.size_px, 400);
 
-  /** The powers of ten between the ends of a scale, and the ends themselves. */
+  /** The labels between the ends of a logarithmic scale, one per power of ten. */
   const decades = (scale) => Array.from(
     { length: Math.max(0, Math.round(Math.log10(scale.high / scale.low)) - 1) },
     (_, n) => `${Number((scale.low * 10 ** (n + 1)).toPrecision(1))} ×`);
@@ -1501,7 +1506,7 @@
       [number(scale, "high", { exact: true }), " ×"]),
     beyondKey(scale.beyond, { above: "green: more", not_a_number: "teal: no number" }));
 
-  /** The frames of one cycle: by the slider, or in turn while the box is ticked. */
+  /** The frames of one cycle: the slider selects one, the checkbox plays all. */
   function flipbook(row, sequence) {
     const frames = row.pictures.map((path, n) => pixels(path,
         `${sequence.scene} by ${row.preset}, frame ${n + 1} of the cycle`, sequence.size_px));
@@ -1532,10 +1537,10 @@
         rowHead(measurement.metric, small(maskName(measurement.mask))),
         rows.map((row) => num(row.measurements.length === 0
           ? absent() : flickerNumber(row.measurements[m])))))),
-      "Radiance as displayed, 1 is white. In brackets: 95\u00a0% interval over the picture; then "
-        + "the same number against centre rays alone, which an edge crosses in steps. The "
-        + "amplitude over four frames is of that cycle alone, as is its map: what flickers at "
-        + "another period stands in the deviation.");
+      "Radiance as displayed, 1 is white. In brackets: 95\u00a0% interval over the image. Then the "
+        + "same number, compared with a reference of centre rays only, where edges move in steps. "
+        + "The amplitude over four frames and its map contain only flicker of this period; the "
+        + "deviation contains flicker of all periods.");
   }
 
   function flickerNumber(measurement) {
@@ -1573,10 +1578,10 @@
         !still && entry.missing && el("p", { class: "small soft" },
           `No static chart: ${entry.missing}`),
         el("p", { class: "small soft upgrade" },
-          still && ["Also as ", link(still, "SVG"), ". "])));
+          still && ["Also available as ", link(still, "SVG"), ". "])));
   }
 
-  /** Makes each chart interactive, from the specification that drew the static one. */
+  /** Makes each chart interactive, from the specification of the static chart. */
   async function upgrade(figures) {
     const work = (report.charts ?? []).map((entry, n) => ({ entry, figure: figures[n] }))
       .filter(({ entry }) => entry.spec);
@@ -1601,7 +1606,7 @@
 
   const engineTable = () => section("engines", "Engines",
     folded("Versions, devices, known biases", scrolling("Engines", table("wide",
-      ["Engine", "Rung of truth", "Version and device", "Known bias"].map((name) =>
+      ["Engine", "Reference level", "Version and device", "Known bias"].map((name) =>
         colHead(name)),
       engines.map((engine) => tr(rowHead(engine.name, small(engine.summary)),
         words(RUNGS[engine.rung] ?? engine.rung),
@@ -1622,7 +1627,7 @@
 
   // ------------------------------------------------------------------------------------- the page
 
-  /** A table that would be wider than its place becomes a list of its rows. */
+  /** Shows a table as a list of its rows if it is wider than its container. */
   function fitTables() {
     for (const region of document.querySelectorAll(".scroll")) {
       region.classList.remove("stacked");
@@ -1630,7 +1635,7 @@
     }
   }
 
-  /** What an address names is shown, also where it is folded away. */
+  /** Unfolds the element that the address's fragment names, and scrolls to it. */
   function reveal() {
     const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
     for (let element = target; element; element = element.parentElement)
@@ -1638,8 +1643,8 @@
     target?.scrollIntoView();
   }
 
-  /** Paper shows what is folded away. Some programs print without the events of a print dialogue:
-   * the style sheet opens folded parts for them. */
+  /** Unfolds all parts of the page for printing. Some programs print without the events of a print
+   * dialogue: for these, the style sheet unfolds the parts. */
   function printWhole() {
     const closed = [];
     window.addEventListener("beforeprint", () => {
@@ -1658,10 +1663,10 @@
     ["The numbers may still be in ", link("data.json"), "."]);
   if (!report)
     return complaint("This report has no data",
-      "data.js, which lies beside this page in a complete report, is missing or cannot be read.");
+      "data.js is missing or cannot be read. It must be in the same folder as this page.");
   if (report.format !== "neph-report-1")
-    return complaint("This report is of another version",
-      `Its data say “${report.format}”; this page reads “neph-report-1”.`);
+    return complaint("This report has an unsupported version",
+      `The format of its data is “${report.format}”; this page reads “neph-report-1”.`);
   try {
     document.title = `${report.title}: ${report.verdict}`;
     fit(document.documentElement, report.size_px ?? [192, 108], 400);
@@ -1678,7 +1683,7 @@
       document.documentElement.dataset.ready = "yes";
     });
   } catch (error) {
-    complaint("This report cannot be laid out",
+    complaint("This report cannot be shown",
       `The data do not have the expected form: ${error.message}.`);
     throw error;
   }

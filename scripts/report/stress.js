@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Lays out a run of the stress tests from window.NEPH_STRESS (data.js; README.md beside this file
-// is the contract). Results come the worst first, and so does everything here. Strings of the data
-// reach the page as text nodes and attribute values alone, never as markup.
+// defines its format). The results are sorted, the worst first, and the page keeps this order.
+// Strings of the data reach the page only as text nodes and attribute values, never as markup.
 (function () {
   "use strict";
 
@@ -11,12 +11,12 @@
     rowHead, numHead, row, table, scrolling, fact, entry, listed, link, hasData, withoutPlus, sized,
     fit, show, colourBar } = window.NephPage;
 
-  // A sign and a word each, so that no verdict speaks by its colour.
+  // Each verdict has a sign and a word, so that it can be read without its colour.
   const VERDICTS = {
     fail: ["✗", "fails", "fail-word"],
     no_number: ["✗", "no number", "fail-word"],
     unexpected_pass: ["◆", "passes: unexpected", "fail-word"],
-    flake: ["≈", "fails, as it may", "open-word"],
+    flake: ["≈", "fails, flaky", "open-word"],
     known_fail: ["△", "fails, known", "open-word"],
     not_rendered: ["○", "not rendered", "open-word"],
     pass: ["✓", "passes", "pass-word"],
@@ -31,19 +31,19 @@
   const MASKS = { ...window.NephPage.MASKS, non_edge: "away from edges" };
   const MEASURES = {
     error: "relative RMS error against the reference",
-    flicker: "flicker that is seen, 1 at the threshold",
-    period_4: "flicker that repeats every four frames, RMS of the display's white",
+    flicker: "visible flicker, 1 at the threshold",
+    period_4: "flicker with a period of four frames, RMS relative to the display's white",
     lag: "frames until 95 % of the pixels are within 10 %",
     edge_ratio: "error at edges in depth over error elsewhere",
-    never_seen: "share of pixels that never settle",
+    never_seen: "fraction of pixels that do not converge",
     energy: "light gained or lost, relative",
-    bad_values: "values that are not finite or negative, counted",
+    bad_values: "number of values that are negative or not finite",
   };
   const STATES = { running: ["Running", "open"], interrupted: ["Interrupted", "open"] };
   const OVER = { pass: ["Pass", "pass"], fail: ["Fail", "fail"] };
   const SERIES = [["#0072b2", ""], ["#d55e00", "6 3"], ["#009e73", "2 3"], ["#cc79a7", "8 3 2 3"],
     ["#56b4e9", "4 2"], ["#7a6a00", "1 3"], ["#5a5f63", "10 4"]];
-  const LISTED = 12; // what is new in the verdict before the rest is folded away
+  const LISTED = 12; // unexpected results in the verdict; more are folded
   const FLIPS_HZ = 30, SLOW_HZ = 2;
 
   // -------------------------------------------------------------------------------------- numbers
@@ -52,9 +52,9 @@
 
   const hasNumber = (result) => result.value !== null || result.infinite;
 
-  /** The number of a result: all its digits are a matter of pointing at it. */
+  /** The number of a result, rounded; its title has all digits. */
   function numberOf(result) {
-    if (result.infinite) return el("span", { title: "it never ends" }, "∞");
+    if (result.infinite) return el("span", { title: "infinite" }, "∞");
     if (result.value === null) return null;
     return el("data", { value: result.value, "data-value": result.value, title: result.value },
       written(result.value));
@@ -68,7 +68,7 @@
     return signed(sign, short ? text.split(/[,:]/)[0] : text, kind);
   }
 
-  // ----------------------------------------------------------------------------- looking things up
+  // ------------------------------------------------------------------------------------- look-ups
 
   const results = run?.results ?? [];
   const columns = (run?.columns ?? []).filter(({ name }) =>
@@ -88,7 +88,7 @@
   const megabytes = (bytes) => (bytes < 1e6 ? `${Math.ceil(bytes / 1e3)} kB`
     : `${(bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0)} MB`);
 
-  /** What is new at several points of a sweep stands once, at the worst of them. */
+  /** The unexpected results; several points of a sweep are one item, at the worst point. */
   function news() {
     const kin = Map.groupBy(results.filter((one) => NEWS.includes(one.verdict)),
       ({ scene, column, measure, over, verdict }) =>
@@ -100,7 +100,7 @@
     link(`#${anchor(result.scene)}`, result.scene), result.point && ` at ${result.point}`, " · ",
     bold(result.column), ` · ${result.measure}${maskOf(result)}: `,
     hasNumber(result) ? [numberOf(result), ", limit ", limitOf(result)] : result.why,
-    more.length > 0 && `, and at ${plural(more.length, "point", "points")} more`);
+    more.length > 0 && `, and at ${plural(more.length, "more point", "more points")}`);
 
   function verdict() {
     const [said, kind] = STATES[run.state] ?? OVER[run.verdict] ?? [run.verdict, "open"];
@@ -113,31 +113,31 @@
           `${plural(run.scenes.length, "scenario", "scenarios")} over ` +
           `${plural(run.frames, "frame", "frames")}; ` +
           (run.news === 0 ? "all as expected." : `${run.news} not as expected.`),
-        run.compared === 0 && " Nothing compared is no verdict."),
+        run.compared === 0 && " Without comparisons there is no verdict."),
         run.state !== "finished" && el("p", null,
           `${run.progress.done} of ${run.progress.total} steps` +
           `${run.state === "running" && left > 0 ? `, about ${Math.ceil(left)} s left` : ""}: ` +
-          "what follows is what there is so far.")),
+          "the page shows the results so far.")),
       listed(list, LISTED));
   }
 
   function pictureFact() {
     const { bytes, limit_bytes: limit, left_out: left } = run.pictures;
-    return [`${megabytes(bytes)} of pictures, limit of the page ${megabytes(limit)}`,
+    return [`${megabytes(bytes)} of images, limit of the page ${megabytes(limit)}`,
       left > 0 && ["; ", el("span", { class: "open-word" }, "the limit is reached"),
-        `: ${plural(left, "cell has", "cells have")} no pictures`]];
+        `: ${plural(left, "cell has", "cells have")} no images`]];
   }
 
   const head = () => window.NephPage.head("Nephelometer stress tests", "Where methods fail",
     verdict(), fact("Tier", run.tier), fact("Device", run.device),
-    fact("Written", run.created_utc), fact("Took", `${written(run.seconds)} s`),
+    fact("Created", run.created_utc), fact("Duration", `${written(run.seconds)} s`),
     fact("Version", `neph ${run.neph_version}`), fact("Page", pictureFact()));
 
   // --------------------------------------------------------------------------------------- matrix
 
-  const notAsked = () => el("td", { class: "num soft" }, small("not asked"));
+  const notAsked = () => el("td", { class: "num soft" }, small("not tested"));
 
-  /** A cell is as bad as its worst number. */
+  /** A cell of the matrix, which shows the worst of its numbers. */
   function matrixCell(scene, column) {
     const own = of(scene, column.name);
     if (own.length === 0) return notAsked();
@@ -162,26 +162,27 @@
     return section("matrix", "Verdicts",
       told.length > 0 && scrolling("Verdicts", table("wide matrix findings",
         [colHead("Scenario"), columns.map(headCell)], told.map(matrixRow))),
-      el("p", { class: "note small soft" }, "Each cell shows the worst of its numbers: what was " +
-        "measured, the verdict, the limit that is not to be exceeded, and which measure it is."),
-      silent.length > 0 && el("p", { class: "small" }, "Without a number so far: ",
+      el("p", { class: "note small soft" }, "Each cell shows the worst of its numbers: the " +
+        "value, the verdict, the limit (the largest allowed value), and the measure."),
+      silent.length > 0 && el("p", { class: "small" }, "Scenarios without a number so far: ",
         silent.map((scene, n) => [n > 0 && ", ", `${scene} (`,
           unique(of(scene).map((result) => VERDICTS[result.verdict]?.[1] ?? result.verdict))
             .join(", "), ")"]), "."));
   }
 
   const help = () => window.NephPage.help(
-    entry("Verdicts", "✗ fails: above its limit, and nobody expected it. △ fails, known: a " +
-      "failure that is written down with its reason. ◆ passes, unexpected: written down as " +
-      "failing, and no longer does; that is news as much as a failure."),
-    entry("Engines", "Presets are of our shortcut over time. Engines that make each picture " +
-      "anew stand in the scenarios of fog, held against engine exact, without the measures " +
-      "that are of a history. “Cannot” and “missing” are no verdicts."),
-    entry("Pictures", "Each cell with evidence shows its worst frame, and a row of pixels " +
-      "over the frames, the one whose error is largest, time running down. Differences are " +
-      "on one fixed scale: blue is too dark, red too bright, cyan and yellow are beyond."),
-    entry("Flip-book", "Four frames in a row beside their reference. They stand still until " +
-      "they are started; where a device asks for less motion they turn slowly."));
+    entry("Verdicts", "✗ fails: above its limit, and not expected. △ fails, known: an " +
+      "expected failure, recorded with its reason. ◆ passes, unexpected: recorded as a failure, " +
+      "but now below its limit; this also counts as not expected."),
+    entry("Engines", "Presets are settings of the real-time method with history. Engines that " +
+      "render each frame independently are tested in the fog scenarios only: they are compared " +
+      "with engine exact, without the measures of a history. “Cannot” and “missing” are not " +
+      "verdicts."),
+    entry("Images", "Each cell with evidence shows its worst frame, and the row of pixels with " +
+      "the largest error over all frames; time runs down. Differences have one fixed scale: " +
+      "blue is too dark, red is too bright, cyan and yellow are beyond the scale."),
+    entry("Flip-book", "Consecutive frames beside their reference. The button plays them; the " +
+      "playback is slow if the device is set to reduced motion."));
 
   // ------------------------------------------------------------------------------------- pictures
 
@@ -200,7 +201,7 @@
 
   const calm = window.matchMedia("(prefers-reduced-motion: reduce)");
 
-  /** Frames in turn while the button is down; the slider stops them at one. */
+  /** The button plays and pauses the frames; the slider selects one and stops the playback. */
   function flipbook(item, title, size, beside) {
     const count = item.flip_count;
     const numbers = [...Array(count).keys()];
@@ -255,8 +256,8 @@
     const title = `${item.scene} by ${item.column}`;
     const rows = `row ${item.row}, frames ${item.slice_first} to ` +
       `${item.slice_first + item.slice_count - 1}, time runs down`;
-    const flicker = figure(item, "seen_contrast_radiance", `${title}: flicker that is seen`,
-      "flicker that is seen: black none, green above 10 times the threshold", size);
+    const flicker = figure(item, "seen_contrast_radiance", `${title}: visible flicker`,
+      "visible flicker: black is none, green is above 10 times the threshold", size);
     const shown = el("div", { class: "evidence" },
       item.flip_count > 1 && flipbook(item, title, size, flicker),
       el("div", { class: "pictures" },
@@ -266,9 +267,9 @@
         figure(item, "worst_difference", `${title}: signed difference`, "frame − reference", size)),
       item.slice_count > 0 && el("div", { class: "pictures" },
         figure(item, "slice", `${title}: a row of pixels over time`, rows, strip),
-        figure(item, "slice_reference", `${title}: that row of the reference`,
-          "the same of the reference", strip),
-        figure(item, "slice_difference", `${title}: difference of that row`,
+        figure(item, "slice_reference", `${title}: the same row of the reference`,
+          "the same row of the reference", strip),
+        figure(item, "slice_difference", `${title}: difference of this row`,
           "frames − reference", strip)),
       has(item, "worst_difference") && differenceScale(item));
     const worst = of(item.scene, item.column).find((result) => result.point === item.point);
@@ -283,7 +284,7 @@
 
   const PLOT = { width: 640, height: 240, left: 56, right: 12, top: 12, bottom: 40 };
 
-  /** 1, 2 or 5 times a power of ten, some five of them to a range. */
+  /** About five ticks for a range, in steps of 1, 2 or 5 times a power of ten. */
   function evenTicks(low, high) {
     const rough = (high - low) / 4;
     const power = 10 ** Math.floor(Math.log10(rough));
@@ -293,7 +294,7 @@
     return ticks;
   }
 
-  /** From numbers to a place: logarithmic where all are above 0 and far apart. */
+  /** The vertical axis: logarithmic if all values are above 0 and their ratio exceeds 30. */
   function axis(values, hasEndless) {
     const [low, high] = [Math.min(...values), Math.max(...values)];
     const isLog = low > 0 && high / low > 30;
@@ -316,7 +317,7 @@
     (x, y) => svg("path", { d: `M${x - 4} ${y - 3}h8l-4 7z` }),
   ];
 
-  /** What never ends stands at the top. */
+  /** The curve of one column with its marks; infinite values are marked at the top. */
   function series(own, n, across, place) {
     const [colour, dash] = SERIES[n % SERIES.length];
     const spots = own.map((one, p) => ({ x: across(p), one })).filter(({ one }) => one);
@@ -343,7 +344,7 @@
       svg("path", { class: "limit", d: "M0 6H34" })), " limit"));
   }
 
-  /** What an axis says of a point: the value alone where there is one axis. */
+  /** The label of a point of a sweep: its value; null if the sweep has several parameters. */
   const tickName = (point) => (point === "" ? "file" : point.includes(" ") ? null
     : point.replace(/^[^=]*=/, ""));
 
@@ -374,7 +375,7 @@
       points.map((point, p) => label(across(p), PLOT.height - PLOT.bottom + 16, "middle",
         tickName(point) ?? String(p))),
       label(PLOT.left + room / 2, PLOT.height - 6, "middle",
-        points.some((point) => point.includes(" ")) ? "point, as numbered in the table"
+        points.some((point) => point.includes(" ")) ? "number of the point in the table"
           : (points[1] ?? "").replace(/\+?=.*$/, "")),
       level("limit", limit),
       names.map((name, n) => series(points.map((point) => resultAt(name, point)), n, across,
@@ -409,7 +410,7 @@
       })));
   }
 
-  /** Why it is so: once for all that it is said of. */
+  /** The reasons of the verdicts, each once with its columns and measures. */
   function reasons(scene) {
     const told = Map.groupBy(of(scene).filter((result) => result.why),
       ({ verdict, why }) => `${verdict}\n${why}`);
@@ -422,7 +423,7 @@
   function limits(scene) {
     const list = Map.groupBy(of(scene), ({ measure, over, limit, reason }) =>
       JSON.stringify([measure, over, limit, reason]));
-    return folded("Where the limits are from", el("ul", { class: "small" },
+    return folded("Sources of the limits", el("ul", { class: "small" },
       [...list.values()].map(([{ measure, over, limit, reason }]) => el("li", null, bold(measure),
         maskText(over), ` ≤ ${written(limit)}: `, reason))));
   }
@@ -432,7 +433,7 @@
     const shown = evidenceOf(scene).map((item) => item.column);
     const names = columns.map(({ name }) => name).filter((name) => own[name]
       && !shown.includes(name));
-    return names.length > 0 && folded("The commands that make what is not shown here",
+    return names.length > 0 && folded("Commands of the columns without evidence",
       el("ul", { class: "small" }, names.map((name) => el("li", null, bold(name), ": ",
         el("code", null, own[name])))));
   }
@@ -446,10 +447,10 @@
       el("dl", { class: "facts" },
         fact("Scenario", el("span", { class: "mono" }, name)), fact("Symptom", scene.symptom),
         fact("Known to fail", scene.known),
-        fact("Truth of presets", scene.truth === "exact" ? "engine exact"
-          : "march, 16 rays a pixel"),
+        fact("Reference of presets", scene.truth === "exact" ? "engine exact"
+          : "march, 16 rays per pixel"),
         columns.some((column) => !column.preset && of(name, column.name).length > 0)
-          && fact("Truth of engines", "engine exact"),
+          && fact("Reference of engines", "engine exact"),
         fact("Sequence",
           `${scene.frames} frames of ${scene.width_px} × ${scene.height_px} pixels`)),
       of(name).some(hasNumber) ? numbers(name, points.slice(0, 1), `Numbers of ${name}`)
@@ -469,7 +470,7 @@
   // ----------------------------------------------------------------------------------------- page
 
   const foot = () => el("footer", null, el("p", null, "Every number of this page is in ",
-    link("data.json"), "; how the suite is run: ",
+    link("data.json"), "; command of the suite: ",
     el("code", null, "neph validate --suite stress"), "."));
 
   const main = document.getElementById("main");
