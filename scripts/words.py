@@ -7,8 +7,8 @@
     scripts/words.py --places HABIT [FOLDER]    every place of one habit: FILE:LINE: text
 
 Counted are comments of C, C++ and shaders outside of tests, the Markdown of README.md,
-CONTRIBUTING.md, docs/, scenes/ and results/, and messages: string literals of C with at least four
-words. Limits are two to three times the highest rate in libplacebo, pbrt-v4, Mitsuba 3, dav1d and
+CONTRIBUTING.md, docs/, scenes/ and results/, messages (string literals of C with at least four
+words), and the report pages (comments and such literals of scripts/report/*.js). Limits are two to three times the highest rate in libplacebo, pbrt-v4, Mitsuba 3, dav1d and
 VMAF (2026-11), and at least 0.5. A function is named by a verb and its object: the names in
 scripts/words_allowed.txt end in `_of` or are a bare verb and are yet to be renamed. That list only
 shrinks: a name that is no longer in the code fails, too.
@@ -38,6 +38,7 @@ FOLDERS = ("base", "docs", "harness", "metrics", "renderer", "results", "scenes"
            "tests", "truth")
 CODE = {".c", ".h", ".cpp", ".comp", ".glsl"}
 SHADERS = {".comp", ".glsl"}
+SCRIPT = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:[^"\\\n]|\\.)*"|`(?:[^`\\]|\\.)*`', re.S)
 TOKEN = re.compile(r'(?P<comment>/\*.*?\*/|//[^\n]*)|(?P<string>(?:"(?:[^"\\\n]|\\.)*"\s*)+)', re.S)
 BANNED_NAME = re.compile(r"\b(\w+_of|rests|own|asks|knows|tells|holds|wakes|looks)\(")
 
@@ -69,6 +70,10 @@ def texts():
         if path.suffix == ".md" and not name.startswith("tests/"):
             for number, line in enumerate(prose(text).split("\n"), 1):
                 yield "docs", name, number, line
+        if path.suffix == ".js" and name.startswith("scripts/report/"):
+            for found in SCRIPT.finditer(text):
+                if len(re.findall(r"[A-Za-z']{2,}", found[0])) >= 4:
+                    yield "pages", name, text.count("\n", 0, found.start()) + 1, found[0]
         if not is_product(name, path.suffix):
             continue
         for found in TOKEN.finditer(text):

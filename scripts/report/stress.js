@@ -16,7 +16,7 @@
     fail: ["✗", "fails", "fail-word"],
     no_number: ["✗", "no number", "fail-word"],
     unexpected_pass: ["◆", "passes: unexpected", "fail-word"],
-    flake: ["≈", "fails, flaky", "open-word"],
+    flake: ["≈", "near to the limit", "open-word"],
     known_fail: ["△", "fails, known", "open-word"],
     not_rendered: ["○", "not rendered", "open-word"],
     pass: ["✓", "passes", "pass-word"],
