@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Lays out a comparison from window.NEPH_COMPARE (data.js; README.md beside this file is the
-// contract). Strings of the data reach the page as text nodes and attribute values only, never as
+// The page of a comparison, from window.NEPH_COMPARE (data.js; README.md in this folder describes
+// its format). Strings of the data reach the page as text nodes and attribute values only, never as
 // markup.
 (function () {
   "use strict";
@@ -46,7 +46,7 @@
     try {
       await loadVega();
     } catch {
-      return; // the still charts stand
+      return; // the images of the charts stay
     }
     for (const [n, spec] of data.charts.entries())
       await drawLive(document.getElementById(`chart-${n}`), spec);
@@ -84,13 +84,13 @@
     const size = maps[0].size_px;
     const block = maps[0].block_px;
     return [el("h3", null, maps[0].title), block > 1 && el("p", { class: "small soft" },
-      `The largest value of each ${block} x ${block} pixels.`), legend(maps[0]),
+      `A pixel of the map is the largest value of ${block} x ${block} pixels.`), legend(maps[0]),
     pictures(size, maps.map((map) => card(data.names[map.side], map.src, size)))];
   }
 
   const maps = () => data.maps.length > 0 && section("maps", "Maps",
     el("p", { class: "small soft" }, compared.frames > 1 && data.series[0]?.id !== "movement"
-      ? `Of the worst frame, ${data.frames[0]?.frame}.` : "Of all frames."),
+      ? `Maps of the worst frame, ${data.frames[0]?.frame}.` : "Maps of all frames."),
     [...new Set([...data.maps].sort((a, b) => a.place - b.place).map((map) => map.name))]
       .map(mapsNamed));
 
@@ -131,15 +131,15 @@
   function numbers() {
     const overall = compared.measurements;
     return section("numbers", "All numbers",
-      compared.versus && folded(`${test} beside ${other}: ${compared.versus.length} numbers`,
+      compared.versus && folded(`${test} and ${other}: ${compared.versus.length} numbers`,
         scrolling("both tests", table("wide", [...HEADS, numHead(test), numHead(other),
           numHead("difference"), numHead("95 % interval"), numHead("p (Holm)"), colHead("unit")],
         compared.versus.map(versusRow)))),
       folded(`${test ?? "test"}: ${overall.length} numbers`, scrolling("the test",
         table("wide", [...HEADS, numHead("value"), numHead("95 % interval"), colHead("unit"),
-          colHead("why there is none")], overall.map(numberRow)))),
+          colHead("reason if undefined")], overall.map(numberRow)))),
       el("p", { class: "small" }, "All digits: ", el("a", { href: "data.json" }, "data.json"),
-        ". The numbers of each frame: --csv FILE or --json."));
+        ". Numbers of each frame: use --csv FILE or --json."));
   }
 
   document.title = `${data.verb}: ${data.verdict[0] ?? ""}`;

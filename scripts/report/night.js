@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Lays out a night from window.NEPH_NIGHT (data.js; README.md beside this file is the contract).
-// Findings come the worst first, and so does everything here. Strings of the data reach the page as
-// text nodes and attribute values alone, never as markup.
+// The page of a nightly run, from window.NEPH_NIGHT (data.js; README.md in this folder describes
+// its format). The data list the worst finding first, and the page keeps this order. Strings of the
+// data reach the page as text nodes and attribute values only, never as markup.
 (function () {
   "use strict";
 
@@ -11,21 +11,22 @@
     numHead, words, row, table, scrolling, fact, entry, listed, link, hasData, withoutPlus, hole,
     pixels, fit, show, colourBar } = window.NephPage;
 
-  // What fails a night. A finding has a sign, a word and a colour: none speaks by its colour.
+  // Findings that fail a run. Each finding is shown by a sign, a word and a colour, so that it can
+  // be read without the colour.
   const FAILING = ["step failed", "history damaged", "not the same bits", "reference stale",
     "blank picture", "missing", "lost", "another size", "worse", "worse elsewhere", "edited"];
   const JUDGED = { worse: "wrong", better: "agrees", moved: "known" };
   const KINDS = {
-    fixed: "the same program gives the same bits, so any change is more than chance; an interval " +
-      "is over the pixels of the picture",
-    drawn: "drawn by chance: the interval is tonight's, 95 %",
-    timed: "multiples of the calibration kernel; the range is where 95 % of nights without a " +
-      "change lie",
-    mean: "relative to the accepted night; the range is where 95 % of nights without a change lie",
-    picture: "range of radiance over its mean",
+    fixed: "the same program gives the same bits, so every change is significant; an interval " +
+      "is over the pixels of the frame",
+    drawn: "a random estimate; the 95 % interval is of this run",
+    timed: "multiples of the duration of the calibration kernel; the range contains 95 % of the " +
+      "runs without a change",
+    mean: "relative to the accepted run; the range contains 95 % of the runs without a change",
+    picture: "range of the radiance, divided by its mean",
   };
   const FAILED = ["failed", "timeout"];
-  const LISTED = 16, SHOWN = 8; // groups of findings, in the verdict and at length; others fold
+  const LISTED = 16, SHOWN = 8; // unfolded groups of findings in the verdict and below it
 
   // -------------------------------------------------------------------------------------- numbers
 
@@ -34,7 +35,7 @@
     return text.includes("e") ? text : text.replace("-", "−");
   }
 
-  /** A number: all its digits are a matter of pointing at it. */
+  /** A rounded number, with all digits in its tooltip. */
   const number = (value, digits) => el("data", { value, "data-value": value, title: value },
     written(value, digits));
 
@@ -50,11 +51,11 @@
   const sceneName = (scene) => scene.split(/[ @]/)[0];
   const sceneText = (scene) => scene.split("@")[0];
 
-  /** What a finding is of: an engine in a scene, or a mean, a step, a truth. */
+  /** The subject of a finding: an engine in a scene, a mean, a step or a reference. */
   const ofFinding = (finding) => (finding.kind === "mean" || !finding.scene ? finding.series
     : [finding.suite, finding.scene, finding.engine].join("/"));
 
-  /** Numbers of one engine in one scene stand together, where the worst of them does. */
+  /** Groups of findings of one engine in one scene, in the order of their worst finding. */
   const groups = () => [...Map.groupBy(night.findings, (finding) =>
     `${finding.found}\n${ofFinding(finding)}`).values()];
 
@@ -74,13 +75,13 @@
     const bad = groups().filter(([first]) => fails(first.found));
     if (night.state !== "finished")
       return `${night.steps.filter((step) => step.outcome !== "not run").length} of ` +
-        `${plural(night.steps.length, "step", "steps")} are over; what changed is said at the end` +
-        `${night.state === "interrupted" ? ": the same command goes on" : ""}.`;
+        `${plural(night.steps.length, "step", "steps")} have ended; changes are listed at the end` +
+        `${night.state === "interrupted" ? ". The same command continues the run" : ""}.`;
     if (night.compared === 0)
-      return "Nothing was compared: accept a night, and the next is held against it.";
+      return "Nothing was compared: accept a run, and later runs are compared with it.";
     if (bad.length === 0)
-      return `Nothing got worse in ${plural(night.compared, "comparison", "comparisons")} with ` +
-        `night ${night.baseline}.`;
+      return `No number is worse in ${plural(night.compared, "comparison", "comparisons")} with ` +
+        `run ${night.baseline}.`;
     const { found, words } = bad[0][0];
     return `${titleOf(bad[0])} is ${found === "worse" ? "the worst" : found}: ` +
       `${bad[0][0].metric && found === "worse" ? `${bad[0][0].metric} ` : ""}${words}` +
@@ -89,13 +90,13 @@
 
   function counts() {
     const found = unique(night.findings.map((finding) => finding.found));
-    return [`${plural(night.compared, "comparison", "comparisons")}, ${night.chances} with ` +
-      "chance in them", found.map((name) => `; ${night.findings.filter((finding) =>
+    return [`${plural(night.compared, "comparison", "comparisons")}, ${night.chances} of them ` +
+      "with random errors", found.map((name) => `; ${night.findings.filter((finding) =>
       finding.found === name).length} ${name}`), `; ${night.new} new, ${night.elsewhere} of ` +
-      `another environment, ${night.young} with too few nights, ${night.not_run} not run.`];
+      `another environment, ${night.young} with too few runs, ${night.not_run} not run.`];
   }
 
-  /** A line for each group, to be seen at a glance. */
+  /** The line of group `n` in the verdict. */
   function newsItem(group, n) {
     const [first] = group;
     return el("li", null, word(first.found), " ",
@@ -120,8 +121,8 @@
 
   function head() {
     const done = night.steps.filter((step) => step.done).length;
-    return window.NephPage.head("Nephelometer night", `Night ${night.night}`, verdict(),
-      fact("Held against", night.baseline > 0 ? `night ${night.baseline}` : "nothing yet"),
+    return window.NephPage.head("Nephelometer nightly run", `Nightly run ${night.night}`, verdict(),
+      fact("Compared with", night.baseline > 0 ? `run ${night.baseline}` : "no run yet"),
       fact("Tier", night.tier), night.revision && fact("Revision", night.revision),
       fact("Program", night.program), fact("Host", night.host),
       fact("Steps", `${done} of ${night.steps.length}, ${written(night.seconds / 60, 3)} min`),
@@ -132,10 +133,10 @@
 
   const PLOT = { width: 300, height: 84, left: 8, right: 10, top: 8, bottom: 18 };
 
-  /** A number over the nights; tonight is the large mark, the accepted night the open one. */
+  /** A plot of a number over the runs: this run is a large dot, the accepted run an open ring. */
   function trend(finding) {
     const points = (finding.trend ?? []).filter(({ value }) => value !== null);
-    if (points.length < 2) return el("p", { class: "small soft" }, "No nights before this one.");
+    if (points.length < 2) return el("p", { class: "small soft" }, "There are no earlier runs.");
     const nights = points.map((point) => point.night);
     const reach = (point) => 1.96 * (point.standard_error ?? 0);
     const values = points.flatMap((point) => [point.value - reach(point),
@@ -152,7 +153,7 @@
     const tonight = points[points.length - 1];
     return svg("svg", { class: "plot trend", role: "img", width: PLOT.width, height: PLOT.height,
       viewBox: `0 0 ${PLOT.width} ${PLOT.height}`,
-      "aria-label": `${finding.metric ?? finding.series} over ${points.length} nights, from ` +
+      "aria-label": `${finding.metric ?? finding.series} over ${points.length} runs, from ` +
         `${written(points[0].value)} to ${written(tonight.value)}` },
     finding.range && svg("rect", { class: "zone", x: PLOT.left, y: y(finding.range.high),
       width: PLOT.width - PLOT.left - PLOT.right,
@@ -164,8 +165,8 @@
       r: point === tonight ? 4.5 : point.night === finding.accepted_night ? 4 : 2,
       class: point === tonight ? "tonight" : point.night === finding.accepted_night ? "accepted"
         : point.judgement ? "aside" : "night" })),
-    svg("text", { x: PLOT.left, y: PLOT.height - 4 }, `night ${first}`),
-    label(PLOT.width - PLOT.right, PLOT.height - 4, "end", `night ${last}`));
+    svg("text", { x: PLOT.left, y: PLOT.height - 4 }, `run ${first}`),
+    label(PLOT.width - PLOT.right, PLOT.height - 4, "end", `run ${last}`));
   }
 
   // ------------------------------------------------------------------------------------- findings
@@ -175,7 +176,7 @@
     el("figcaption", null, caption));
 
   const differenceScale = (scale) => el("figure", { class: "difference-scale" },
-    colourBar(night.difference_colours, "from darker tonight to brighter",
+    colourBar(night.difference_colours, "from darker to brighter in this run",
       `−${written(scale, 1)} darker`, "0", `+${written(scale, 1)} brighter`));
 
   function pictures({ shown, found, kind, scene, series }) {
@@ -183,16 +184,16 @@
     const what = kind === "mean" ? `${series}, shown by ${sceneText(scene)}` : sceneText(scene);
     const { accepted, tonight, difference, size_px: size } = shown;
     const made = fit(el("div", { class: "pictures" },
-      figure(accepted, `${what}: the accepted night`, "accepted night", size),
-      figure(tonight, `${what}: tonight`, "tonight", size),
-      difference?.scale > 0 && figure(difference, `${what}: tonight less the accepted night`,
-        ["tonight − accepted, luminance: ", `${percent(difference.mean, false)} on average, `,
-          `${percent(difference.changed, false)} of the pixels`], size)), size);
+      figure(accepted, `${what}: the accepted run`, "accepted run", size),
+      figure(tonight, `${what}: this run`, "this run", size),
+      difference?.scale > 0 && figure(difference, `${what}: this run minus the accepted run`,
+        ["this run − accepted run, luminance: ", `${percent(difference.mean, false)} on average, `,
+          `${percent(difference.changed, false)} of the pixels differ`], size)), size);
     return [made, difference?.scale > 0 && differenceScale(difference.scale),
-      difference?.scale === 0 && el("p", { class: "small" }, "No pixel of this picture changed: " +
-        (found === "moved" ? "the number follows another picture."
-          : "the number is not of it alone.")),
-      accepted && !tonight && el("p", { class: "small" }, "Tonight has no such picture.")];
+      difference?.scale === 0 && el("p", { class: "small" }, "No pixel of this frame changed: " +
+        (found === "moved" ? "the number changed with another frame."
+          : "the number also depends on other data.")),
+      accepted && !tonight && el("p", { class: "small" }, "This run has no such frame.")];
   }
 
   function rangeText(finding) {
@@ -200,12 +201,12 @@
       return [`95 % interval${finding.kind === "fixed" ? " over the pixels" : ""} `,
         number(finding.interval[0]), " to ", number(finding.interval[1])];
     if (finding.range)
-      return [`without a change 95 % of nights lie in `, number(finding.range.low), " to ",
-        number(finding.range.high), ` (${finding.range.nights} nights)`];
-    return finding.kind === "fixed" ? "no interval: fixed, it has no chance in it" : null;
+      return ["range of 95 % of the runs without a change: ", number(finding.range.low), " to ",
+        number(finding.range.high), ` (${finding.range.nights} runs)`];
+    return finding.kind === "fixed" ? "no interval: the number has no random error" : null;
   }
 
-  /** Its number and the accepted one stand above it. */
+  /** The words of a finding, without the two numbers where these are shown above the words. */
   const changeText = ({ words, tonight, baseline }) => (tonight !== null && baseline !== null
     ? words.slice(words.indexOf(": ") + 2) : words);
 
@@ -217,19 +218,19 @@
     return el("div", { class: "changes" }, own.map((finding) => el("div", { class: "change" },
       el("div", null,
         el("p", { class: "what" }, bold(finding.metric ?? finding.series),
-          finding.truth && finding.truth !== "none" && `, against ${finding.truth}`),
+          finding.truth && finding.truth !== "none" && `, reference ${finding.truth}`),
         finding.tonight !== null && finding.baseline !== null
           ? el("p", null, el("span", { class: "big" }, number(finding.tonight)), " accepted ",
             number(finding.baseline))
           : null,
         el("p", null, changeText(finding)),
         el("p", { class: "small soft" }, rangeText(finding),
-          finding.floor !== null && [rangeText(finding) ? "; " : "", "seen from ",
-            percent(finding.floor, false), " on"])),
+          finding.floor !== null && [rangeText(finding) ? "; " : "", "detectable from ",
+            percent(finding.floor, false)])),
       el("div", null, trend(finding)))));
   }
 
-  /** What a shell takes for one word. */
+  /** The text as one word of a shell. */
   const quoted = (text) => (/^[\w./:=@+-]+$/.test(text) ? text
     : `'${text.replaceAll("'", "'\\''")}'`);
 
@@ -238,8 +239,8 @@
       && `neph view ${quoted(shown.accepted.exr)} ${quoted(shown.tonight.exr)} -o look`;
     const step = night.steps.find(({ name }) => name === first.step);
     return el("dl", { class: "facts commands" },
-      first.command && fact("Again", el("code", null, first.command)),
-      look && fact("Look closer", el("code", null, look)),
+      first.command && fact("Repeat", el("code", null, first.command)),
+      look && fact("View", el("code", null, look)),
       step?.log && fact("Log", link(`../${step.log}`, step.log)));
   }
 
@@ -263,27 +264,27 @@
     return section("changes", "What changed",
       all.length === 0 && el("p", null, night.compared > 0
         ? `Nothing: ${plural(night.compared, "number is", "numbers are")} as accepted.`
-        : "Nothing can be said before a night is accepted."),
+        : "There are no comparisons before a run is accepted."),
       made.slice(0, SHOWN),
       made.length > SHOWN && el("details", null,
-        el("summary", null, `${made.length - SHOWN} more, less bad`), made.slice(SHOWN)));
+        el("summary", null, `${made.length - SHOWN} more, less severe`), made.slice(SHOWN)));
   }
 
   const help = () => window.NephPage.help(
-    entry("Worse", "The change is more than chance, after a correction for all comparisons of ",
-      "the night, and large enough to matter."),
-    entry("Trend", "The number over the last nights: an open ring is the accepted night, the ",
-      "large dot tonight. Crosses of grey are nights that had changed, too, and are no part ",
-      "of what durations are held against."),
-    entry("Pictures", "Both nights at the exposure of the scene, of a sequence the last ",
-      "frame. Blue is darker tonight, red brighter, cyan and yellow beyond the scale."),
+    entry("Worse", "The change is significant after a correction for all comparisons of the ",
+      "run, and large enough to matter."),
+    entry("Trend", "The number over the last runs: the open ring is the accepted run, the ",
+      "large dot this run. Faint dots are runs that were found to have changed; the range ",
+      "of durations excludes them."),
+    entry("Frames", "Both runs at the exposure of the scene; of a sequence, the last frame. ",
+      "Blue is darker in this run, red is brighter. Cyan and yellow are beyond the scale."),
     entry("Numbers", unique(night.findings.map((finding) => finding.kind).filter((kind) =>
       KINDS[kind])).map((kind) => `${kind}: ${KINDS[kind]}. `),
-    "“Seen from”: the least change that the number could have shown tonight."),
-    entry("Every number", "Point at a number of the tables below: it tells all its digits, ",
-      "what was accepted, and from which change on it would have been seen tonight."),
-    entry("Was it meant?", el("code", null, "neph baseline accept --why TEXT"), " makes this ",
-      "night what the next is held against; nothing is overwritten."));
+    "“Detectable from”: the smallest change that this run could detect."),
+    entry("Every number", "Point at a number of the tables below for all its digits, the ",
+      "accepted number and the smallest detectable change."),
+    entry("Intended change", el("code", null, "neph baseline accept --why TEXT"), " accepts this ",
+      "run: later runs are compared with it. Nothing is overwritten."));
 
   // --------------------------------------------------------------------------------------- scenes
 
@@ -293,7 +294,7 @@
       result.tonight !== null && el("data", { value: result.tonight, "data-value": result.tonight,
         title: [String(result.tonight), result.why, result.baseline !== null
           && `accepted ${result.baseline}`, result.floor !== null
-          && `a change is seen from ${percent(result.floor, false)} on`].filter((text) => text)
+          && `detectable from ${percent(result.floor, false)}`].filter((text) => text)
           .join("; ") }, written(result.tonight, 3)),
       ["worse", "better", "moved"].includes(result.judged)
         && small(`${result.judged}, ${percent(result.change)}`),
@@ -331,7 +332,7 @@
       const [suite, scene, engine, metric] = row.series.split("/");
       return { ...row, suite, scene, engine, metric };
     });
-    return rows.length > 0 && section("scenes", "Every number of tonight",
+    return rows.length > 0 && section("scenes", "All numbers of this run",
       [...Map.groupBy(rows, (row) => row.suite)].map(([suite, own]) => [el("h3", null, suite),
         [...Map.groupBy(own, (row) => row.scene)].map(([scene, its]) =>
           sceneCard(suite, scene, its))]));
@@ -354,7 +355,7 @@
 
   // ----------------------------------------------------------------------------------------- page
 
-  /** What a link leads to may be folded away. */
+  /** Opens the folded block that contains the target of a link. */
   function unfold(href) {
     if (!href?.startsWith("#")) return;
     const details = document.getElementById(href.slice(1))?.closest("details");
@@ -363,13 +364,13 @@
 
   const foot = () => el("footer", null,
     night.page.left_out > 0 && el("p", null, "The limit of the page is reached: ",
-      plural(night.page.left_out, "picture is", "pictures are"), " left out."),
+      plural(night.page.left_out, "image is", "images are"), " left out."),
     el("p", null, "Every number of this page is in ", link("data.json"),
-      "; the same without pictures in ", link("../nightly.json", "nightly.json"), "."));
+      "; the numbers without the images are in ", link("../nightly.json", "nightly.json"), "."));
 
   const main = document.getElementById("main");
   if (!hasData(main, night, "neph-night-page-1")) return;
-  document.title = `Night ${night.night}: ` + (night.state !== "finished" ? night.state
+  document.title = `Nightly run ${night.night}: ` + (night.state !== "finished" ? night.state
     : night.compared === 0 ? "nothing compared" : night.passes ? "pass" : "fail");
   show(main, head(), changes(), help(), scenes(), steps(), foot());
   main.addEventListener("click", ({ target }) => unfold(target.getAttribute?.("href")));

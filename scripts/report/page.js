@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Parts that the pages of neph share: elements, tables, help, images, interactive charts. Every
-// page loads this script before its own. Strings of the data reach a page as text nodes and
+// Common parts of the pages of neph: elements, tables, help, images, interactive charts. Every page
+// loads this script before its own. Strings of the data reach a page as text nodes and
 // attribute values only, never as markup.
 (function () {
   "use strict";
@@ -28,10 +28,10 @@
   const svg = (tag, attributes, ...children) => append(attributed(
     document.createElementNS("http://www.w3.org/2000/svg", tag), attributes), children);
 
-  // Of the pixels that a number is over, in plain words.
-  const MASKS = { all: "whole picture", sky: "sky", medium: "inside the medium",
-    depth_edge: "at edges in depth", solid: "solids",
-    non_edge: "away from edges in depth", thin: "thin objects", cloud: "clouds", fog: "fog",
+  // Names of masks for readers.
+  const MASKS = { all: "whole frame", sky: "sky", medium: "inside the medium",
+    depth_edge: "at depth edges", solid: "solids",
+    non_edge: "away from depth edges", thin: "thin objects", cloud: "clouds", fog: "fog",
     sun: "the sun" };
 
   const line = (className, x1, y1, x2, y2) => svg("line", { class: className, x1, x2, y1, y2 });
@@ -45,7 +45,7 @@
   const bold = (...children) => el("b", null, children);
   const folded = (title, ...content) => el("details", null, el("summary", null, title), content);
 
-  /** A verdict has a sign and a word, so that none speaks by its colour. */
+  /** A verdict as a sign and a word, so that it can be read without its colour. */
   const signed = (sign, text, kind) => el("span", { class: kind },
     el("span", { "aria-hidden": "true" }, `${sign} `), text);
 
@@ -62,8 +62,8 @@
   const table = (className, heads, rows) => el("table", { class: className },
     el("thead", null, row(heads)), el("tbody", null, rows));
 
-  /** A table that may be wider than the screen scrolls by itself, also from the keyboard. Cells
-   * know the heads of their columns, for when the table is shown as a list of rows. */
+  /** Puts a table into a block that scrolls sideways, also by keyboard. Each cell gets the head of
+   * its column in data-label, for narrow screens, where the table is shown as a list of rows. */
   function scrolling(label, wide, note) {
     const heads = [...wide.querySelectorAll("thead th")].map((head) => head.dataset.label
       ?? head.firstChild?.data ?? head.textContent);
@@ -81,7 +81,7 @@
 
   // ------------------------------------------------------------------------------ parts of a page
 
-  /** A section that an address may name, with its heading. */
+  /** A section with a heading; `id` is its anchor. */
   const section = (id, title, ...content) => el("section", { "aria-labelledby": id },
     el("h2", { id }, title), content);
 
@@ -95,7 +95,7 @@
   const help = (...entries) => el("aside", { class: "help", "aria-labelledby": "help" },
     el("h2", { id: "help" }, "How to read this"), el("dl", null, entries));
 
-  /** A list whose end is folded away. */
+  /** A list of `most` items; further items are folded. */
   const listed = (items, most, rest, className) => [
     items.length > 0 && el("ul", { class: className }, items.slice(0, most)),
     items.length > most && el("details", { class: className },
@@ -108,18 +108,18 @@
     main.replaceChildren(el("h1", null, title), ...text.map((line) => el("p", null, line)));
   }
 
-  /** Whether the page has its data; else it says what is wrong. */
+  /** Whether the page has data of this format; if not, it shows an error. */
   function hasData(main, data, format) {
     if (!data)
       complain(main, "This page has no data",
-        "data.js, which lies beside it in a complete folder, is missing or cannot be read.");
+        "data.js in the folder of this page is missing or cannot be read.");
     else if (data.format !== format)
-      complain(main, "This page is of another version",
-        `Its data say “${data.format}”; this page reads “${format}”.`);
+      complain(main, "The data of this page have another version",
+        `The format of data.js is “${data.format}”; this page reads “${format}”.`);
     return data?.format === format;
   }
 
-  /** A number with so many digits, with a power of ten below 0.001 and from `most` on. */
+  /** A number with `digits` digits; with a power of ten below 0.001 and from `most` up. */
   function written(value, digits = 3, most = 1e5) {
     const size = Math.abs(value);
     return size !== 0 && (size < 1e-3 || size >= most) ? value.toExponential(digits - 1)
@@ -140,7 +140,7 @@
     return image;
   }
 
-  const fitted = []; // {element, width, most}: images whose pixels become whole device pixels
+  const fitted = []; // {element, width, most}: images scaled to whole device pixels per pixel
 
   function sized(element, size) {
     element.style.setProperty("--image-width", size[0]);
@@ -148,7 +148,7 @@
     return element;
   }
 
-  /** The images of an element have this size, and at most so many CSS pixels of width. */
+  /** Scales the images of an element, of `size` pixels, to at most `most` CSS pixels of width. */
   function fit(element, size, most = 300) {
     fitted.push({ element, width: size[0], most });
     return sized(element, size);
@@ -163,7 +163,7 @@
         Math.max(1, Math.floor((Math.min(room, most) * dots) / width)) / dots);
   }
 
-  /** Lay the parts out, now and when the window changes. */
+  /** Shows the parts, and fits the images again when the window changes. */
   function show(main, ...parts) {
     main.replaceChildren();
     append(main, parts);
@@ -171,7 +171,7 @@
     window.addEventListener("resize", () => fitImages(main));
   }
 
-  /** The bar of colours of a difference, and what stands at its ends. */
+  /** The colour bar of a difference, with its ticks. */
   function colourBar(colours, label, ...ticks) {
     const bar = el("div", { class: "bar", role: "img", "aria-label": label });
     bar.style.background = `linear-gradient(to right, ${colours.join(", ")})`;
@@ -195,7 +195,7 @@
     for (const path of VENDORED) await load(path);
   }
 
-  const refuse = (uri) => Promise.reject(new Error(`a chart asks for ${uri}`));
+  const refuse = (uri) => Promise.reject(new Error(`a chart requests ${uri}`));
 
   let tooltip = null;
   function showTooltip(_handler, event, _item, value) {
@@ -212,23 +212,23 @@
     tooltip.style.top = place(event.clientY, box.height, window.innerHeight);
   }
 
-  /** Draw a chart into the .live of its figure, from the specification that drew the still one. */
+  /** Draws a chart into the .live of its figure, from the specification of its image. */
   async function drawLive(figure, specification) {
     const spec = JSON.parse(JSON.stringify(specification));
     delete spec.usermeta;
     await window.vegaEmbed(figure.querySelector(".live"), spec, {
       mode: "vega-lite",
       renderer: "svg",
-      ast: true, // expressions are interpreted: nothing in the data is ever run as code
-      // A layer with no rows (no interval reaches zero) is not news.
+      ast: true, // expressions are interpreted: text of the data never runs as code
+      // Without warnings: a layer may have no rows (when no interval reaches zero).
       logLevel: window.vega.Error,
       actions: false,
       defaultStyle: false,
       tooltip: showTooltip,
       loader: { load: refuse, sanitize: refuse },
     });
-    // Vega names each group of marks by its layer. To those who do not see it the chart is an image
-    // with the words of the still one.
+    // Vega names each group of marks by its layer. For screen readers the chart is an image with
+    // the alternative text of the chart's image.
     const live = figure.querySelector(".live");
     live.setAttribute("role", "img");
     live.setAttribute("aria-label", figure.querySelector("img")?.alt

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Lays out a sweep from window.NEPH_SWEEP (data.js; README.md beside this file is the contract).
-// Strings of the data reach the page as text nodes and attribute values alone, never as markup.
+// The page of a sweep, from window.NEPH_SWEEP (data.js; README.md in this folder describes its
+// format). Strings of the data reach the page as text nodes and attribute values only, never as
+// markup.
 (function () {
   "use strict";
 
@@ -37,13 +38,13 @@
         el("span", { class: "upgrade soft" })));
   }
 
-  /** Each chart from the specification that drew the still one. */
+  /** Draws each chart interactively, from the specification of its image. */
   async function upgrade(charts) {
     if (!sweep.interactive) return;
     try {
       await loadVega();
     } catch {
-      return; // the still charts stand
+      return; // the images of the charts stay
     }
     const narrow = window.matchMedia(NARROW).matches;
     for (const chart of charts) {
@@ -73,16 +74,16 @@
 
   const COST_NAMES = { seconds: "time", evaluations: "evaluations" };
 
-  /** "1.7 x", or what is said where there is no such point. */
+  /** "1.7 x"; "beyond" for null. */
   const ratio = (value) => (value === null ? "beyond" : `${number(value)} x`);
 
   function equals(rows) {
     if (rows.length === 0) return null;
     return [el("h2", null, "At equal error, and at equal cost"),
-      el("p", { class: "small" }, "Each series at its best point, over what the series that it " +
-        "is held against has there. Beyond: nothing between two points of that is so good, or " +
-        "so dear."),
-      wide(["series", "against", "number", "cost", "cost at that number", "number at that cost"],
+      el("p", { class: "small" }, "Each series at its best point, divided by the value of the " +
+        "series that it is compared with (the other). Beyond: no two points of the other series " +
+        "enclose the number or cost."),
+      wide(["series", "other", "number", "cost", "cost at that number", "number at that cost"],
         rows.map((one) => row(rowHead(one.series), [one.against, one.number, COST_NAMES[one.cost],
           ratio(one.cost_ratio), ratio(one.number_ratio)].map((text) => el("td", null, text)))))];
   }
@@ -101,13 +102,13 @@
   // ------------------------------------------------------------------------------------- page
 
   function head() {
-    const noise = sweep.truth_noise > 0 ? `, whose noise is ${number(sweep.truth_noise)}` : "";
+    const noise = sweep.truth_noise > 0 ? ` with noise ${number(sweep.truth_noise)}` : "";
     return [el("p", { class: "eyebrow" }, "Nephelometer sweep"),
       el("h1", null, sweep.scene),
       el("p", null, `${sweep.title}: ${sweep.measured} of ${sweep.expected} points measured at ` +
         `${sweep.width_px} x ${sweep.height_px} on ${sweep.device}. Errors are relative RMSE ` +
-        `over ${sweep.error_mask} against ${sweep.truth}${noise}; flicker is contrast seen over ` +
-        `threshold, over ${sweep.flicker_mask}.`)];
+        `over ${sweep.error_mask}; reference: ${sweep.truth}${noise}. Flicker is visible ` +
+        `contrast in units of the eye's threshold, over ${sweep.flicker_mask}.`)];
   }
 
   const points = sweep.points.filter((point) => point.missing === null);
@@ -116,7 +117,8 @@
     head(),
     sweep.charts.map((chart) => [el("h2", null, chart.title), figure(chart)]),
     el("h2", null, "All points"),
-    el("p", { class: "small" }, "*: on the front of its column: nothing cheaper is as good."),
+    el("p", { class: "small" }, "*: on the Pareto front of its column: no cheaper point is " +
+      "as good."),
     allPoints(points), equals(sweep.equal), commands(points),
     missing(sweep.points.filter((point) => point.missing !== null)),
   ]);

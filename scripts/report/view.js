@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The viewer of neph view: what is looked at is one object, `state`, which the controls and keys
-// change, the address holds, and render() shows. Strings of the data reach the page as text nodes
-// alone, never as markup.
+// The viewer of neph view. One object, `state`, describes the view. Controls and keys change it,
+// the address stores it, and render() shows it. Strings of the data reach the page as text nodes
+// only, never as markup.
 (function () {
   "use strict";
 
@@ -15,22 +15,22 @@
 
   if (data?.format !== "neph-view-1")
     return complain(main, "This page has no data",
-      "data.js, which lies beside it in a complete page, is missing or of another version.");
+      "data.js in the folder of this page is missing or has another version.");
 
   const [width, height] = data.size_px;
   const pixels = width * height;
   const codeOf = display(data.display_codes);
   const plainColours = byCodes(codeOf);
   const VIEWS = ["sRGB", ...(data.cube ? [data.cube.name] : [])];
-  const MODES = [["one", "One", "s", "one set alone"], ["all", "All", "a", "all sets side by side"],
-    ["wipe", "Wipe", "w", "wipe from the reference to it"],
-    ["flip", "Flip", "f", "flip between the two, twice a second"],
+  const MODES = [["one", "One", "s", "one set only"], ["all", "All", "a", "all sets side by side"],
+    ["wipe", "Wipe", "w", "wipe from the reference to the shown set"],
+    ["flip", "Flip", "f", "alternate the reference and the shown set, twice a second"],
     ["difference", "Difference", "d", "shown − reference"]];
-  // Device pixels of a pixel, from far to near; 0 is the largest that fits.
+  // Device pixels per pixel of a frame, from small to large; 0 is the largest zoom that fits.
   const ZOOMS = [0.125, 0.25, 0.5, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192];
-  const NUMBERS_FROM = 48; // CSS pixels of a pixel that has room for its values
-  const ADDRESS_MS = 200; // at least, between two changes of the address
-  const FLIP_MS = 500; // a side; slower than what is dangerous to look at
+  const NUMBERS_FROM = 48; // CSS pixels of a frame pixel with room for its values
+  const ADDRESS_MS = 200; // minimum time between two changes of the address
+  const FLIP_MS = 500; // per side; slower than flashes that can cause a seizure
 
   const quantities = data.quantities
     .filter(({ name }) => data.sets.some((set) => set.quantities.includes(name)));
@@ -41,8 +41,8 @@
     zoom: 0, x: width / 2, y: height / 2, wipe: 0.5, px: -1, py: -1,
   };
   const state = { ...START };
-  let flipped = false; // which side of a flip is up
-  let playing = null; // {first, count} of the frames that are played
+  let flipped = false; // true: a flip shows the reference
+  let playing = null; // {first, count} of the played frames
   let timer = 0;
 
   const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
@@ -53,7 +53,7 @@
   const overlayNamed = (name) => data.overlays.find((overlay) => overlay.name === name);
   const frameOf = (set) => (data.sets[set].files.length > 1 ? state.frame : 0);
 
-  /** The name of what a set has of the quantity; null when it has none. */
+  /** The key of the planes of the quantity in a set; null if the set has no such quantity. */
   const keyOf = (set) => (data.sets[set].quantities.includes(state.quantity)
     ? `${set}_${frameOf(set)}_${state.quantity}` : null);
 
@@ -63,7 +63,7 @@
     return `${set}_${overlay.temporal ? "all" : frameOf(set)}_map_${overlay.name}`;
   }
 
-  /** What must be there to show what is looked at, and then the values of all sets. */
+  /** The keys of all planes that the current view shows. */
   function keysNeeded() {
     const shown = state.mode === "all" ? data.sets.map((_, s) => s)
       : state.mode === "one" ? [state.set] : [state.ref, state.set];
@@ -71,7 +71,8 @@
       .filter((key) => key !== null);
   }
 
-  /** Whether colours are those of the config's view: of light, and not of shares and depths. */
+  /** Whether the config's view converts the colours: it does for light, not for transmittance and
+   * depth. */
   const isViewed = () => state.view > 0 && ["radiance", "volume"].includes(state.quantity);
 
   let cubeColours = null;
@@ -81,7 +82,7 @@
     return cubeColours;
   }
 
-  // All sets, each with three planes of a quantity and of a map, and the config's view.
+  // Three planes of a quantity and three of a map for each set, and the config's view.
   keep(4 * (6 * pixels * data.sets.length + (data.cube ? 3 * data.cube.side ** 3 : 0)));
 
   const keysOfValues = () => data.sets.flatMap((_, s) => [keyOf(s), mapKeyOf(s)])
@@ -89,10 +90,10 @@
 
   // ------------------------------------------------------------------------------------- painting
 
-  const painted = new Map(); // by what is in it: canvases of the frames' size
+  const painted = new Map(); // canvases of the frames' size, by their contents
   const PAINTED_MOST = 24;
 
-  /** A canvas of the frames' size, painted once. */
+  /** The canvas `name`, of the frames' size; `paint` fills it unless it is cached. */
   function sheet(name, paint) {
     let canvas = painted.get(name);
     if (!canvas) {
@@ -107,13 +108,13 @@
     return canvas;
   }
 
-  let nearest = null; // of the first depth that is seen, so that frames have one scale
+  let nearest = null; // least depth of the first frame shown; all frames use this scale
   function nearestOf(plane) {
     nearest ??= plane.reduce((least, z) => (z > 0 && z < least ? z : least), Infinity);
     return nearest;
   }
 
-  /** The picture of a set at the exposure; null while it is loaded, or for ever. */
+  /** The frame of a set at the exposure; null while it is loaded, and without its planes. */
   function picture(set) {
     const key = keyOf(set);
     const planes = key && have(key);
@@ -148,14 +149,14 @@
 
   const dots = () => window.devicePixelRatio || 1;
 
-  /** The zoom that is on: device pixels of a pixel. */
+  /** The current zoom: device pixels per pixel of a frame. */
   function zoomIn(box) {
     if (state.zoom > 0) return state.zoom;
     const room = Math.min((box.width * dots()) / width, (box.height * dots()) / height);
     return room >= 1 ? Math.floor(room) : room;
   }
 
-  /** Where a pane puts the pictures: its upper left corner and a pixel's size, in device pixels. */
+  /** The place of a frame in a pane: its upper left corner and a pixel's size, in device pixels. */
   function placeIn(box) {
     const scale = zoomIn(box);
     const [x, y] = state.zoom > 0 ? [state.x, state.y] : [width / 2, height / 2];
@@ -163,7 +164,7 @@
       top: Math.round((box.height * dots()) / 2 - y * scale) };
   }
 
-  /** The pixel at a place of the window over a pane; fractions are kept. */
+  /** The frame coordinates [px] below the pointer, with fractions. */
   function pointIn(pane, event) {
     const box = pane.canvas.getBoundingClientRect();
     const { scale, left, top } = placeIn(box);
@@ -180,7 +181,7 @@
     state.y = clamp(y + (half[1] - at[1]) / zoom, 0, height);
   }
 
-  /** One step nearer or farther, about a pixel that stays where it is. */
+  /** Zooms in (step > 0) or out by a step, around a fixed pixel. */
   function zoomBy(step, x, y) {
     const box = panes[0].canvas.getBoundingClientRect();
     const now = zoomIn(box);
@@ -194,7 +195,7 @@
 
   let panes = []; // {element, canvas, name, other, bar, lack, sets}
   const stage = el("div", { class: "stage", tabindex: 0, role: "group",
-    "aria-label": "Pictures; arrow keys move the cursor over pixels, ? lists all keys" });
+    "aria-label": "Frames; arrow keys move the cursor over pixels, ? lists all keys" });
 
   function makePane() {
     const canvas = el("canvas", { role: "img" });
@@ -215,7 +216,7 @@
     while (panes.length < count) panes.push(makePane());
     panes.length = count;
     const box = stage.getBoundingClientRect();
-    let columns = 1; // those that make the panes largest
+    let columns = 1; // the count that makes the panes largest
     const room = (n) => Math.min(box.width / n / width, box.height / Math.ceil(count / n) / height);
     for (let n = 2; n <= count; n++) if (room(n) > room(columns)) columns = n;
     stage.style.gridTemplateColumns = `repeat(${columns}, minmax(0, 1fr))`;
@@ -226,7 +227,7 @@
 
   const labelOf = (set) => `${set + 1} ${data.sets[set].label}`;
 
-  /** What a pane shows: the sheet below, that from the wipe on, and in which words. */
+  /** The contents of a pane: the set below, the set right of the wipe line, and their labels. */
   function contentOf(n) {
     const { ref, set, mode } = state;
     if (mode === "wipe") return { base: ref, over: set, name: labelOf(ref), other: labelOf(set) };
@@ -246,7 +247,7 @@
       beyond(colours.above));
   }
 
-  /** The colour of what is beyond that end of the scale. */
+  /** A patch of the colour of values beyond an end of the scale. */
   function beyond(rgb) {
     const patch = el("span", { class: "patch", title: "beyond the scale" });
     patch.style.background = `rgb(${rgb.join(" ")})`;
@@ -305,7 +306,7 @@
     tellScale(pane, n === panes.length - 1);
   }
 
-  /** The colours' scale, once for all panes. */
+  /** Shows the colour scale; that of an overlay only in the last pane. */
   function tellScale(pane, isLast) {
     const overlay = state.map ? overlayNamed(state.map) : null;
     if (state.mode === "difference") {
@@ -315,15 +316,15 @@
     } else if (overlay && isLast) {
       fillBar(pane, overlay.is_signed ? data.differences : data.amounts,
         overlay.is_signed ? -overlayScale() : 0, overlayScale(),
-        `${overlay.name} [${overlay.unit}] against ${labelOf(0)}`);
+        `${overlay.name} [${overlay.unit}], reference ${labelOf(0)}`);
     } else {
       fillBar(pane, null);
     }
   }
 
-  const failures = new Map(); // of keys that could not be loaded
+  const failures = new Map(); // error messages of keys that could not be loaded
 
-  /** Why there is no picture. */
+  /** Shows the reason why a frame or map is missing. */
   function tellLack(pane, complete, ...sets) {
     const shown = state.mode === "difference" ? [state.ref, state.set]
       : sets.filter((set) => set !== undefined);
@@ -340,7 +341,7 @@
   }
 
   const whyNoMap = (set) => data.not_taken.find((row) => row.set === set
-    && (row.overlay === state.map || row.overlay === "all"))?.because ?? "it was not taken";
+    && (row.overlay === state.map || row.overlay === "all"))?.because ?? "it was not computed";
 
   function drawCursor(context, { scale, left, top }) {
     if (state.px < 0) return;
@@ -354,7 +355,7 @@
     }
   }
 
-  /** The values inside of pixels that are large enough, of the set on each side of the wipe. */
+  /** Writes the values into large pixels; on each side of a wipe, those of the set shown there. */
   function drawNumbers(context, place, set, edge) {
     const { scale, left, top } = place;
     if (scale / dots() < NUMBERS_FROM) return;
@@ -396,7 +397,7 @@
 
   // ------------------------------------------------------------------------------------- values
 
-  /** As few digits as give this very float again. */
+  /** The fewest digits, at least 6, that give the same float32 again. */
   function exact(value) {
     if (!Number.isFinite(value)) return value > 0 ? "∞" : value < 0 ? "−∞" : "NaN";
     let text = "";
@@ -415,7 +416,7 @@
     return text.replace(/-/g, "−").replace("e+", "e");
   }
 
-  /** The planes of the reference and of the shown set; undefined or null: not there. */
+  /** The planes of the reference and of the shown set; undefined or null: missing. */
   const bothPlanes = () => [keyOf(state.ref), keyOf(state.set)].map((key) => key && have(key));
 
   function differenceAt(i) {
@@ -477,7 +478,8 @@
   let isWritten = true;
   let writtenAt = -Infinity;
 
-  /** Browsers stop a page that changes its address with every movement of a hand. */
+  /** Writes the address, at most once in ADDRESS_MS: browsers stop a page that changes its address
+   * too often. */
   function keepAddress() {
     if (!isWritten) return;
     const wait = writtenAt + ADDRESS_MS - performance.now();
@@ -493,7 +495,7 @@
     }
   }
 
-  /** What an address says, as far as it can be. */
+  /** Sets the state from the address; invalid values are ignored or clamped. */
   function readAddress() {
     Object.assign(state, START);
     for (const [name, text] of new URLSearchParams(location.hash.slice(1))) {
@@ -524,7 +526,7 @@
 
   // ------------------------------------------------------------------------------------- controls
 
-  const redo = []; // each brings a control to the state
+  const redo = []; // functions that update a control from the state
 
   function button(text, title, run, pressed) {
     const element = el("button", { type: "button", title, "aria-label": title }, text);
@@ -541,7 +543,7 @@
     return el("span", { class: "group" }, el("label", { for: id }, text), element);
   }
 
-  /** A control of a value of the state. */
+  /** A labelled control of the value `name` of the state. */
   function bound(text, element, event, name, convert, show = String) {
     element.addEventListener(event, () => change(() => { state[name] = convert(element.value); }));
     redo.push(() => { element.value = show(state[name]); });
@@ -568,7 +570,7 @@
 
   function setStrip() {
     return several && el("div", { class: "strip" },
-      el("span", { class: "group", role: "group", "aria-label": "How sets are laid" },
+      el("span", { class: "group", role: "group", "aria-label": "Layout of the sets" },
         MODES.map(([mode, text, key]) => button(text, `${text} (${key})`,
           () => { state.mode = mode; }, () => state.mode === mode))),
       select("Reference", setOptions, "ref", Number),
@@ -586,12 +588,12 @@
       VIEWS.length > 1 && select("Colours", VIEWS.map((name, v) => [v, name]), "view", Number),
       exposureControl(),
       shownWhen(el("span", { class: "group" }, el("span", {}, "Scale"),
-        button("÷2", "Half the scale of colours ([)", () => { state.gain -= 1; }),
-        button("×2", "Twice the scale of colours (])", () => { state.gain += 1; })),
+        button("÷2", "Half the colour scale ([)", () => { state.gain -= 1; }),
+        button("×2", "Twice the colour scale (])", () => { state.gain += 1; })),
       () => state.mode === "difference" || state.map !== ""),
       el("span", { class: "group" }, el("span", {}, "Zoom"),
-        button("−", "Farther (−)", () => zoomBy(-1)), button("+", "Nearer (+)", () => zoomBy(1)),
-        button("Fit", "The whole picture (z)", () => { state.zoom = 0; })),
+        button("−", "Zoom out (−)", () => zoomBy(-1)), button("+", "Zoom in (+)", () => zoomBy(1)),
+        button("Fit", "The whole frame (z)", () => { state.zoom = 0; })),
       button("? Keys", "List of keys (?)", () => help.showModal()));
   }
 
@@ -602,13 +604,13 @@
         + `${data.first_number + data.frames - 1}`;
     });
     return el("div", { class: "strip time" },
-      button("◂◂", "Four frames back (<)", () => step(-4)),
-      button("◂", "A frame back (,)", () => step(-1)),
+      button("◂◂", "Back by four frames (<)", () => step(-4)),
+      button("◂", "Back by one frame (,)", () => step(-1)),
       button("Play", "Play (k)", () => play(0, data.frames), () => playing?.count === data.frames),
       button("Cycle", "Play four frames from here (c)", playCycle,
         () => playing !== null && playing.count !== data.frames),
-      button("▸", "A frame on (.)", () => step(1)),
-      button("▸▸", "Four frames on (>)", () => step(4)),
+      button("▸", "Forward by one frame (.)", () => step(1)),
+      button("▸▸", "Forward by four frames (>)", () => step(4)),
       slider("Time", data.frames - 1, 1, "frame"), place);
   }
 
@@ -620,7 +622,7 @@
   const playCycle = () => play(Math.min(state.frame, Math.max(0, data.frames - 4)),
     Math.min(4, data.frames));
 
-  /** The next frame of what is played, or the other side of a flip, when its time has come. */
+  /** Starts the timer of the next played frame, or of the other side of a flip. */
   function keepTime() {
     clearTimeout(timer);
     if (playing && data.frames > 1) {
@@ -654,13 +656,13 @@
     if (set >= 0 && set < data.sets.length) state[name] = set;
   };
 
-  // Keys as the help writes them, what they do in words, and by event.key.
+  // For each entry of the list of keys: its keys, its description, and its actions by event.key.
   const KEYS = [
     ["?", "this list", { "?": () => (help.open ? help.close() : help.showModal()) }],
-    ["1 … 9", "show that set", { "1–9": chooseSet("set") }],
-    ["Shift 1 … 9", "make it the reference", { "Shift 1–9": chooseSet("ref") }],
+    ["1 … 9", "show the set of this number", { "1–9": chooseSet("set") }],
+    ["Shift 1 … 9", "make the set the reference", { "Shift 1–9": chooseSet("ref") }],
     ...MODES.map(([mode, , key, text]) => [key, text, { [key]: () => { state.mode = mode; } }]),
-    ["Space", "the reference and the shown set change places",
+    ["Space", "exchange the reference and the shown set",
       { " ": () => { [state.ref, state.set] = [state.set, state.ref]; } }],
     ["q", "next quantity", { q: () => {
       state.quantity = cycle(quantities.map(({ name }) => name), state.quantity);
@@ -668,25 +670,25 @@
     ["o", "next overlay, or none", { o: () => {
       state.map = cycle(["", ...data.overlays.map(({ name }) => name)], state.map);
     } }],
-    ["v", "next view of colours", { v: () => { state.view = (state.view + 1) % VIEWS.length; } }],
+    ["v", "next colour view", { v: () => { state.view = (state.view + 1) % VIEWS.length; } }],
     ["e  Shift E", "half a stop brighter, darker",
       { e: () => { state.ev += 0.5; }, E: () => { state.ev -= 0.5; } }],
-    ["[  ]", "half, twice the scale of colours",
+    ["[  ]", "half, twice the colour scale",
       { "[": () => { state.gain -= 1; }, "]": () => { state.gain += 1; } }],
-    ["r", "exposure and scale as at first",
+    ["r", "reset exposure and scale",
       { r: () => Object.assign(state, { ev: START.ev, gain: 0 }) }],
-    ["+  −", "nearer, farther (also the wheel)", { "+": () => zoomBy(1), "=": () => zoomBy(1),
+    ["+  −", "zoom in, out (also the wheel)", { "+": () => zoomBy(1), "=": () => zoomBy(1),
       "-": () => zoomBy(-1), "−": () => zoomBy(-1) }],
-    ["z", "the whole picture", { z: () => { state.zoom = 0; } }],
-    ["arrows", "the cursor by a pixel; with Shift by ten",
+    ["z", "the whole frame", { z: () => { state.zoom = 0; } }],
+    ["arrows", "move the cursor by a pixel; with Shift by ten",
       { ArrowLeft: moveCursor(-1, 0), ArrowRight: moveCursor(1, 0), ArrowUp: moveCursor(0, -1),
         ArrowDown: moveCursor(0, 1) }],
-    [",  .", "a frame back, on", { ",": () => step(-1), ".": () => step(1) }],
-    ["<  >", "four frames back, on", { "<": () => step(-4), ">": () => step(4) }],
+    [",  .", "back, forward by one frame", { ",": () => step(-1), ".": () => step(1) }],
+    ["<  >", "back, forward by four frames", { "<": () => step(-4), ">": () => step(4) }],
     ["Home  End", "first, last frame",
       { Home: () => { state.frame = 0; }, End: () => { state.frame = data.frames - 1; } }],
     ["k", "play, or stop", { k: () => play(0, data.frames) }],
-    ["c", "play the four frames from here on, or stop", { c: playCycle }],
+    ["c", "play four frames from the current one, or stop", { c: playCycle }],
   ];
 
   function keyName(event) {
@@ -694,7 +696,7 @@
     return event.key;
   }
 
-  /** Controls keep the keys that are theirs. */
+  /** Whether the focused control handles the key itself. */
   function belongsTo(target, key) {
     if (target.matches("select, input[type=number]")) return key !== "?";
     if (target.matches("input[type=range]")) return /^(Arrow|Home|End)/.test(key);
@@ -717,21 +719,21 @@
     el("dl", {}, KEYS.map(([name, text]) => el("div", {},
       el("dt", {}, name.split("  ").map((key, n) => [n > 0 && " ", el("kbd", {}, key)])),
       el("dd", {}, text)))),
-    el("p", { class: "small" }, "Drag to move the picture, or the line of the wipe. The address of "
-      + "this page holds what is looked at: copied, it shows the same again. Values are those of "
-      + "the files, to the last bit. ", data.cube
-      ? `${data.cube.name} is OpenColorIO's, as a table that is off by `
-        + `${data.cube.error_mean.toFixed(2)} of 255 codes in the mean and `
+    el("p", { class: "small" }, "Drag to move the frame or the wipe line. The address of this page "
+      + "contains the current view: a copy of the address shows the same view. Values are equal to "
+      + "the values in the files, bit for bit. ", data.cube
+      ? `${data.cube.name} is OpenColorIO's view as a table, with an error of `
+        + `${data.cube.error_mean.toFixed(2)} of 255 codes on average and `
         + `${data.cube.error_max.toFixed(1)} at most; sRGB is exact.`
         + (data.cube.not_numbers > 0 ? ` It has ${data.cube.not_numbers} `
-          + "colours that are no numbers, which are shown as 0." : "")
+          + "colours that are NaN, which are shown as 0." : "")
       : "Colours are OpenColorIO's sRGB display, exactly."),
     shut);
 
   // ------------------------------------------------------------------------------------- pointer
 
   function listen(pane) {
-    let held = null; // {x, y}: where it was; or {wipes: true}
+    let held = null; // {wipes, x, y}: whether the wipe line is dragged, and the last place
     const { canvas } = pane;
     canvas.addEventListener("pointerdown", (event) => {
       const box = canvas.getBoundingClientRect();
@@ -784,7 +786,7 @@
     requestAnimationFrame(render);
   }
 
-  /** Loads what is missing, and shows it then. */
+  /** Loads missing planes, and renders again after each. Returns whether any are missing. */
   function fetchMissing() {
     const missing = [...keysNeeded(), ...(playing ? [] : keysOfValues())]
       .filter((key) => !have(key) && !failures.has(key));
@@ -817,7 +819,7 @@
       + `${size} of floats, made ${data.created_utc.slice(0, 10)} by neph ${data.neph_version}`)),
     setStrip() || "", settingsStrip(), stage, values, data.frames > 1 ? timeStrip() : "", help);
   const skip = document.querySelector(".skip");
-  skip.textContent = "Skip to the picture";
+  skip.textContent = "Skip to the frame";
   skip.addEventListener("click", (event) => {
     event.preventDefault();
     stage.focus();

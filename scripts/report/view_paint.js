@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
-// From floats to the colours of a screen: OpenColorIO's view as the table that the data bring
-// (metrics/display.h, neph_display_bake), and the colours of differences and amounts, as
-// neph_display_map() has them.
+// Conversion of floats to display colours for neph view: OpenColorIO's view by a table of the data
+// (metrics/display.h, neph_display_bake), and the colours of differences and amounts, equal to
+// those of neph_display_map().
 (function () {
   "use strict";
 
   const word = new Uint32Array(1);
   const real = new Float32Array(word.buffer);
 
-  /** Codes 0..255 of linear values: exact, by the least value of each code. */
+  /** A function from linear values to codes 0..255: exact, by the least values of codes 1..255. */
   function display(leastOfCodes) {
-    const least = Float32Array.from([-Infinity, ...leastOfCodes, NaN]); // beyond NaN is nothing
-    const guess = new Uint8Array(1 << 16); // by the upper half of a float: never too high
+    const least = Float32Array.from([-Infinity, ...leastOfCodes, NaN]); // no value is >= NaN
+    const guess = new Uint8Array(1 << 16); // code by the upper half of a float: never too high
     let code = 0;
     for (let upper = 0; upper < 0x8000; upper++) {
       word[0] = upper << 16;
@@ -27,14 +27,15 @@
     };
   }
 
-  /** Three codes of a pixel, each by its own value. */
+  /** A function from linear RGB to the codes of a pixel, channel by channel. */
   const byCodes = (codeOf) => (r, g, b, rgba, at) => {
     rgba[at] = codeOf(r);
     rgba[at + 1] = codeOf(g);
     rgba[at + 2] = codeOf(b);
   };
 
-  /** Three codes of a pixel by a table of colours (metrics/display_cube.h): trilinear. */
+  /** A function from linear RGB to the codes of a pixel, trilinear in a table of colours
+   * (metrics/display_cube.h). */
   function byCube({ side, knee, top }, nodes) {
     const all = Math.log2(1 + top / knee);
     const low = [0, 0, 0];
@@ -59,7 +60,7 @@
     };
   }
 
-  /** The picture of three planes, or of one. A pixel with a NaN is magenta. */
+  /** Paints a frame of three planes or of one. A pixel with a NaN is magenta. */
   function paintPicture(rgba, planes, gain, colourOf) {
     const last = planes.length - 1;
     for (let i = 0; i < planes[0].length; i++) {
@@ -73,7 +74,7 @@
     }
   }
 
-  /** Depth: the nearer the brighter, the sky black. */
+  /** Paints depth: near pixels are bright, the sky is black. */
   function paintDepth(rgba, plane, near, gain, codeOf) {
     for (let i = 0; i < plane.length; i++) {
       const code = codeOf(near / plane[i] * gain);
@@ -84,11 +85,11 @@
 
   const luminance = (r, g, b) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 
-  /** Of one pixel: the value itself, or the luminance of three. */
+  /** The value of a pixel: that of the only plane, or the luminance of three planes. */
   const valueOf = (planes, i) => (planes.length === 1 ? planes[0][i]
     : luminance(planes[0][i], planes[1][i], planes[2][i]));
 
-  /** Shown - reference of one pixel. Depth knows infinity: the sky. */
+  /** Shown - reference of one pixel. Equal depths differ by 0, also infinite ones (the sky). */
   function differenceOf(reference, shown, i) {
     if (reference.length === 1)
       return reference[0][i] === shown[0][i] ? 0 : shown[0][i] - reference[0][i];
@@ -96,7 +97,7 @@
       shown[2][i] - reference[2][i]);
   }
 
-  /** The colour at a place of a scale: linear between its stops. */
+  /** Writes the colour of a position on a scale: linear between its stops. */
   function colour(colours, position, rgba, at) {
     const { stops } = colours;
     let rgb = null;
@@ -116,7 +117,7 @@
     for (let i = 0; i < count; i++) colour(colours, value(i) / scale, rgba, 4 * i);
   }
 
-  /** A CSS gradient of a scale. */
+  /** The CSS gradient of a scale. */
   const gradient = (colours) => {
     const first = colours.stops[0].position;
     const stops = colours.stops.map(({ position, rgb }) =>

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// The floats of a page of neph view. Each file of frames/ is a script that calls NEPH_VIEW_PLANES,
-// because a page on file:// may not read a file; it is loaded when it is first looked at. How
-// floats are packed is said in base/packed.h; they come out bit by bit as they were in the EXR.
+// Loads the planes of floats of a page of neph view. Each file of frames/ is a script that calls
+// NEPH_VIEW_PLANES, because a page on file:// may not read files. A file is loaded when the page
+// first shows it. base/packed.h describes the packing; unpacked floats equal the EXR's bit for bit.
 (function () {
   "use strict";
 
-  let keptBytes = 384 * 1024 * 1024; // of opened planes, the least used go first
-  const waiting = new Map(); // key: what to do with its text
-  const opened = new Map(); // key: Promise of planes; the order is that of their last use
+  let keptBytes = 384 * 1024 * 1024; // limit of opened planes; the least recently used go first
+  const waiting = new Map(); // key: function that receives the text of its file
+  const opened = new Map(); // key: Promise of planes; in the order of their last use
   const ready = new Map(); // key: planes
 
   window.NEPH_VIEW_PLANES = (key, text) => {
@@ -16,7 +16,7 @@
     waiting.delete(key);
   };
 
-  /** The text of a file of frames/. */
+  /** A promise of the text of a file of frames/. */
   function load(key) {
     return new Promise((resolve, reject) => {
       const script = document.createElement("script");
@@ -46,7 +46,7 @@
     return bytes;
   }
 
-  /** Bytes by rank become floats again. */
+  /** Unpacks floats from planes of bytes of differences (base/packed.h). */
   function floatsOf(bytes) {
     const count = bytes.length / 4;
     const bits = new Int32Array(count);
@@ -91,7 +91,8 @@
     return planes;
   }
 
-  /** What is looked at together must stay together, or it would be loaded for ever. */
+  /** Raises the limit to `bytes`. It must fit all planes of one view, or they would be loaded again
+   * and again. */
   function keep(bytes) {
     keptBytes = Math.max(keptBytes, bytes);
   }
