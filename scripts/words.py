@@ -6,9 +6,10 @@
     scripts/words.py --all       every rate, and each place of a habit that is over its limit
     scripts/words.py --places HABIT [FOLDER]    every place of one habit: FILE:LINE: text
 
-Counted are comments of C, C++ and shaders outside of tests, the Markdown of README.md,
-CONTRIBUTING.md, docs/, scenes/ and results/, messages (string literals of C with at least four
-words), and the report pages (comments and such literals of scripts/report/*.js). Limits are two to three times the highest rate in libplacebo, pbrt-v4, Mitsuba 3, dav1d and
+Counted are comments of C, C++ and shaders outside of tests; the Markdown of README.md,
+CONTRIBUTING.md, docs/, scenes/ and results/; messages (string literals of C with at least four
+words); the report pages (comments and such literals of scripts/report/*.js).
+Limits are two to three times the highest rate in libplacebo, pbrt-v4, Mitsuba 3, dav1d and
 VMAF (2026-11), and at least 0.5. A function is named by a verb and its object: the names in
 scripts/words_allowed.txt end in `_of` or are a bare verb and are yet to be renamed. That list only
 shrinks: a name that is no longer in the code fails, too.

@@ -306,7 +306,7 @@
     tellScale(pane, n === panes.length - 1);
   }
 
-  /** Shows the colour scale; that of an overlay only in the last pane. */
+  /** Shows the colour scale; the scale of an overlay only in the last pane. */
   function tellScale(pane, isLast) {
     const overlay = state.map ? overlayNamed(state.map) : null;
     if (state.mode === "difference") {
@@ -355,7 +355,7 @@
     }
   }
 
-  /** Writes the values into large pixels; on each side of a wipe, those of the set shown there. */
+  /** Writes the values into large pixels; on each side of a wipe, the values of the set shown there. */
   function drawNumbers(context, place, set, edge) {
     const { scale, left, top } = place;
     if (scale / dots() < NUMBERS_FROM) return;

@@ -85,7 +85,7 @@
 
   const luminance = (r, g, b) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 
-  /** The value of a pixel: that of the only plane, or the luminance of three planes. */
+  /** The value of a pixel: the only plane, or the luminance of three planes. */
   const valueOf = (planes, i) => (planes.length === 1 ? planes[0][i]
     : luminance(planes[0][i], planes[1][i], planes[2][i]));
 
