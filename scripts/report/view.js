@@ -355,7 +355,7 @@
     }
   }
 
-  /** Writes the values into large pixels; on each side of a wipe, the values of the set shown there. */
+  /** Writes values into large pixels; each side of a wipe has the values of its set. */
   function drawNumbers(context, place, set, edge) {
     const { scale, left, top } = place;
     if (scale / dots() < NUMBERS_FROM) return;
