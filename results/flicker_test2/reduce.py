@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""reduce.py FOLDER: TABLE.csv of each metric and pairs.csv from FOLDER/flicker.csv, which goes.
+"""reduce.py FOLDER: TABLE.csv of each metric, pairs.csv and over_floor.csv from
+FOLDER/flicker.csv, which goes.
 
 TABLE.csv has the mean over seeds of a scene and a preset: flicker seen (contrast over threshold),
 relative RMSE, half-life [frames], ghosts [area times frames]. pairs.csv has the geometric mean over
 scenes of the first preset over each other one, with Student's 95 % interval of the logarithm, over
-the scenes in which both have a value above 0."""
+the scenes in which both have a value above 0. over_floor.csv has the flicker seen of each preset
+over every pixel marched (off+taa=on), geometric means over scenes."""
 import csv
 import math
 import pathlib
@@ -14,6 +16,7 @@ import sys
 
 METRICS = {"seen": "seen_contrast", "error": "rel_rmse", "half_life": "half_life_p50",
            "ghosts": "ghost_area_frames"}
+FLOOR = "off+taa=on"
 STUDENT_T = {9: 2.306, 10: 2.262, 11: 2.228, 12: 2.201, 17: 2.120}  # 97.5 %, by scenes
 
 
@@ -57,6 +60,11 @@ def main():
         row["error_less_percent"] = f"{100.0 * (1.0 - float(row['error_times'])):.3g}"
         pairs.append(row)
     write(folder / "pairs.csv", pairs)
+    write(folder / "over_floor.csv", [
+        {"preset": preset, "seen_times": f"{math.exp(statistics.fmean(logs)):.4g}"}
+        for preset in presets if "off" not in preset
+        for logs in [[math.log(means[METRICS["seen"], scene, preset] /
+                               means[METRICS["seen"], scene, FLOOR]) for scene in scenes]]])
     (folder / "flicker.csv").unlink()
 
 
