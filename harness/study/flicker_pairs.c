@@ -13,23 +13,23 @@
 /* Fails to compile when a kind is added, as the intervals are interpreted here. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 
-/* The metric's floor, or the highest upper bound that replaces a value of the preset. */
-static double find_comparison_floor(const struct neph_flicker_study *study, int metric, int scene,
+/* The metric's least value, or the highest upper bound that replaces a value of the preset. */
+static double find_comparison_least(const struct neph_flicker_study *study, int metric, int scene,
                                     int preset)
 {
-    double floor = neph_study_metrics[metric].floor;
+    double least = neph_study_metrics[metric].least;
     for (int seed = 0; seed < study->params->seed_count; seed++) {
         const struct neph_study_cell *cell = neph_study_cell_at(study, scene, preset, seed, metric);
         if (cell->is_bound)
-            floor = fmax(floor, cell->value);
+            least = fmax(least, cell->value);
     }
-    return floor;
+    return least;
 }
 
-/* log10 of a metric of a preset in a scene: mean over seeds of the value or the floor, whichever is
- * larger. NaN when a seed has no value that counts. */
+/* log10 of a metric of a preset in a scene: mean over seeds of the value or the least value,
+ * whichever is larger. NaN when a seed has no value that counts. */
 static double decades_above(const struct neph_flicker_study *study, int metric, int display,
-                            int scene, int preset, double floor)
+                            int scene, int preset, double least)
 {
     double sum = 0.0;
     for (int seed = 0; seed < study->params->seed_count; seed++) {
@@ -37,7 +37,7 @@ static double decades_above(const struct neph_flicker_study *study, int metric, 
         const double value = cell->displays[display];
         if (!cell->counts || isnan(value))
             return NAN;
-        sum += log10(fmax(value, floor));
+        sum += log10(fmax(value, least));
     }
     return sum / study->params->seed_count;
 }
@@ -46,7 +46,7 @@ static double decades(const struct neph_flicker_study *study, int metric, int di
                       int preset)
 {
     return decades_above(study, metric, display, scene, preset,
-                         find_comparison_floor(study, metric, scene, preset));
+                         find_comparison_least(study, metric, scene, preset));
 }
 
 double neph_study_cost_decades(const struct neph_flicker_study *study, size_t cost, int scene,
@@ -66,10 +66,10 @@ double neph_study_cost_decades(const struct neph_flicker_study *study, size_t co
 double neph_study_difference(const struct neph_flicker_study *study, int metric, int display,
                              int first, int second, int scene)
 {
-    const double floor = fmax(find_comparison_floor(study, metric, scene, first),
-                              find_comparison_floor(study, metric, scene, second));
-    return decades_above(study, metric, display, scene, first, floor) -
-           decades_above(study, metric, display, scene, second, floor);
+    const double least = fmax(find_comparison_least(study, metric, scene, first),
+                              find_comparison_least(study, metric, scene, second));
+    return decades_above(study, metric, display, scene, first, least) -
+           decades_above(study, metric, display, scene, second, least);
 }
 
 static void count_signs(const double *a, const double *b, int count, struct neph_study_pair *pair)
@@ -92,10 +92,10 @@ enum neph_status neph_study_pair(const struct neph_flicker_study *study, int met
         return neph_fail_memory(diag);
     struct neph_study_pair found = {.mean = NAN, .p_sign = 1.0};
     for (int scene = 0; scene < scene_count; scene++) {
-        const double floor = fmax(find_comparison_floor(study, metric, scene, first),
-                                  find_comparison_floor(study, metric, scene, second));
-        a[found.scene_count] = decades_above(study, metric, display, scene, first, floor);
-        b[found.scene_count] = decades_above(study, metric, display, scene, second, floor);
+        const double least = fmax(find_comparison_least(study, metric, scene, first),
+                                  find_comparison_least(study, metric, scene, second));
+        a[found.scene_count] = decades_above(study, metric, display, scene, first, least);
+        b[found.scene_count] = decades_above(study, metric, display, scene, second, least);
         found.scene_count += !isnan(a[found.scene_count]) && !isnan(b[found.scene_count]);
     }
     struct neph_paired paired = {.p = 1.0};

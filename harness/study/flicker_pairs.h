@@ -9,15 +9,15 @@
 #include "harness/study/flicker_study.h"
 
 /* The first preset relative to the second, in decades; negative: the first is better. In a scene
- * where an upper bound replaces the value of one preset, the bound is the floor of both, so smaller
- * values count as equal. */
+ * where an upper bound replaces the value of one preset, the bound is the least value of both, so
+ * smaller values count as equal. */
 struct neph_study_pair {
     int scene_count; /* scenes in which both presets have a value that counts */
     double mean;     /* NaN without a scene */
     bool has_interval;
     double low, high; /* 95 %, Student's t over scenes (metrics/series.h); from two scenes on */
-    int better, worse, alike; /* scenes by sign of the difference; values below the floor are equal
-                                 */
+    int better, worse, alike; /* scenes by sign of the difference; values below the least one are
+                                 equal */
     double p_sign;            /* two-sided exact sign test on these counts */
 };
 
