@@ -6,12 +6,15 @@
 
 #include "harness/data.h"
 #include "harness/experiments/experiments.h"
+#include "harness/study/floor_plan.h"
 #include "harness/study/suites.h"
 #include "renderer/realtime/options.h"
 
 struct request {
     struct neph_flicker_request flicker;
     struct neph_cli_list presets;
+    bool no_floor;
+    struct neph_floor_plan plan; /* the presets, and unless `no_floor` their floors */
 };
 
 #define AT(member) .at = offsetof(struct request, member)
@@ -38,6 +41,10 @@ static const struct neph_cli_option options[] = {
      "Sequences of a scene: flicker (the scene as it is), step (of the sun), sine (of the sun), "
      "cut (of the camera)",
      NEPH_CLI_LIST, AT(flicker.takes), "flicker,step,sine,cut", .maximum = NEPH_STUDY_CAPTURES},
+    {"no-floor", 0, NULL,
+     "Leave out the floors: each preset is otherwise compared with every pixel marched in every "
+     "frame, with the preset's and with the default anti-aliasing",
+     NEPH_CLI_FLAG, AT(no_floor)},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output",
      .help = "Folder of the store and of flicker_lag.svg",
@@ -70,7 +77,9 @@ static const struct neph_cli_syntax syntax = {
            "over scenes.\vThe reference is the ray marcher at the same time with the same steps "
            "and lighting, 16 rays a pixel, without dither and without history. Each number against "
            "a reference with one centre ray a pixel follows in brackets. Seeds of a scene are "
-           "averaged; scenes are the sample of the statistics. A ranking is valid if it is the "
+           "averaged; scenes are the sample of the statistics. The floor of a preset marches every "
+           "pixel in every frame, with the preset's or the default anti-aliasing, whichever has "
+           "the lower number in a scene. A ranking is valid if it is the "
            "same at 24, 30 and 60 Hz and at 30 and 60 pixels a degree. NEPH_VULKAN_DEVICE names "
            "the device. Finished frames stay in DIR/store, and the same command continues from "
            "there. Use --jobs on a machine with many cores. Runs may share DIR.\n"
@@ -158,24 +167,45 @@ void neph_flicker_free(struct neph_flicker_request *request)
 
 /* ---- the experiment -------------------------------------------------------------------------- */
 
+/* The configurations of the study: the presets, and their floors. */
+static enum neph_status plan_configurations(struct request *request, struct neph_diag *diag)
+{
+    const struct neph_cli_list *presets = &request->presets;
+    if (!request->no_floor)
+        return neph_floor_plan_make(presets->words, presets->count, request->flicker.steps,
+                                    &request->flicker.arena, &request->plan, diag);
+    request->plan.preset_count = presets->count;
+    for (int i = 0; i < presets->count; i++)
+        request->plan.words[i] = presets->words[i];
+    return NEPH_OK;
+}
+
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
 {
     struct request *request = request_;
-    return neph_flicker_prepare(&request->flicker, NEPH_STUDY_CAPTURES, "test", diag);
+    const enum neph_status status = neph_flicker_prepare(&request->flicker, NEPH_STUDY_CAPTURES,
+                                                         "test", diag);
+    return status ? status : plan_configurations(request, diag);
 }
 
 static bool part(void *request_, int index)
 {
     struct request *request = request_;
-    return neph_flicker_part(&request->flicker, request->presets.count, index);
+    return neph_flicker_part(&request->flicker,
+                             request->plan.preset_count + request->plan.floor_count, index);
 }
 
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
     const struct request *request = request_;
-    const struct neph_flicker_study_params params = neph_flicker_params(
-        &request->flicker, request->presets.words, request->presets.count, run);
+    const struct neph_floor_plan *plan = &request->plan;
+    struct neph_flicker_study_params params = neph_flicker_params(&request->flicker, plan->words,
+                                                                  plan->preset_count, run);
+    if (!request->flicker.is_part && !request->no_floor) {
+        params.floor_count = plan->floor_count;
+        params.floors = plan->floors;
+    }
     struct neph_flicker_study study = {.params = &params};
     enum neph_status status = neph_flicker_study_run(&params, run->store, &study, diag);
     if (!status && !request->flicker.is_part)

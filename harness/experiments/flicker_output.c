@@ -6,6 +6,7 @@
 
 #include "harness/document/table.h"
 #include "harness/study/flicker_answer.h"
+#include "harness/study/flicker_floor.h"
 #include "harness/study/flicker_pairs.h"
 #include "harness/study/flicker_plot.h"
 
@@ -119,7 +120,7 @@ static const struct neph_study_cell *find_excluded_cell(const struct neph_flicke
     return NULL;
 }
 
-/* Add means over seeds, valid or not; no mean when a seed has no number. */
+/* Add means over seeds of a preset or floor, valid or not; no mean when a seed has no number. */
 static void add_means(const struct neph_flicker_study *study, int metric, int scene, int preset,
                       struct neph_table *table)
 {
@@ -142,15 +143,27 @@ static void add_means(const struct neph_flicker_study *study, int metric, int sc
                          scale * (centre / seed_count));
 }
 
+/* Add the means of the lower candidate of a floor. */
+static void add_floor_means(const struct neph_flicker_study *study, int metric, int scene,
+                            int preset, struct neph_table *table)
+{
+    const struct neph_study_scene_gap gap = neph_study_scene_gap(study, metric, 0, preset, scene);
+    if (gap.lower < 0)
+        neph_table_number(table, NAN);
+    else
+        add_means(study, metric, scene, gap.lower, table);
+}
+
 /* Print once for each scene why numbers of a metric are not valid. */
 static void print_reasons(const struct neph_flicker_study *study, int metric, FILE *out)
 {
-    for (int scene = 0; scene < study->params->scene_count; scene++)
-        for (int preset = 0; preset < study->params->preset_count; preset++) {
+    const struct neph_flicker_study_params *params = study->params;
+    for (int scene = 0; scene < params->scene_count; scene++)
+        for (int preset = 0; preset < params->preset_count + params->floor_count; preset++) {
             const struct neph_study_cell *cell = find_excluded_cell(study, metric, scene, preset);
             if (!cell || study->scenes[scene].left_out)
                 continue;
-            fprintf(out, "\n%s, %s: %s.", study->scenes[scene].name, study->params->presets[preset],
+            fprintf(out, "\n%s, %s: %s.", study->scenes[scene].name, params->presets[preset],
                     cell->because);
             break;
         }
@@ -166,12 +179,20 @@ static void print_metric(const struct neph_flicker_study *study, int metric,
     for (int preset = 0; preset < params->preset_count; preset++)
         neph_table_column(&table,
                           (struct neph_column){.title = params->presets[preset], .format = "%g"});
+    for (int preset = 0; params->floors && preset < params->preset_count; preset++)
+        if (neph_flicker_floor_first(study, preset) == preset)
+            neph_table_column(&table, (struct neph_column){.title = neph_flicker_floor_title(
+                                                               study, preset, &table.arena),
+                                                           .format = "%g"});
     for (int scene = 0; scene < params->scene_count; scene++) {
         if (study->scenes[scene].left_out)
             continue;
         neph_table_word(&table, study->scenes[scene].name);
         for (int preset = 0; preset < params->preset_count; preset++)
             add_means(study, metric, scene, preset, &table);
+        for (int preset = 0; params->floors && preset < params->preset_count; preset++)
+            if (neph_flicker_floor_first(study, preset) == preset)
+                add_floor_means(study, metric, scene, preset, &table);
     }
     fprintf(publication->text, "\n**%s**\n\n", neph_study_metrics[metric].title);
     neph_publication_table(publication, &table);
@@ -282,6 +303,17 @@ static void print_pairs(const struct neph_flicker_study *study, int metric,
     neph_publication_table(publication, &table);
 }
 
+static void print_ratios(const struct neph_flicker_study *study, int metric,
+                         struct neph_publication *publication)
+{
+    struct neph_table table = {.cells = NULL};
+    neph_flicker_floor_begin_ratios(&table);
+    neph_flicker_floor_add_ratios(study, metric, 1, &table);
+    fprintf(publication->text, "\nTimes the floor, below 1 the preset is better than every pixel "
+                               "marched; geometric means, 95 %% intervals over scenes.\n\n");
+    neph_publication_table(publication, &table);
+}
+
 static void print_ranking(const struct neph_flicker_study *study,
                           struct neph_publication *publication)
 {
@@ -322,6 +354,7 @@ static void print_text(const struct neph_flicker_study *study, struct neph_publi
     const bool has_pairs = study->params->preset_count > 1;
     print_head(study, publication->text);
     print_scenes(study, publication);
+    neph_flicker_floor_print_list(study, &publication->arena, publication->text);
     fprintf(
         publication->text,
         "\n"
@@ -332,6 +365,8 @@ static void print_text(const struct neph_flicker_study *study, struct neph_publi
         if (!is_metric_selected(study, metric))
             continue;
         print_metric(study, metric, publication);
+        if (study->params->floors)
+            print_ratios(study, metric, publication);
         if (has_pairs)
             print_pairs(study, metric, publication);
     }
@@ -363,6 +398,7 @@ static void begin_results(struct neph_table *table)
                  neph_study_displays[d].pixels_per_degree);
         neph_table_column(table, (struct neph_column){.key = key, .forms = NEPH_TABLE_CSV});
     }
+    neph_flicker_floor_columns(table);
 }
 
 static void add_result(const struct neph_flicker_study *study, int scene, int preset, int seed,
@@ -383,6 +419,7 @@ static void add_result(const struct neph_flicker_study *study, int scene, int pr
     neph_table_word(table, cell->because);
     neph_table_value(table, displays);
     neph_table_numbers(table, NEPH_STUDY_DISPLAYS, cell->displays);
+    neph_flicker_floor_cells(study, metric, scene, preset, seed, table);
 }
 
 static void fill_results(const struct neph_flicker_study *study, struct neph_table *table)
@@ -390,7 +427,7 @@ static void fill_results(const struct neph_flicker_study *study, struct neph_tab
     const struct neph_flicker_study_params *params = study->params;
     begin_results(table);
     for (int scene = 0; scene < params->scene_count; scene++)
-        for (int preset = 0; preset < params->preset_count; preset++)
+        for (int preset = 0; preset < params->preset_count + params->floor_count; preset++)
             for (int seed = 0; seed < params->seed_count; seed++)
                 for (int metric = 0; neph_study_metrics[metric].title; metric++)
                     if (!study->scenes[scene].left_out && is_metric_selected(study, metric))
@@ -433,18 +470,33 @@ static json_t *pairs_json(const struct neph_flicker_study *study)
     return list;
 }
 
+static json_t *ratios_json(const struct neph_flicker_study *study)
+{
+    struct neph_table table = {.cells = NULL};
+    neph_flicker_floor_begin_ratios(&table);
+    for (int metric = 0; neph_study_metrics[metric].title && study->params->floors; metric++)
+        if (is_metric_selected(study, metric))
+            neph_flicker_floor_add_ratios(
+                study, metric, neph_study_metrics[metric].of_the_eye ? NEPH_STUDY_DISPLAYS : 1,
+                &table);
+    json_t *list = neph_table_json(&table);
+    neph_table_finish(&table);
+    return list;
+}
+
 static json_t *study_json(const struct neph_flicker_study *study, const struct neph_table *results)
 {
     const struct neph_flicker_study_params *params = study->params;
     struct neph_table scenes = {.cells = NULL};
     fill_scenes(study, &scenes);
     json_t *json = json_pack(
-        "{s:s, s:s, s:s, s:[i,i], s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:o, s:o}", "format",
+        "{s:s, s:s, s:s, s:[i,i], s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "format",
         "neph-flicker-study-1", "version", NEPH_VERSION, "device", study->device, "size_px",
         params->width_px, params->height_px, "steps", params->steps, "frames", params->frame_count,
         "seeds", params->seed_count, "broken", study->failed_count, "presets", presets_json(study),
         "scenes", neph_table_json(&scenes), "metrics", metrics_json(study), "results",
-        neph_table_json(results), "pairs", pairs_json(study));
+        neph_table_json(results), "pairs", pairs_json(study), "floors",
+        neph_flicker_floor_json(study), "times_floor", ratios_json(study));
     neph_table_finish(&scenes);
     return json;
 }

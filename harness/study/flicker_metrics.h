@@ -58,6 +58,7 @@ struct neph_study_metric {
     const char *at_most;     /* upper bound in the same mask, the whole of which the metric is a
                                 part; replaces a value that is not measurable; NULL: none */
     bool of_the_eye;         /* evaluated for the other displays, too */
+    const char *name;        /* in the answer, of a ratio to the floor; NULL: only in the tables */
 };
 
 /* Ends with a NULL title. */

@@ -35,6 +35,26 @@ enum neph_status neph_study_pair(const struct neph_flicker_study *study, int met
                                  int first, int second, struct neph_study_pair *pair,
                                  struct neph_diag *diag);
 
+/* A preset relative to its floor in a scene. */
+struct neph_study_scene_gap {
+    double preset, floor; /* decades, means over seeds; NaN unless the preset and both candidates of
+                             the floor have a value that counts */
+    int lower;            /* the configuration with the lower value, which is the floor; -1: none */
+};
+struct neph_study_scene_gap neph_study_scene_gap(const struct neph_flicker_study *study, int metric,
+                                                 int display, int preset, int scene);
+
+/* A preset relative to its floors, scene by scene. */
+struct neph_study_gap {
+    struct neph_study_pair pair; /* over the scenes with a gap */
+    double preset, floor;        /* decades, means over the same scenes; NaN without a scene */
+};
+
+/* Compares a preset with its floor over all scenes; a study without floors has no gap in any scene.
+ * Errors: NEPH_ERR_MEMORY. */
+enum neph_status neph_study_gap(const struct neph_flicker_study *study, int metric, int display,
+                                int preset, struct neph_study_gap *gap, struct neph_diag *diag);
+
 /* 1: the interval lies above 0, the first preset is worse; -1: it is better; 0: undecided. */
 int neph_study_pair_verdict(const struct neph_study_pair *pair);
 
@@ -50,6 +70,11 @@ struct neph_study_level {
 /* Computes the levels of all presets. Errors: NEPH_ERR_MEMORY. */
 enum neph_status neph_study_levels(const struct neph_flicker_study *study, int metric, int display,
                                    struct neph_study_level *levels, struct neph_diag *diag);
+
+/* Computes the levels of the floors of all presets, in the same scenes. */
+enum neph_status neph_study_floor_levels(const struct neph_flicker_study *study, int metric,
+                                         int display, struct neph_study_level *levels,
+                                         struct neph_diag *diag);
 
 /* Writes the indices of all presets to `order`, best first by the headline metric for a display;
  * presets without a level come last. Errors: NEPH_ERR_MEMORY. */
