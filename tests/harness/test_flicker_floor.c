@@ -43,7 +43,7 @@ static void make_plan(const char *const *presets, int count, struct neph_arena *
     assert_int_equal(plan->preset_count, count);
 }
 
-/* Of every preset of the renderer: a floor has the anti-aliasing of the preset or the default one,
+/* A floor of each preset of the renderer has the anti-aliasing of the preset or the default one,
  * the march of the preset, and else the settings of `off`. */
 static void test_a_floor_is_off_with_an_anti_aliasing(void **state)
 {

@@ -249,8 +249,8 @@ static void test_skipped_configurations(void **state)
     neph_flicker_study_finish(&study);
 }
 
-/* A bound is the least value of both presets: smaller values are equal to it, larger ones are worse by at
- * least the difference. */
+/* A bound is the least value of both presets: smaller values are equal to it, larger ones are worse
+ * by at least the difference. */
 static void test_a_bound_keeps_its_scene(void **state)
 {
     struct neph_flicker_study study;
