@@ -125,6 +125,11 @@ class Setting:
         return f"({self.table['type']}){number}" if "type" in self.table else number
 
 
+def group(setting):
+    """The heading of a setting in docs/settings.md: the folder's name in words."""
+    return setting.folder.replace("_", " ") or "march"
+
+
 def c_text(text):
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
@@ -241,7 +246,10 @@ def realtime_table(settings):
     lines = ["/* By renderer/settings.py of the files settings.toml. */",
              "const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {"]
     lines += [f"    {setting.row('realtime')}," for setting in rows]
-    lines += ["    {.choices = gone},", "};", ""]
+    lines += ["    {.choices = gone},", "};", "",
+              "const char *const neph_rt_option_groups[RT_SETTING_COUNT] = {"]
+    lines += [f'    "{group(setting)}",' for setting in rows]
+    lines += ["};", ""]
     lines += ["struct neph_rt_settings neph_rt_group_settings("
               "const struct neph_settings *settings)",
               "{", "    const double *values = settings->values;",
@@ -381,7 +389,7 @@ def page(settings):
         rows = [s for s in settings if s.folder == folder and s.kind != "pipeline"]
         if not rows:
             continue
-        lines += [f"## {folder.replace('_', ' ') or 'march'}", "",
+        lines += [f"## {group(rows[0])}", "",
                   "| setting | default | values | what it is |", "| --- | --- | --- | --- |"]
         for setting in rows:
             default = setting.table["default"]

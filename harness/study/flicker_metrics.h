@@ -50,7 +50,7 @@ struct neph_study_metric {
     enum neph_study_capture_id take;
     const char *metric, *mask; /* of the radiance */
     double scale;              /* factor in tables and texts */
-    double floor;              /* values below it count as equal; in units of the metric */
+    double least;              /* values below it count as equal; in units of the metric */
     const char *alone; /* the same metric of the reference by itself; above a third of the value the
                           value does not count (metrics/extractors/flicker_verdict.h); NULL: none */
     const char *never_share; /* share of pixels that never settle; above 5 % the value does not
@@ -58,6 +58,7 @@ struct neph_study_metric {
     const char *at_most;     /* upper bound in the same mask, the whole of which the metric is a
                                 part; replaces a value that is not measurable; NULL: none */
     bool of_the_eye;         /* evaluated for the other displays, too */
+    const char *name;        /* in the answer, of a ratio to the floor; NULL: only in the tables */
 };
 
 /* Ends with a NULL title. */

@@ -13,23 +13,23 @@
 /* Fails to compile when a kind is added, as the intervals are interpreted here. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 
-/* The metric's floor, or the highest upper bound that replaces a value of the preset. */
-static double find_comparison_floor(const struct neph_flicker_study *study, int metric, int scene,
+/* The metric's least value, or the highest upper bound that replaces a value of the preset. */
+static double find_comparison_least(const struct neph_flicker_study *study, int metric, int scene,
                                     int preset)
 {
-    double floor = neph_study_metrics[metric].floor;
+    double least = neph_study_metrics[metric].least;
     for (int seed = 0; seed < study->params->seed_count; seed++) {
         const struct neph_study_cell *cell = neph_study_cell_at(study, scene, preset, seed, metric);
         if (cell->is_bound)
-            floor = fmax(floor, cell->value);
+            least = fmax(least, cell->value);
     }
-    return floor;
+    return least;
 }
 
-/* log10 of a metric of a preset in a scene: mean over seeds of the value or the floor, whichever is
- * larger. NaN when a seed has no value that counts. */
+/* log10 of a metric of a preset in a scene: mean over seeds of the value or the least value,
+ * whichever is larger. NaN when a seed has no value that counts. */
 static double decades_above(const struct neph_flicker_study *study, int metric, int display,
-                            int scene, int preset, double floor)
+                            int scene, int preset, double least)
 {
     double sum = 0.0;
     for (int seed = 0; seed < study->params->seed_count; seed++) {
@@ -37,7 +37,7 @@ static double decades_above(const struct neph_flicker_study *study, int metric, 
         const double value = cell->displays[display];
         if (!cell->counts || isnan(value))
             return NAN;
-        sum += log10(fmax(value, floor));
+        sum += log10(fmax(value, least));
     }
     return sum / study->params->seed_count;
 }
@@ -46,7 +46,7 @@ static double decades(const struct neph_flicker_study *study, int metric, int di
                       int preset)
 {
     return decades_above(study, metric, display, scene, preset,
-                         find_comparison_floor(study, metric, scene, preset));
+                         find_comparison_least(study, metric, scene, preset));
 }
 
 double neph_study_cost_decades(const struct neph_flicker_study *study, size_t cost, int scene,
@@ -66,10 +66,10 @@ double neph_study_cost_decades(const struct neph_flicker_study *study, size_t co
 double neph_study_difference(const struct neph_flicker_study *study, int metric, int display,
                              int first, int second, int scene)
 {
-    const double floor = fmax(find_comparison_floor(study, metric, scene, first),
-                              find_comparison_floor(study, metric, scene, second));
-    return decades_above(study, metric, display, scene, first, floor) -
-           decades_above(study, metric, display, scene, second, floor);
+    const double least = fmax(find_comparison_least(study, metric, scene, first),
+                              find_comparison_least(study, metric, scene, second));
+    return decades_above(study, metric, display, scene, first, least) -
+           decades_above(study, metric, display, scene, second, least);
 }
 
 static void count_signs(const double *a, const double *b, int count, struct neph_study_pair *pair)
@@ -82,6 +82,24 @@ static void count_signs(const double *a, const double *b, int count, struct neph
     pair->p_sign = neph_sign_p(pair->worse, pair->better);
 }
 
+/* Fills a pair from the values of `pair->scene_count` scenes. */
+static enum neph_status summarize(const double *a, const double *b, struct neph_study_pair *pair,
+                                  struct neph_diag *diag)
+{
+    struct neph_paired paired = {.p = 1.0};
+    enum neph_status status = NEPH_OK;
+    if (pair->scene_count > 0)
+        status = neph_series_paired(a, b, pair->scene_count, NEPH_REPLICATE_RUNS, &paired, diag);
+    if (!status && paired.difference.defined) {
+        pair->mean = paired.difference.value;
+        pair->has_interval = paired.difference.interval != NEPH_INTERVAL_NONE;
+        pair->low = paired.difference.low;
+        pair->high = paired.difference.high;
+    }
+    count_signs(a, b, pair->scene_count, pair);
+    return status;
+}
+
 enum neph_status neph_study_pair(const struct neph_flicker_study *study, int metric, int display,
                                  int first, int second, struct neph_study_pair *pair,
                                  struct neph_diag *diag)
@@ -92,23 +110,13 @@ enum neph_status neph_study_pair(const struct neph_flicker_study *study, int met
         return neph_fail_memory(diag);
     struct neph_study_pair found = {.mean = NAN, .p_sign = 1.0};
     for (int scene = 0; scene < scene_count; scene++) {
-        const double floor = fmax(find_comparison_floor(study, metric, scene, first),
-                                  find_comparison_floor(study, metric, scene, second));
-        a[found.scene_count] = decades_above(study, metric, display, scene, first, floor);
-        b[found.scene_count] = decades_above(study, metric, display, scene, second, floor);
+        const double least = fmax(find_comparison_least(study, metric, scene, first),
+                                  find_comparison_least(study, metric, scene, second));
+        a[found.scene_count] = decades_above(study, metric, display, scene, first, least);
+        b[found.scene_count] = decades_above(study, metric, display, scene, second, least);
         found.scene_count += !isnan(a[found.scene_count]) && !isnan(b[found.scene_count]);
     }
-    struct neph_paired paired = {.p = 1.0};
-    enum neph_status status = NEPH_OK;
-    if (found.scene_count > 0)
-        status = neph_series_paired(a, b, found.scene_count, NEPH_REPLICATE_RUNS, &paired, diag);
-    if (!status && paired.difference.defined) {
-        found.mean = paired.difference.value;
-        found.has_interval = paired.difference.interval != NEPH_INTERVAL_NONE;
-        found.low = paired.difference.low;
-        found.high = paired.difference.high;
-    }
-    count_signs(a, b, found.scene_count, &found);
+    const enum neph_status status = summarize(a, b, &found, diag);
     free(a);
     if (!status)
         *pair = found;
@@ -122,6 +130,55 @@ int neph_study_pair_verdict(const struct neph_study_pair *pair)
     return pair->low > 0.0 ? 1 : pair->high < 0.0 ? -1 : 0;
 }
 
+/* ---- floors ---------------------------------------------------------------------------------- */
+
+struct neph_study_scene_gap neph_study_scene_gap(const struct neph_flicker_study *study, int metric,
+                                                 int display, int preset, int scene)
+{
+    struct neph_study_scene_gap gap = {NAN, NAN, -1};
+    if (!study->params->floors)
+        return gap;
+    const int *candidates = study->params->floors[preset].candidates;
+    double least = find_comparison_least(study, metric, scene, preset);
+    for (int i = 0; i < NEPH_STUDY_FLOOR_CANDIDATES; i++)
+        least = fmax(least, find_comparison_least(study, metric, scene, candidates[i]));
+    const double value = decades_above(study, metric, display, scene, preset, least),
+                 own = decades_above(study, metric, display, scene, candidates[0], least),
+                 other = decades_above(study, metric, display, scene, candidates[1], least);
+    if (isnan(value) || isnan(own) || isnan(other))
+        return gap;
+    return (struct neph_study_scene_gap){value, fmin(own, other), candidates[other < own]};
+}
+
+enum neph_status neph_study_gap(const struct neph_flicker_study *study, int metric, int display,
+                                int preset, struct neph_study_gap *gap, struct neph_diag *diag)
+{
+    const int scene_count = study->params->scene_count;
+    double *a = calloc(2 * (size_t)scene_count, sizeof(*a)), *b = a + scene_count;
+    if (!a)
+        return neph_fail_memory(diag);
+    struct neph_study_gap found = {.pair = {.mean = NAN, .p_sign = 1.0}};
+    int count = 0;
+    for (int scene = 0; scene < scene_count; scene++) {
+        const struct neph_study_scene_gap in_scene = neph_study_scene_gap(study, metric, display,
+                                                                          preset, scene);
+        if (in_scene.lower < 0)
+            continue;
+        a[count] = in_scene.preset;
+        b[count++] = in_scene.floor;
+        found.preset += in_scene.preset;
+        found.floor += in_scene.floor;
+    }
+    found.pair.scene_count = count;
+    found.preset = count ? found.preset / count : NAN;
+    found.floor = count ? found.floor / count : NAN;
+    const enum neph_status status = summarize(a, b, &found.pair, diag);
+    free(a);
+    if (!status)
+        *gap = found;
+    return status;
+}
+
 /* ---- levels ---------------------------------------------------------------------------------- */
 
 /* Mean over the presets in a scene; NaN when a preset has none. */
@@ -133,35 +190,65 @@ static double scene_mean(const struct neph_flicker_study *study, int metric, int
     return sum / study->params->preset_count;
 }
 
+/* A number of a preset in a scene, in decades. */
+typedef double read_decades(const struct neph_flicker_study *study, int metric, int display,
+                            int scene, int preset);
+
+static double compute_floor_decades(const struct neph_flicker_study *study, int metric, int display,
+                                    int scene, int preset)
+{
+    return neph_study_scene_gap(study, metric, display, preset, scene).floor;
+}
+
+/* The level of one number; `own` has room for all scenes. */
+static struct neph_study_level make_level(const struct neph_flicker_study *study, int metric,
+                                          int display, int preset, read_decades *read, double *own)
+{
+    int count = 0;
+    double of_all = 0.0;
+    for (int scene = 0; scene < study->params->scene_count; scene++) {
+        const double mean = scene_mean(study, metric, display, scene),
+                     value = read(study, metric, display, scene, preset);
+        if (isnan(mean) || isnan(value))
+            continue;
+        own[count++] = value - mean;
+        of_all += mean;
+    }
+    const struct neph_mean mean = neph_series_mean(own, count, NEPH_REPLICATE_RUNS);
+    of_all = count > 0 ? of_all / count : NAN;
+    return (struct neph_study_level){
+        .scene_count = count,
+        .mean = of_all + mean.value,
+        .has_interval = mean.interval == NEPH_INTERVAL_RUNS,
+        .low = of_all + mean.low,
+        .high = of_all + mean.high,
+    };
+}
+
+static enum neph_status make_levels(const struct neph_flicker_study *study, int metric, int display,
+                                    read_decades *read, struct neph_study_level *levels,
+                                    struct neph_diag *diag)
+{
+    double *own = calloc((size_t)study->params->scene_count, sizeof(*own));
+    if (!own)
+        return neph_fail_memory(diag);
+    for (int preset = 0; preset < study->params->preset_count; preset++)
+        levels[preset] = make_level(study, metric, display, preset, read, own);
+    free(own);
+    return NEPH_OK;
+}
+
 enum neph_status neph_study_levels(const struct neph_flicker_study *study, int metric, int display,
                                    struct neph_study_level *levels, struct neph_diag *diag)
 {
-    const int scene_count = study->params->scene_count;
-    double *own = calloc((size_t)scene_count, sizeof(*own));
-    if (!own)
-        return neph_fail_memory(diag);
-    for (int preset = 0; preset < study->params->preset_count; preset++) {
-        int count = 0;
-        double of_all = 0.0;
-        for (int scene = 0; scene < scene_count; scene++) {
-            const double mean = scene_mean(study, metric, display, scene);
-            if (isnan(mean))
-                continue;
-            own[count++] = decades(study, metric, display, scene, preset) - mean;
-            of_all += mean;
-        }
-        const struct neph_mean mean = neph_series_mean(own, count, NEPH_REPLICATE_RUNS);
-        of_all = count > 0 ? of_all / count : NAN;
-        levels[preset] = (struct neph_study_level){
-            .scene_count = count,
-            .mean = of_all + mean.value,
-            .has_interval = mean.interval == NEPH_INTERVAL_RUNS,
-            .low = of_all + mean.low,
-            .high = of_all + mean.high,
-        };
-    }
-    free(own);
-    return NEPH_OK;
+    return make_levels(study, metric, display, decades, levels, diag);
+}
+
+enum neph_status neph_study_floor_levels(const struct neph_flicker_study *study, int metric,
+                                         int display, struct neph_study_level *levels,
+                                         struct neph_diag *diag)
+{
+    return make_levels(study, metric, display, compute_floor_decades, levels, diag);
 }
 
 enum neph_status neph_study_ranking(const struct neph_flicker_study *study, int display, int *order,

@@ -9,15 +9,15 @@
 #include "harness/study/flicker_study.h"
 
 /* The first preset relative to the second, in decades; negative: the first is better. In a scene
- * where an upper bound replaces the value of one preset, the bound is the floor of both, so smaller
- * values count as equal. */
+ * where an upper bound replaces the value of one preset, the bound is the least value of both, so
+ * smaller values count as equal. */
 struct neph_study_pair {
     int scene_count; /* scenes in which both presets have a value that counts */
     double mean;     /* NaN without a scene */
     bool has_interval;
     double low, high; /* 95 %, Student's t over scenes (metrics/series.h); from two scenes on */
-    int better, worse, alike; /* scenes by sign of the difference; values below the floor are equal
-                                 */
+    int better, worse, alike; /* scenes by sign of the difference; values below the least one are
+                                 equal */
     double p_sign;            /* two-sided exact sign test on these counts */
 };
 
@@ -35,6 +35,26 @@ enum neph_status neph_study_pair(const struct neph_flicker_study *study, int met
                                  int first, int second, struct neph_study_pair *pair,
                                  struct neph_diag *diag);
 
+/* A preset relative to its floor in a scene. */
+struct neph_study_scene_gap {
+    double preset, floor; /* decades, means over seeds; NaN unless the preset and both candidates of
+                             the floor have a value that counts */
+    int lower;            /* the configuration with the lower value, which is the floor; -1: none */
+};
+struct neph_study_scene_gap neph_study_scene_gap(const struct neph_flicker_study *study, int metric,
+                                                 int display, int preset, int scene);
+
+/* A preset relative to its floors, scene by scene. */
+struct neph_study_gap {
+    struct neph_study_pair pair; /* over the scenes with a gap */
+    double preset, floor;        /* decades, means over the same scenes; NaN without a scene */
+};
+
+/* Compares a preset with its floor over all scenes; a study without floors has no gap in any scene.
+ * Errors: NEPH_ERR_MEMORY. */
+enum neph_status neph_study_gap(const struct neph_flicker_study *study, int metric, int display,
+                                int preset, struct neph_study_gap *gap, struct neph_diag *diag);
+
 /* 1: the interval lies above 0, the first preset is worse; -1: it is better; 0: undecided. */
 int neph_study_pair_verdict(const struct neph_study_pair *pair);
 
@@ -50,6 +70,11 @@ struct neph_study_level {
 /* Computes the levels of all presets. Errors: NEPH_ERR_MEMORY. */
 enum neph_status neph_study_levels(const struct neph_flicker_study *study, int metric, int display,
                                    struct neph_study_level *levels, struct neph_diag *diag);
+
+/* Computes the levels of the floors of all presets, in the same scenes. */
+enum neph_status neph_study_floor_levels(const struct neph_flicker_study *study, int metric,
+                                         int display, struct neph_study_level *levels,
+                                         struct neph_diag *diag);
 
 /* Writes the indices of all presets to `order`, best first by the headline metric for a display;
  * presets without a level come last. Errors: NEPH_ERR_MEMORY. */

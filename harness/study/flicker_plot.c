@@ -4,6 +4,7 @@
  */
 #include "harness/study/flicker_plot.h"
 
+#include "harness/study/flicker_floor.h"
 #include "harness/study/flicker_pairs.h"
 #include "harness/study/svg.h"
 
@@ -23,6 +24,15 @@ static double at_px(const struct axis *axis, double decades)
     const double part = (decades - axis->low) / (axis->high - axis->low);
     return axis->start_px + part * (axis->end_px - axis->start_px);
 }
+
+enum { POINTS_MAX = 2 * NEPH_STUDY_PRESETS_MAX };
+
+/* The points of the chart: presets, then their floors, those of several presets once. */
+struct points {
+    struct neph_study_level lag[POINTS_MAX], flicker[POINTS_MAX];
+    const char *names[POINTS_MAX];
+    int preset_count, count;
+};
 
 static bool is_drawn(const struct neph_study_level *x, const struct neph_study_level *y)
 {
@@ -103,31 +113,44 @@ static struct label place_label(double x_px, double y_px, const char *name,
     return places[last];
 }
 
-static struct label draw_point(const struct axis *x, const struct axis *y,
-                               const struct neph_study_level *lag,
-                               const struct neph_study_level *flicker, const char *name,
-                               const struct label *labels, int label_count, FILE *out)
+/* A disc for a preset, a diamond for a floor. */
+static void draw_mark(double x_px, double y_px, bool is_floor, FILE *out)
 {
+    if (is_floor)
+        fprintf(out,
+                "<path d=\"M%.1f %.1f l6 6 l6 -6 l-6 -6 Z\" fill=\"#fff\" stroke=\"#a30\" "
+                "stroke-width=\"2\"/>",
+                x_px - 6.0, y_px);
+    else
+        fprintf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"5\" fill=\"#336\"/>", x_px, y_px);
+}
+
+static struct label draw_point(const struct axis *x, const struct axis *y,
+                               const struct points *points, int index, const struct label *labels,
+                               int label_count, FILE *out)
+{
+    const struct neph_study_level *lag = &points->lag[index], *flicker = &points->flicker[index];
+    const bool is_floor = index >= points->preset_count;
+    const char *name = points->names[index], *colour = is_floor ? "#a30" : "#336";
     const double x_px = at_px(x, lag->mean), y_px = at_px(y, flicker->mean);
     if (lag->has_interval)
-        fprintf(out, "<path d=\"M%.1f %.1f H%.1f\" stroke=\"#336\"/>", at_px(x, lag->low), y_px,
-                at_px(x, lag->high));
+        fprintf(out, "<path d=\"M%.1f %.1f H%.1f\" stroke=\"%s\"/>", at_px(x, lag->low), y_px,
+                at_px(x, lag->high), colour);
     if (flicker->has_interval)
-        fprintf(out, "<path d=\"M%.1f %.1f V%.1f\" stroke=\"#336\"/>", x_px, at_px(y, flicker->low),
-                at_px(y, flicker->high));
+        fprintf(out, "<path d=\"M%.1f %.1f V%.1f\" stroke=\"%s\"/>", x_px, at_px(y, flicker->low),
+                at_px(y, flicker->high), colour);
     const struct label label = place_label(x_px, y_px, name, labels, label_count);
-    fprintf(out,
-            "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"5\" fill=\"#336\"/><text x=\"%.1f\" y=\"%.1f\">",
-            x_px, y_px, label.x_px, label.y_px);
+    draw_mark(x_px, y_px, is_floor, out);
+    fprintf(out, "<text x=\"%.1f\" y=\"%.1f\">", label.x_px, label.y_px);
     neph_svg_print_escaped(name, out);
     fprintf(out, "</text>\n");
     return label;
 }
 
-static void draw(const struct neph_flicker_study *study, const struct neph_study_level *lag,
-                 const struct neph_study_level *flicker, FILE *out)
+static void draw(const struct points *points, FILE *out)
 {
-    const int count = study->params->preset_count;
+    const struct neph_study_level *lag = points->lag, *flicker = points->flicker;
+    const int count = points->count;
     const struct axis x = fit(lag, flicker, count, LEFT, WIDTH - RIGHT);
     const struct axis y = fit(flicker, lag, count, HEIGHT - BOTTOM, TOP);
     if (x.high < x.low) { /* no point to draw */
@@ -137,7 +160,7 @@ static void draw(const struct neph_flicker_study *study, const struct neph_study
     }
     draw_ticks(&x, true, out);
     draw_ticks(&y, false, out);
-    struct label labels[2 * NEPH_STUDY_PRESETS_MAX]; /* points first, so that no name covers one */
+    struct label labels[2 * POINTS_MAX]; /* points first, so that no name covers one */
     int label_count = 0;
     for (int i = 0; i < count; i++)
         if (is_drawn(&lag[i], &flicker[i]))
@@ -145,28 +168,61 @@ static void draw(const struct neph_flicker_study *study, const struct neph_study
                                                    at_px(&y, flicker[i].mean) + 5.0, 12.0};
     for (int i = 0; i < count; i++)
         if (is_drawn(&lag[i], &flicker[i])) {
-            labels[label_count] = draw_point(&x, &y, &lag[i], &flicker[i],
-                                             study->params->presets[i], labels, label_count, out);
+            labels[label_count] = draw_point(&x, &y, points, i, labels, label_count, out);
             label_count++;
         }
+}
+
+/* Fills in the points; names of floors are in `arena`. */
+static enum neph_status make_points(const struct neph_flicker_study *study,
+                                    struct neph_arena *arena, struct points *points,
+                                    struct neph_diag *diag)
+{
+    const int flicker = neph_study_find_headline(), lag = neph_study_find_lag(),
+              preset_count = study->params->preset_count;
+    struct neph_study_level floor_lag[NEPH_STUDY_PRESETS_MAX],
+        floor_flicker[NEPH_STUDY_PRESETS_MAX];
+    points->preset_count = points->count = preset_count;
+    enum neph_status status = neph_study_levels(study, lag, 0, points->lag, diag);
+    if (!status)
+        status = neph_study_levels(study, flicker, 0, points->flicker, diag);
+    if (!status)
+        status = neph_study_floor_levels(study, lag, 0, floor_lag, diag);
+    if (!status)
+        status = neph_study_floor_levels(study, flicker, 0, floor_flicker, diag);
+    for (int preset = 0; preset < preset_count && !status; preset++) {
+        points->names[preset] = study->params->presets[preset];
+        if (!study->params->floors || neph_flicker_floor_first(study, preset) != preset)
+            continue;
+        points->lag[points->count] = floor_lag[preset];
+        points->flicker[points->count] = floor_flicker[preset];
+        points->names[points->count++] = neph_flicker_floor_title(study, preset, arena);
+    }
+    return status ? status : neph_arena_check(arena, diag);
 }
 
 enum neph_status neph_flicker_study_plot(const struct neph_flicker_study *study, FILE *out,
                                          struct neph_diag *diag)
 {
-    struct neph_study_level lag[NEPH_STUDY_PRESETS_MAX], flicker[NEPH_STUDY_PRESETS_MAX];
-    enum neph_status status = neph_study_levels(study, neph_study_find_lag(), 0, lag, diag);
-    if (!status)
-        status = neph_study_levels(study, neph_study_find_headline(), 0, flicker, diag);
-    if (status)
+    struct points points;
+    struct neph_arena arena = {.last = NULL};
+    const enum neph_status status = make_points(study, &arena, &points, diag);
+    if (status) {
+        neph_arena_finish(&arena);
         return status;
+    }
     fprintf(out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" font-family="
             "\"sans-serif\" font-size=\"13\">\n<rect width=\"100%%\" height=\"100%%\" "
             "fill=\"#fff\"/>\n<text x=\"%d\" y=\"28\" font-size=\"16\">Flicker against lag: the "
             "lower left is best</text>\n",
             WIDTH, HEIGHT, LEFT);
-    draw(study, lag, flicker, out);
+    draw(&points, out);
+    if (study->params->floors)
+        fprintf(out,
+                "<text x=\"%d\" y=\"%d\" font-size=\"11\">Diamonds: floors, every pixel marched in "
+                "every frame, with the lower number of two kinds of anti-aliasing.</text>\n",
+                LEFT, HEIGHT - 8);
     fprintf(
         out,
         "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">%s</text>\n"
@@ -178,6 +234,8 @@ enum neph_status neph_flicker_study_plot(const struct neph_flicker_study *study,
         (LEFT + WIDTH - RIGHT) / 2, HEIGHT - BOTTOM + 42,
         neph_study_metrics[neph_study_find_lag()].title, (TOP + HEIGHT - BOTTOM) / 2,
         neph_study_metrics[neph_study_find_headline()].title, LEFT, HEIGHT - 40,
-        flicker[0].scene_count, lag[0].scene_count, LEFT, HEIGHT - 24, study->params->steps);
+        points.flicker[0].scene_count, points.lag[0].scene_count, LEFT, HEIGHT - 24,
+        study->params->steps);
+    neph_arena_finish(&arena);
     return NEPH_OK;
 }

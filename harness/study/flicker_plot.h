@@ -10,8 +10,8 @@
 
 #include <stdio.h>
 
-/* Writes flicker against lag as an SVG, with a point and intervals for each preset. Errors:
- * NEPH_ERR_MEMORY. */
+/* Writes flicker against lag as an SVG, with a point and intervals for each preset and floor.
+ * Errors: NEPH_ERR_MEMORY. */
 enum neph_status neph_flicker_study_plot(const struct neph_flicker_study *study, FILE *out,
                                          struct neph_diag *diag);
 

@@ -46,10 +46,16 @@ struct work {
     struct neph_reference reference; /* of the current sequence */
 };
 
+/* Presets and floors. */
+static int count_configurations(const struct neph_flicker_study_params *params)
+{
+    return params->preset_count + params->floor_count;
+}
+
 static int compute_row_index(const struct neph_flicker_study_params *params, int scene, int preset,
                              int seed)
 {
-    return (scene * params->preset_count + preset) * params->seed_count + seed;
+    return (scene * count_configurations(params) + preset) * params->seed_count + seed;
 }
 
 struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *study, int scene,
@@ -359,7 +365,32 @@ static enum neph_status try_capture(struct work *work, const struct neph_scene *
 
 /* ---- one scene ------------------------------------------------------------------------------- */
 
-/* Renders a sequence of a scene with all presets and seeds, or only counts it for the progress. */
+/* Whether a preset or floor can render the scene; `why` is the reason if not. */
+static bool can_render(const struct work *work, const struct neph_scene *scene, int preset,
+                       char *why, size_t size)
+{
+    struct neph_job job;
+    return make_job(work, scene, work->params->presets[preset], 1, &job, NULL) != NEPH_OK ||
+           job.engine->can_render(scene, &job.shot.settings, why, size);
+}
+
+/* Measures one sequence, if there is no obstacle and, for a floor, if it can render the scene. */
+static enum neph_status visit_capture(struct work *work, const struct neph_scene *scene,
+                                      const struct study_cell_id *study_cell_id,
+                                      const char *obstacle, struct neph_diag *diag)
+{
+    char why[512] = "";
+    const bool is_floor = study_cell_id->preset >= work->params->preset_count;
+    if (!obstacle && is_floor && !can_render(work, scene, study_cell_id->preset, why, sizeof(why)))
+        obstacle = why;
+    if (!obstacle)
+        return try_capture(work, scene, study_cell_id, diag);
+    mark_cells(work, study_cell_id, obstacle);
+    return NEPH_OK;
+}
+
+/* Renders a sequence of a scene with all presets, floors and seeds, or only counts it for the
+ * progress. */
 static enum neph_status walk_capture(struct work *work, const struct neph_scene *scene, int index,
                                      enum neph_study_capture_id id, bool is_counted,
                                      struct neph_diag *diag)
@@ -369,7 +400,7 @@ static enum neph_status walk_capture(struct work *work, const struct neph_scene 
     const struct neph_variant change = {take->variant, NEPH_STUDY_EVENT_FRAME, take->frame_count};
     const char *obstacle = is_scene ? NULL : neph_variant_obstacle(scene, take->variant);
     const int seed_count = work->params->seed_count,
-              count = work->params->preset_count * seed_count;
+              count = count_configurations(work->params) * seed_count;
     struct neph_scene *variant = NULL;
     enum neph_status status = NEPH_OK;
     if (!is_scene && !obstacle)
@@ -384,24 +415,19 @@ static enum neph_status walk_capture(struct work *work, const struct neph_scene 
     }
     for (int i = 0; i < count && !is_counted && !status; i++) {
         const struct study_cell_id study_cell_id = {index, id, i / seed_count, i % seed_count};
-        if (obstacle)
-            mark_cells(work, &study_cell_id, obstacle);
-        else
-            status = try_capture(work, shown, &study_cell_id, diag);
+        status = visit_capture(work, shown, &study_cell_id, obstacle, diag);
     }
     neph_scene_destroy(variant);
     return status;
 }
 
 /* Whether every preset can render the scene; `why` is the reason if not. */
-static bool can_render(struct work *work, const struct neph_scene *scene, char *why, size_t size)
+static bool can_all_render(const struct work *work, const struct neph_scene *scene, char *why,
+                           size_t size)
 {
-    for (int preset = 0; preset < work->params->preset_count; preset++) {
-        struct neph_job job;
-        if (make_job(work, scene, work->params->presets[preset], 1, &job, NULL) == NEPH_OK &&
-            !job.engine->can_render(scene, &job.shot.settings, why, size))
+    for (int preset = 0; preset < work->params->preset_count; preset++)
+        if (!can_render(work, scene, preset, why, size))
             return false;
-    }
     return true;
 }
 
@@ -427,7 +453,7 @@ static enum neph_status walk_scene(struct work *work, int index, bool is_counted
     enum neph_status status = neph_data_load_scene(work->params->scenes[index], &scene, diag);
     if (!status && is_counted)
         describe(work, scene, row);
-    const bool can = !status && can_render(work, scene, why, sizeof(why));
+    const bool can = !status && can_all_render(work, scene, why, sizeof(why));
     if (!status && !can)
         row->left_out = neph_arena_copy_text(&work->study->arena, why);
     for (int id = 0; id < NEPH_STUDY_CAPTURES && can && !status; id++)
@@ -457,7 +483,7 @@ static enum neph_status describe_presets(struct work *work, struct neph_diag *di
 {
     struct neph_flicker_study *study = work->study;
     enum neph_status status = NEPH_OK;
-    for (int preset = 0; preset < work->params->preset_count && !status; preset++) {
+    for (int preset = 0; preset < count_configurations(work->params) && !status; preset++) {
         struct neph_job job;
         status = make_job(work, NULL, work->params->presets[preset], 1, &job, diag);
         char *text = status ? NULL : neph_settings_text(job.engine, &job.shot.settings);

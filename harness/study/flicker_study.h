@@ -11,13 +11,26 @@
 #include "harness/run/job.h"
 #include "harness/study/flicker_metrics.h"
 
-enum { NEPH_STUDY_PRESETS_MAX = 128, NEPH_STUDY_SEEDS_MAX = 64 };
+enum {
+    NEPH_STUDY_PRESETS_MAX = 128,
+    NEPH_STUDY_CONFIGURATIONS_MAX = 3 * NEPH_STUDY_PRESETS_MAX, /* with two floors of each preset */
+    NEPH_STUDY_SEEDS_MAX = 64,
+};
+
+/* The floor of a preset: two configurations that march every pixel in every frame, with the
+ * anti-aliasing of the preset and with the default one (floor_plan.h). The lower value counts. */
+enum { NEPH_STUDY_FLOOR_CANDIDATES = 2 };
+struct neph_study_floor {
+    int candidates[NEPH_STUDY_FLOOR_CANDIDATES]; /* indices into the configurations of the study */
+};
 
 struct neph_flicker_study_params {
-    const char *const *presets; /* "NAME" or "NAME+KEY=VALUE+..." */
+    const char *const *presets; /* "NAME" or "NAME+KEY=VALUE+...", then `floor_count` floors */
     const char *const *labels;  /* names in the progress; NULL: the presets */
     int preset_count;           /* 1 .. NEPH_STUDY_PRESETS_MAX */
-    const char *const *scenes;  /* names or paths */
+    int floor_count; /* further configurations, which take no part in pairs and rankings */
+    const struct neph_study_floor *floors; /* of each preset; NULL: the study has no floors */
+    const char *const *scenes;             /* names or paths */
     int scene_count;
     int seed_count;
     int seeds_before; /* the first seed is seeds_before + 1 */
@@ -68,16 +81,17 @@ struct neph_flicker_study {
     const struct neph_flicker_study_params *params; /* borrowed */
     struct neph_arena arena;                        /* owns everything that the study points to */
     char device[128];
-    const char *settings[NEPH_STUDY_PRESETS_MAX]; /* of each preset */
+    const char *settings[NEPH_STUDY_CONFIGURATIONS_MAX]; /* of each preset and floor */
     struct neph_study_scene *scenes;
     struct neph_study_cell *cells; /* see neph_study_cell_at() */
     struct neph_study_cost *costs; /* see neph_study_cost_at() */
     int failed_count;              /* failed sequences */
 };
 
-/* Runs the study. A scene that a preset cannot render is left out. A failed sequence is counted,
- * and its cells have the reason. NEPH_ERR_INTERRUPTED: finished sequences stay in the store. Call
- * neph_flicker_study_finish() in any case. */
+/* Runs the study. A scene that a preset cannot render is left out; of a floor that cannot render a
+ * scene, the cells have the reason. A failed sequence is counted, and its cells have the reason.
+ * NEPH_ERR_INTERRUPTED: finished sequences stay in the store. Call neph_flicker_study_finish() in
+ * any case. */
 enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *params,
                                         struct neph_store *store, struct neph_flicker_study *study,
                                         struct neph_diag *diag);
@@ -87,7 +101,7 @@ enum neph_status neph_flicker_study_begin(const struct neph_flicker_study_params
                                           struct neph_flicker_study *study, struct neph_diag *diag);
 void neph_flicker_study_finish(struct neph_flicker_study *study);
 
-/* The cell of a metric, and the cost, of a preset in a scene with a seed. */
+/* The cell of a metric, and the cost, of a preset or floor in a scene with a seed. */
 struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *study, int scene,
                                            int preset, int seed, int metric);
 struct neph_study_cost *neph_study_cost_at(const struct neph_flicker_study *study, int scene,

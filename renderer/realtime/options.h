@@ -13,6 +13,9 @@
 /* By the names RT_*; ends with a NULL name. The defaults are the preset `fixed`. */
 extern const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1];
 
+/* The group of each option, a heading of docs/settings.md: "march", "anti aliasing", ... */
+extern const char *const neph_rt_option_groups[RT_SETTING_COUNT];
+
 /* Values of these options, grouped by pass. */
 struct neph_rt_settings neph_rt_group_settings(const struct neph_settings *settings);
 

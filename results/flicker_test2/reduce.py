@@ -32,6 +32,8 @@ def main():
     values, scenes, presets = {}, {}, {}
     with (folder / "flicker.csv").open(newline="") as file:
         for row in csv.DictReader(file):
+            if row.get("is_floor") == "1":
+                continue
             if row["mask"] == "all" and row["value"] and row["metric"] in METRICS.values():
                 key = row["metric"], row["scene"], row["preset"]
                 values.setdefault(key, []).append(float(row["value"]))

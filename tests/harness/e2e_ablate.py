@@ -71,7 +71,7 @@ class Ablate(StudyCase):
         verdict, _ = self.ablate(*arguments)  # -q
         self.assertEqual(verdict, "ours: keep: split (2 scenes, 1 seed, 95 % intervals)\n")
         study = self.json("study", "flicker", self.scenes[0], "--preset", "ours,ours+split=none",
-                          "--takes", "flicker", *SIZE)
+                          "--takes", "flicker", "--no-floor", *SIZE)
         for measure, metric, mask in (("error", "rel_rmse", "all"),
                                       ("edge_flicker", "seen_contrast", "depth_edge")):
             pair = next(p for p in study["pairs"]

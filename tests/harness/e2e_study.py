@@ -43,9 +43,9 @@ class Study(StudyCase):
             self.put(f"{name}.yaml", text)
             for name, text in (("rest", REST), ("moves", MOVES), ("multiple", MULTIPLE)))
 
-    def command(self, *arguments, frames=16):
+    def command(self, *arguments, frames=16, floors=False):
         return ("study", "flicker", *arguments, "--size", "32x18", "--steps", "3", "--frames",
-                frames, "--seeds", 1, "-q")
+                frames, "--seeds", 1, "-q", *(() if floors else ("--no-floor",)))
 
     def study(self, *arguments, **options):
         return self.json(*self.command(*arguments, **options))
@@ -117,7 +117,8 @@ class Study(StudyCase):
         self.assertIn("taa=off", again["presets"][1]["settings"])
         self.assertEqual(len(again["results"]), len(rows))
         self.assertEqual(self.stamps(store), entries)
-        by_one, by_two = (self.study(*arguments[:-1], "flicker", "-o", folder, "--jobs", jobs)
+        by_one, by_two = (self.study(*arguments[:-1], "flicker", "-o", folder, "--jobs", jobs,
+                                     floors=True)
                            for folder, jobs in (("out/study", 1), ("two", 2)))
         self.assertEqual(without_times(by_two), without_times(by_one))
 

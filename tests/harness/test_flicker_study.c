@@ -43,7 +43,7 @@ static void test_metrics_are_of_the_extractors_of_their_takes(void **state)
                 assert_true(is_listed(neph_study_eye_extractors, owner->name));
         }
         assert_true(!metric->of_the_eye || metric->take == NEPH_STUDY_FLICKER);
-        assert_true(metric->floor > 0.0 && metric->scale > 0.0);
+        assert_true(metric->least > 0.0 && metric->scale > 0.0);
     }
     assert_true(neph_study_metrics[neph_study_find_headline()].of_the_eye);
     assert_int_equal(neph_study_metrics[neph_study_find_lag()].take, NEPH_STUDY_STEP);
@@ -251,18 +251,18 @@ static void test_a_pair_is_students_interval_over_scenes(void **state)
     neph_flicker_study_finish(&study);
 }
 
-/* Two values below the floor are equal; a seed that does not count removes its scene. */
+/* Two values below the least one are equal; a seed that does not count removes its scene. */
 static void test_skipped_configurations(void **state)
 {
     struct neph_flicker_study study;
     struct neph_study_pair pair;
     make_study(&study);
     const int metric = neph_study_find_headline();
-    const double floor = neph_study_metrics[metric].floor;
+    const double least = neph_study_metrics[metric].least;
     set(&study, 0, 0, 0, metric, 0.0);
-    set(&study, 0, 0, 1, metric, 0.9 * floor);
-    set(&study, 0, 1, 0, metric, 0.1 * floor);
-    set(&study, 0, 1, 1, metric, floor);
+    set(&study, 0, 0, 1, metric, 0.9 * least);
+    set(&study, 0, 1, 0, metric, 0.1 * least);
+    set(&study, 0, 1, 1, metric, least);
     neph_study_cell_at(&study, 1, 1, 1, metric)->counts = false;
     set(&study, 2, 0, 1, metric, 0.5);
     set(&study, 3, 1, 0, metric, NAN);
@@ -273,8 +273,8 @@ static void test_skipped_configurations(void **state)
     neph_flicker_study_finish(&study);
 }
 
-/* A bound is the floor of both presets: smaller values are equal to it, larger ones are worse by at
- * least the difference. */
+/* A bound is the least value of both presets: smaller values are equal to it, larger ones are worse
+ * by at least the difference. */
 static void test_a_bound_keeps_its_scene(void **state)
 {
     struct neph_flicker_study study;
