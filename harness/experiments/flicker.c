@@ -10,6 +10,8 @@
 #include "harness/study/suites.h"
 #include "renderer/realtime/options.h"
 
+#include <math.h>
+
 struct request {
     struct neph_flicker_request flicker;
     struct neph_cli_list presets;
@@ -26,6 +28,9 @@ static const struct neph_cli_option options[] = {
      "tuning: the scenes of the choice of presets; test, test2: other scenes; air: near fog, "
      "lamps, shafts, cirrus and shadows of clouds (default, without a SCENE: test)",
      NEPH_CLI_WORD, AT(flicker.suite)},
+    {"open-shut-suite", 0, NULL,
+     "Measure a suite that is shut until the settings are chosen by another one", NEPH_CLI_FLAG,
+     AT(flicker.opens_shut_suite)},
     {"seed", 0, NULL, "The first seed of the dithers", NEPH_CLI_INTEGER, AT(flicker.first_seed),
      "1", 1, 1000000},
     {"seeds", 0, NULL, "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
@@ -34,6 +39,10 @@ static const struct neph_cli_option options[] = {
      "Frames that flicker is measured in, a multiple of 4; a scene that moves has as many as it "
      "has",
      NEPH_CLI_INTEGER, AT(flicker.frame_count), "256", 16, 4096},
+    {"fps", 0, NULL,
+     "Frame rate of all scenes and displays at the same motion per second; --frames are at 30 Hz, "
+     "twice as many at 60 (default: each scene's own, and displays of 24, 30 and 60 Hz)",
+     NEPH_CLI_REAL, AT(flicker.frame_rate_hz), .minimum = 15, .maximum = 240},
     {.name = "size", .otherwise = "192x108"},
     {"steps", 0, NULL, "Steps of every ray, of the reference's too", NEPH_CLI_INTEGER,
      AT(flicker.steps), "32", 1, 65536},
@@ -60,12 +69,23 @@ static const struct neph_cli_option options[] = {
 
 static const struct neph_cli_operands operands = {.shown = "[SCENE...]"};
 
+/* As long in seconds at any rate, in whole cycles of four frames. */
+static int count_frames(const struct neph_flicker_request *request)
+{
+    return request->frame_rate_hz > 0.0
+               ? (int)(request->frame_count * request->frame_rate_hz / 30.0) / 4 * 4
+               : request->frame_count;
+}
+
 static void check(const void *request_, const struct argp_state *state)
 {
     const struct neph_flicker_request *request = request_;
     neph_flicker_check_scenes(request, state);
     if (request->frame_count % 4 != 0)
         argp_error(state, "%d frames are no multiple of 4", request->frame_count);
+    if (count_frames(request) < 16)
+        argp_error(state, "%d frames at 30 Hz are less than 16 at %g Hz", request->frame_count,
+                   request->frame_rate_hz);
 }
 
 static const struct neph_cli_syntax syntax = {
@@ -87,7 +107,8 @@ static const struct neph_cli_syntax syntax = {
            "Examples:\n"
            "  neph study flicker --suite test --markdown study.md\n"
            "  neph study flicker fence_pitch4 foliage --preset fixed,ours --seeds 1 --frames 64\n"
-           "  neph study flicker --preset ours,ours+taa_jitter_length=8 --takes flicker",
+           "  neph study flicker --preset ours,ours+taa_jitter_length=8 --takes flicker\n"
+           "  neph study flicker --suite motion --fps 60",
 };
 
 /* ---- requests of flicker studies ------------------------------------------------------------- */
@@ -121,8 +142,8 @@ enum neph_status neph_flicker_prepare(struct neph_flicker_request *request, int 
     enum neph_status status = check_takes(&request->takes, take_count, diag);
     if (!status && shared->operand_count == 0)
         status = neph_flicker_suite_find(request->suite ? request->suite : otherwise,
-                                         &request->arena, &shared->operands, &shared->operand_count,
-                                         diag);
+                                         request->opens_shut_suite, &request->arena,
+                                         &shared->operands, &shared->operand_count, diag);
     return status ? status : neph_data_check_scenes(shared->operands, shared->operand_count, diag);
 }
 
@@ -138,7 +159,8 @@ struct neph_flicker_study_params neph_flicker_params(const struct neph_flicker_r
         .scene_count = shared->operand_count,
         .seed_count = request->seed_count,
         .seeds_before = request->first_seed - 1,
-        .frame_count = request->frame_count,
+        .frame_rate_hz = fmax(request->frame_rate_hz, 0.0),
+        .frame_count = count_frames(request),
         .steps = request->steps,
         .width_px = shared->size.width_px,
         .height_px = shared->size.height_px,

@@ -14,7 +14,10 @@ struct neph_flicker_request {
     struct neph_cli_shared shared; /* operands: the scenes; after preparation the suite's */
     struct neph_cli_list takes;
     const char *suite;
-    int first_seed, seed_count, frame_count, steps;
+    bool opens_shut_suite;
+    int first_seed, seed_count, steps;
+    int frame_count;         /* at 30 Hz where all scenes get one rate */
+    double frame_rate_hz;    /* 0 or NaN: each scene has its own */
     struct neph_arena arena; /* for the suite's scenes */
     bool is_part;            /* a job of --jobs: one scene and */
     int part_preset;         /* one preset */

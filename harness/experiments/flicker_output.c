@@ -14,6 +14,16 @@
 #include <stdio.h>
 #include <string.h>
 
+static int count_displays(const struct neph_flicker_study *study)
+{
+    return neph_study_display_count(study->params->frame_rate_hz);
+}
+
+static struct neph_study_display find_display(const struct neph_flicker_study *study, int index)
+{
+    return neph_study_display_at(study->params->frame_rate_hz, index);
+}
+
 /* ---- text: head ------------------------------------------------------------------------------ */
 
 /* The longest period P that `frame_count` frames distinguish from P - 1: the two frequencies differ
@@ -29,14 +39,14 @@ static int longest_period(int frame_count)
 static void print_head(const struct neph_flicker_study *study, FILE *out)
 {
     const struct neph_flicker_study_params *params = study->params;
-    const struct neph_study_display *display = &neph_study_displays[0];
+    const struct neph_study_display display = find_display(study, 0);
     fprintf(out,
             "neph %s, %s: %dx%d, %d steps, %d frame%s, %d seed%s a scene.\n"
             "Display: %g Hz, %g pixels a degree, white at 100 cd/m2.\n"
             "%d frames resolve periods of 2 to %d frames; longer periods are not separated.\n",
             NEPH_VERSION, study->device, params->width_px, params->height_px, params->steps,
             params->frame_count, params->frame_count == 1 ? "" : "s", params->seed_count,
-            params->seed_count == 1 ? "" : "s", display->frame_rate_hz, display->pixels_per_degree,
+            params->seed_count == 1 ? "" : "s", display.frame_rate_hz, display.pixels_per_degree,
             params->frame_count, longest_period(params->frame_count));
 }
 
@@ -239,32 +249,33 @@ static const char *verdict_text(const struct neph_flicker_study *study, int metr
                                 int second, int verdict, struct neph_table *table)
 {
     static const char *const words[] = {"better", "undecided", "worse"};
+    const int display_count = count_displays(study);
     int agreeing = 0;
     if (!neph_study_metrics[metric].of_the_eye)
         return words[verdict + 1];
-    for (int display = 0; display < NEPH_STUDY_DISPLAYS; display++) {
+    for (int display = 0; display < display_count; display++) {
         const struct neph_study_pair pair = compare_presets(study, metric, display, first, second,
                                                             table);
         agreeing += neph_study_pair_verdict(&pair) == verdict;
     }
-    return agreeing == NEPH_STUDY_DISPLAYS
+    return agreeing == display_count
                ? neph_arena_format(&table->arena, "%s, at all %d displays", words[verdict + 1],
                                    agreeing)
                : neph_arena_format(&table->arena, "%s, at %d of %d displays", words[verdict + 1],
-                                   agreeing, NEPH_STUDY_DISPLAYS);
+                                   agreeing, display_count);
 }
 
 static void add_pair(const struct neph_flicker_study *study, int metric, int display, int first,
                      int second, struct neph_table *table)
 {
     const struct neph_study_metric *of = &neph_study_metrics[metric];
-    const struct neph_study_display *at = &neph_study_displays[display];
+    const struct neph_study_display at = find_display(study, display);
     const struct neph_study_pair pair = compare_presets(study, metric, display, first, second,
                                                         table);
     const int verdict = neph_study_pair_verdict(&pair);
     neph_table_word(table, of->metric);
     neph_table_word(table, of->mask);
-    neph_table_numbers(table, 2, (const double[]){at->frame_rate_hz, at->pixels_per_degree});
+    neph_table_numbers(table, 2, (const double[]){at.frame_rate_hz, at.pixels_per_degree});
     neph_table_word(table, study->params->presets[first]);
     neph_table_word(table, study->params->presets[second]);
     neph_table_count(table, pair.scene_count);
@@ -319,34 +330,35 @@ static void print_ranking(const struct neph_flicker_study *study,
 {
     FILE *out = publication->text;
     int first[NEPH_STUDY_PRESETS_MAX] = {0};
+    const int display_count = count_displays(study);
     int agreeing = 0;
     fprintf(out,
             "\n**Ranking by: %s**\n\nBest first, by the mean over scenes in which all presets "
             "have a number that counts.\n\n",
             neph_study_metrics[neph_study_find_headline()].title);
-    for (int display = 0; display < NEPH_STUDY_DISPLAYS; display++) {
+    for (int display = 0; display < display_count; display++) {
+        const struct neph_study_display at = find_display(study, display);
         int order[NEPH_STUDY_PRESETS_MAX] = {0};
         publication->arena.is_short |= neph_study_ranking(study, display, order, NULL) != NEPH_OK;
         if (display == 0)
             memcpy(first, order, sizeof(first));
         const bool is_same = memcmp(order, first, sizeof(first)) == 0;
-        fprintf(out, "- %g Hz, %g pixels a degree:", neph_study_displays[display].frame_rate_hz,
-                neph_study_displays[display].pixels_per_degree);
+        fprintf(out, "- %g Hz, %g pixels a degree:", at.frame_rate_hz, at.pixels_per_degree);
         for (int i = 0; i < study->params->preset_count; i++)
             fprintf(out, "%s %s", i ? "," : "", study->params->presets[order[i]]);
         agreeing += is_same;
         fprintf(out, "%s\n", is_same ? "" : " (another order)");
     }
-    if (agreeing == NEPH_STUDY_DISPLAYS)
+    if (agreeing == display_count)
         fprintf(out,
                 "\n"
                 "The order is the same at all %d displays.\n",
-                NEPH_STUDY_DISPLAYS);
+                display_count);
     else
         fprintf(out,
                 "\n"
                 "The order is the same at %d of %d displays: it is not a ranking.\n",
-                agreeing, NEPH_STUDY_DISPLAYS);
+                agreeing, display_count);
 }
 
 static void print_text(const struct neph_flicker_study *study, struct neph_publication *publication)
@@ -376,7 +388,7 @@ static void print_text(const struct neph_flicker_study *study, struct neph_publi
 
 /* ---- all numbers ----------------------------------------------------------------------------- */
 
-static void begin_results(struct neph_table *table)
+static void begin_results(const struct neph_flicker_study *study, struct neph_table *table)
 {
     static const struct neph_column columns[] = {
         {.key = "scene"},
@@ -392,10 +404,10 @@ static void begin_results(struct neph_table *table)
         {.key = "at_displays", .forms = NEPH_TABLE_JSON},
     };
     neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
-    for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++) {
+    for (int d = 0; d < count_displays(study); d++) {
+        const struct neph_study_display at = find_display(study, d);
         char key[64];
-        snprintf(key, sizeof(key), "at_%g_hz_%g_ppd", neph_study_displays[d].frame_rate_hz,
-                 neph_study_displays[d].pixels_per_degree);
+        snprintf(key, sizeof(key), "at_%g_hz_%g_ppd", at.frame_rate_hz, at.pixels_per_degree);
         neph_table_column(table, (struct neph_column){.key = key, .forms = NEPH_TABLE_CSV});
     }
     neph_flicker_floor_columns(table);
@@ -406,7 +418,7 @@ static void add_result(const struct neph_flicker_study *study, int scene, int pr
 {
     const struct neph_study_cell *cell = neph_study_cell_at(study, scene, preset, seed, metric);
     json_t *displays = json_array();
-    for (int d = 0; d < NEPH_STUDY_DISPLAYS && neph_study_metrics[metric].of_the_eye; d++)
+    for (int d = 0; d < count_displays(study) && neph_study_metrics[metric].of_the_eye; d++)
         neph_json_add(&displays, neph_json_number(cell->displays[d]));
     neph_table_word(table, study->scenes[scene].name);
     neph_table_word(table, study->params->presets[preset]);
@@ -418,14 +430,14 @@ static void add_result(const struct neph_flicker_study *study, int scene, int pr
     neph_table_flag(table, cell->counts);
     neph_table_word(table, cell->because);
     neph_table_value(table, displays);
-    neph_table_numbers(table, NEPH_STUDY_DISPLAYS, cell->displays);
+    neph_table_numbers(table, count_displays(study), cell->displays);
     neph_flicker_floor_cells(study, metric, scene, preset, seed, table);
 }
 
 static void fill_results(const struct neph_flicker_study *study, struct neph_table *table)
 {
     const struct neph_flicker_study_params *params = study->params;
-    begin_results(table);
+    begin_results(study, table);
     for (int scene = 0; scene < params->scene_count; scene++)
         for (int preset = 0; preset < params->preset_count + params->floor_count; preset++)
             for (int seed = 0; seed < params->seed_count; seed++)
@@ -464,7 +476,7 @@ static json_t *pairs_json(const struct neph_flicker_study *study)
     for (int metric = 0; neph_study_metrics[metric].title; metric++)
         if (is_metric_selected(study, metric))
             add_pairs(study, metric,
-                      neph_study_metrics[metric].of_the_eye ? NEPH_STUDY_DISPLAYS : 1, &table);
+                      neph_study_metrics[metric].of_the_eye ? count_displays(study) : 1, &table);
     json_t *list = neph_table_json(&table);
     neph_table_finish(&table);
     return list;
@@ -477,7 +489,7 @@ static json_t *ratios_json(const struct neph_flicker_study *study)
     for (int metric = 0; neph_study_metrics[metric].title && study->params->floors; metric++)
         if (is_metric_selected(study, metric))
             neph_flicker_floor_add_ratios(
-                study, metric, neph_study_metrics[metric].of_the_eye ? NEPH_STUDY_DISPLAYS : 1,
+                study, metric, neph_study_metrics[metric].of_the_eye ? count_displays(study) : 1,
                 &table);
     json_t *list = neph_table_json(&table);
     neph_table_finish(&table);
@@ -490,13 +502,15 @@ static json_t *study_json(const struct neph_flicker_study *study, const struct n
     struct neph_table scenes = {.cells = NULL};
     fill_scenes(study, &scenes);
     json_t *json = json_pack(
-        "{s:s, s:s, s:s, s:[i,i], s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "format",
-        "neph-flicker-study-1", "version", NEPH_VERSION, "device", study->device, "size_px",
-        params->width_px, params->height_px, "steps", params->steps, "frames", params->frame_count,
-        "seeds", params->seed_count, "broken", study->failed_count, "presets", presets_json(study),
-        "scenes", neph_table_json(&scenes), "metrics", metrics_json(study), "results",
-        neph_table_json(results), "pairs", pairs_json(study), "floors",
-        neph_flicker_floor_json(study), "times_floor", ratios_json(study));
+        "{s:s, s:s, s:s, s:[i,i], s:o, s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
+        "format", "neph-flicker-study-1", "version", NEPH_VERSION, "device", study->device,
+        "size_px", params->width_px, params->height_px, "fps",
+        neph_json_number(params->frame_rate_hz > 0.0 ? params->frame_rate_hz : NAN), "steps",
+        params->steps, "frames", params->frame_count, "seeds", params->seed_count, "broken",
+        study->failed_count, "presets", presets_json(study), "scenes", neph_table_json(&scenes),
+        "metrics", metrics_json(study), "results", neph_table_json(results), "pairs",
+        pairs_json(study), "floors", neph_flicker_floor_json(study), "times_floor",
+        ratios_json(study));
     neph_table_finish(&scenes);
     return json;
 }

@@ -186,7 +186,7 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
                          request->least);
     request->choice.least = (enum neph_choice_number)least;
     if (request->scene_count == 0)
-        status = neph_flicker_suite_find(request->suite ? request->suite : "tuning",
+        status = neph_flicker_suite_find(request->suite ? request->suite : "tuning", false,
                                          &request->arena, &request->scenes, &request->scene_count,
                                          diag);
     return status ? status : neph_data_check_scenes(request->scenes, request->scene_count, diag);

@@ -92,14 +92,15 @@ static void add_ratio(const struct neph_flicker_study *study, int metric, int di
                       struct neph_table *table)
 {
     const struct neph_study_metric *of = &neph_study_metrics[metric];
-    const struct neph_study_display *at = &neph_study_displays[display];
+    const struct neph_study_display at = neph_study_display_at(study->params->frame_rate_hz,
+                                                               display);
     struct neph_study_gap gap = {.preset = NAN, .floor = NAN, .pair = {.mean = NAN}};
     const struct neph_study_pair *pair = &gap.pair;
     table->arena.is_short |= neph_study_gap(study, metric, display, preset, &gap, NULL) != NEPH_OK;
     const double low = pow(10.0, pair->low), high = pow(10.0, pair->high);
     neph_table_word(table, of->metric);
     neph_table_word(table, of->mask);
-    neph_table_numbers(table, 2, (const double[]){at->frame_rate_hz, at->pixels_per_degree});
+    neph_table_numbers(table, 2, (const double[]){at.frame_rate_hz, at.pixels_per_degree});
     neph_table_word(table, study->params->presets[preset]);
     add_level(gap.preset, metric, table);
     add_level(gap.floor, metric, table);

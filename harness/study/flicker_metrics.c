@@ -26,9 +26,21 @@ const struct neph_study_capture neph_study_captures[NEPH_STUDY_CAPTURES] = {
 };
 
 /* Film, television and games, each at a desk and in a living room. */
-const struct neph_study_display neph_study_displays[NEPH_STUDY_DISPLAYS] = {
+static const struct neph_study_display displays[NEPH_STUDY_DISPLAYS] = {
     {30.0, 60.0}, {24.0, 60.0}, {60.0, 60.0}, {30.0, 30.0}, {24.0, 30.0}, {60.0, 30.0},
 };
+
+int neph_study_display_count(double frame_rate_hz)
+{
+    return frame_rate_hz > 0.0 ? 2 : NEPH_STUDY_DISPLAYS;
+}
+
+struct neph_study_display neph_study_display_at(double frame_rate_hz, int index)
+{
+    return frame_rate_hz > 0.0
+               ? (struct neph_study_display){frame_rate_hz, index == 0 ? 60.0 : 30.0}
+               : displays[index];
+}
 
 const char *const neph_study_eye_extractors[] = {"seen", NULL};
 

@@ -13,6 +13,7 @@
 #include "harness/study/take.h"
 #include "metrics/extractors/flicker_verdict.h"
 #include "scenes/display.h"
+#include "scenes/frame_rate.h"
 #include "scenes/motion.h"
 
 #include <math.h>
@@ -100,12 +101,15 @@ static enum neph_status make_job(const struct work *work, const struct neph_scen
 
 enum { READINGS_MAX = 2 + NEPH_STUDY_DISPLAYS, KEPT_MAX = 4 * NEPH_STUDY_METRICS_MAX + 1 };
 
-static struct neph_viewing make_display_viewing(const struct neph_scene *scene, int display)
+static struct neph_viewing make_display_viewing(const struct neph_scene *scene,
+                                                const struct neph_flicker_study_params *params,
+                                                int index)
 {
+    const struct neph_study_display display = neph_study_display_at(params->frame_rate_hz, index);
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     viewing.exposure_ev = neph_scene_display(scene)->exposure_ev;
-    viewing.frame_rate_hz = neph_study_displays[display].frame_rate_hz;
-    viewing.pixels_per_degree = neph_study_displays[display].pixels_per_degree;
+    viewing.frame_rate_hz = display.frame_rate_hz;
+    viewing.pixels_per_degree = display.pixels_per_degree;
     return viewing;
 }
 
@@ -131,11 +135,13 @@ static void list_kept(enum neph_study_capture_id id, struct neph_meter_number ke
 /* Lists the measurement sets of a sequence: all metrics against the averaged reference; unless
  * `brief`, also against the centre rays, and the eye's metrics for the other displays. */
 static int list_measurement_sets(const struct neph_scene *scene, enum neph_study_capture_id id,
-                                 bool brief, const struct neph_meter_number *kept,
+                                 const struct neph_flicker_study_params *params,
+                                 const struct neph_meter_number *kept,
                                  struct neph_measurement_set readings[READINGS_MAX])
 {
     const struct neph_study_capture *take = &neph_study_captures[id];
-    const struct neph_viewing viewing = make_display_viewing(scene, 0);
+    const struct neph_viewing viewing = make_display_viewing(scene, params, 0);
+    const int display_count = neph_study_display_count(params->frame_rate_hz);
     int count = 0;
     const struct neph_measurement_set averaged = {.name = display_names[0],
                                                   .against = NEPH_REFERENCE_AVERAGED,
@@ -144,17 +150,18 @@ static int list_measurement_sets(const struct neph_scene *scene, enum neph_study
                                                   .viewing = viewing,
                                                   .kept = kept};
     readings[count++] = averaged;
-    if (brief)
+    if (params->brief)
         return count;
     readings[count] = averaged;
     readings[count].name = centre_name;
     readings[count++].against = NEPH_REFERENCE_CENTRE;
-    for (int d = 1; d < NEPH_STUDY_DISPLAYS && id == NEPH_STUDY_FLICKER; d++)
-        readings[count++] = (struct neph_measurement_set){.name = display_names[d],
-                                                          .against = NEPH_REFERENCE_AVERAGED,
-                                                          .extractors = neph_study_eye_extractors,
-                                                          .viewing = make_display_viewing(scene, d),
-                                                          .kept = kept};
+    for (int d = 1; d < display_count && id == NEPH_STUDY_FLICKER; d++)
+        readings[count++] = (struct neph_measurement_set){
+            .name = display_names[d],
+            .against = NEPH_REFERENCE_AVERAGED,
+            .extractors = neph_study_eye_extractors,
+            .viewing = make_display_viewing(scene, params, d),
+            .kept = kept};
     return count;
 }
 
@@ -215,7 +222,9 @@ static enum neph_status read_cells(const struct work *work, const char *folder,
     json_t *documents[NEPH_STUDY_DISPLAYS] = {NULL}, *centre = NULL;
     const bool brief = work->params->brief;
     const bool is_flicker = study_cell_id->take == NEPH_STUDY_FLICKER;
-    const int display_count = is_flicker && !brief ? NEPH_STUDY_DISPLAYS : 1;
+    const int display_count = is_flicker && !brief
+                                  ? neph_study_display_count(work->params->frame_rate_hz)
+                                  : 1;
     enum neph_status status = brief ? NEPH_OK
                                     : neph_capture_document(folder, centre_name, &centre, diag);
     for (int d = 0; d < display_count && !status; d++)
@@ -314,8 +323,8 @@ static enum neph_status run_capture(struct work *work, const struct neph_job *jo
     if (status)
         return status;
     list_kept(study_cell_id->take, kept);
-    take.reading_count = list_measurement_sets(job->shot.scene, study_cell_id->take,
-                                               work->params->brief, kept, readings);
+    take.reading_count = list_measurement_sets(job->shot.scene, study_cell_id->take, work->params,
+                                               kept, readings);
     status = neph_capture_run(&take, work->store, &folder, &record, diag);
     if (!status)
         status = read_cells(work, folder, study_cell_id, diag);
@@ -451,9 +460,14 @@ static enum neph_status walk_scene(struct work *work, int index, bool is_counted
     struct neph_study_scene *row = &work->study->scenes[index];
     char why[512] = "";
     enum neph_status status = neph_data_load_scene(work->params->scenes[index], &scene, diag);
+    const double rate_hz = work->params->frame_rate_hz;
+    const char *obstacle = status ? NULL : neph_frame_rate_obstacle(scene, rate_hz);
+    if (!status && !obstacle)
+        status = neph_scene_set_frame_rate(scene, rate_hz, diag);
     if (!status && is_counted)
         describe(work, scene, row);
-    const bool can = !status && can_all_render(work, scene, why, sizeof(why));
+    snprintf(why, sizeof(why), "%s", obstacle ? obstacle : "");
+    const bool can = !status && !obstacle && can_all_render(work, scene, why, sizeof(why));
     if (!status && !can)
         row->left_out = neph_arena_copy_text(&work->study->arena, why);
     for (int id = 0; id < NEPH_STUDY_CAPTURES && can && !status; id++)

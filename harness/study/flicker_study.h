@@ -33,8 +33,9 @@ struct neph_flicker_study_params {
     const char *const *scenes;             /* names or paths */
     int scene_count;
     int seed_count;
-    int seeds_before; /* the first seed is seeds_before + 1 */
-    int frame_count;  /* a multiple of 4; a moving scene has at most its own frames */
+    int seeds_before;     /* the first seed is seeds_before + 1 */
+    double frame_rate_hz; /* of scenes and displays; 0: scenes have their own */
+    int frame_count;      /* a multiple of 4; a moving scene has at most its own frames */
     int steps;
     int width_px, height_px;
     bool takes[NEPH_STUDY_CAPTURES];

@@ -118,7 +118,7 @@ enum neph_status neph_light_suite_find(const char *name, struct neph_arena *aren
 {
     json_t *list = NULL;
     enum neph_status status = neph_suite_find("scenes/studies/light.json", "neph-light-suites-1",
-                                              name, &list, diag);
+                                              name, false, &list, diag);
     if (status)
         return status;
     const size_t made_count = json_array_size(list);

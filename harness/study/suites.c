@@ -57,6 +57,14 @@ static enum neph_status check(const json_t *suites, struct neph_diag *diag)
     return status;
 }
 
+static enum neph_status refuse_shut(const char *name, const char *reason, struct neph_diag *diag)
+{
+    neph_fail(diag, NEPH_ERR_USAGE, "the suite %s is shut: %s", name, reason);
+    neph_hint(diag, "choose by another suite; then `neph study flicker --open-shut-suite` measures "
+                    "this one");
+    return NEPH_ERR_USAGE;
+}
+
 static enum neph_status refuse(const char *name, const json_t *suites, struct neph_diag *diag)
 {
     char names[256] = "";
@@ -73,7 +81,7 @@ static enum neph_status refuse(const char *name, const json_t *suites, struct ne
 }
 
 enum neph_status neph_suite_find(const char *file, const char *format, const char *name,
-                                 json_t **entries, struct neph_diag *diag)
+                                 bool opens_shut, json_t **entries, struct neph_diag *diag)
 {
     json_t *content = NULL;
     enum neph_status status = load(file, format, &content, diag);
@@ -82,6 +90,9 @@ enum neph_status neph_suite_find(const char *file, const char *format, const cha
         status = check(suites, diag);
     if (!status && !json_object_get(suites, name))
         status = refuse(name, suites, diag);
+    const char *shut = neph_json_text(json_object_get(content, "shut"), name);
+    if (!status && *shut && !opens_shut)
+        status = refuse_shut(name, shut, diag);
     if (!status)
         *entries = json_incref(json_object_get(suites, name));
     json_decref(content);
@@ -98,13 +109,13 @@ const char *neph_suite_scene(const json_t *entry, struct neph_arena *arena)
     return scene;
 }
 
-enum neph_status neph_flicker_suite_find(const char *name, struct neph_arena *arena,
-                                         const char *const **scenes, int *count,
-                                         struct neph_diag *diag)
+enum neph_status neph_flicker_suite_find(const char *name, bool opens_shut,
+                                         struct neph_arena *arena, const char *const **scenes,
+                                         int *count, struct neph_diag *diag)
 {
     json_t *entries = NULL;
-    const enum neph_status status = neph_suite_find("scenes/studies/flicker.json",
-                                                    "neph-flicker-suites-1", name, &entries, diag);
+    const enum neph_status status = neph_suite_find(
+        "scenes/studies/flicker.json", "neph-flicker-suites-1", name, opens_shut, &entries, diag);
     if (status)
         return status;
     *count = (int)json_array_size(entries);

@@ -198,6 +198,8 @@ class Pick(NephCase):
             (64, "", ("voxel_grid",)), (64, "", ("voxel_grid", "--error", "-1")),
             (64, "--preset", ("voxel_grid", "--error", "1", "--suite", "tuning")),
             (64, "evaluates a choice", ("--preset", "ours", "--suite", "test")),
+            (64, ("motion_test is shut", "--open-shut-suite"),
+             ("--preset", "ours", "--suite", "motion_test")),
             (64, "half-life", ("--preset", "ours", "--least", "x")),
             (64, "at a time", ("--preset", "ours", "--ms", "9", "--jobs", "2")),
             (64, "one scene", ("voxel_grid", "fence_sky", "--error", "1")),

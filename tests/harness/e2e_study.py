@@ -143,6 +143,8 @@ class Study(StudyCase):
         rest = self.rest
         self.check_refusals(
             (64, ("best", "tuning"), ("--suite", "best")),
+            (64, ("motion_test is shut", "no preset is measured", "--open-shut-suite"),
+             ("--suite", "motion_test")),
             (64, "not both", ("--suite", "test", rest)),
             (64, ("nope", "off, seed"), (rest, "--preset", "nope")),
             (64, "'ours' is twice", (rest, "--preset", "ours,fixed,ours")),

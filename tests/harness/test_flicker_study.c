@@ -64,6 +64,40 @@ static void test_settings_match_the_variants(void **state)
     }
 }
 
+/* All displays of the table, in which the first is of 30 Hz; or two of the scenes' rate, so that no
+ * motion is shown at another rate than it has. */
+static void test_displays_have_the_rate_of_the_scenes(void **state)
+{
+    const struct neph_study_display first = neph_study_display_at(0.0, 0);
+    assert_int_equal(neph_study_display_count(0.0), NEPH_STUDY_DISPLAYS);
+    assert_true(first.frame_rate_hz == 30.0 && first.pixels_per_degree == 60.0);
+    assert_int_equal(neph_study_display_count(60.0), 2);
+    for (int i = 0; i < 2; i++) {
+        const struct neph_study_display display = neph_study_display_at(60.0, i);
+        assert_true(display.frame_rate_hz == 60.0);
+        assert_true(display.pixels_per_degree == (i == 0 ? 60.0 : 30.0));
+    }
+}
+
+/* 256 frames at 30 Hz last as long as 512 at 60 Hz; at 24 Hz 204 of 204.8 are whole cycles of
+ * four. */
+static void test_a_study_lasts_as_long_at_every_rate(void **state)
+{
+    static const struct {
+        double rate_hz, study_hz;
+        int frames;
+    } cases[] = {{NAN, 0.0, 256}, {30.0, 30.0, 256}, {60.0, 60.0, 512}, {24.0, 24.0, 204}};
+    static const char *const one[] = {"ours"};
+    const struct neph_experiment_run run = {.quiet = true};
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        const struct neph_flicker_request request = {.frame_rate_hz = cases[i].rate_hz,
+                                                     .frame_count = 256};
+        const struct neph_flicker_study_params made = neph_flicker_params(&request, one, 1, &run);
+        assert_true(made.frame_rate_hz == cases[i].study_hz);
+        assert_int_equal(made.frame_count, cases[i].frames);
+    }
+}
+
 /* The reference of a test shares its steps and sun, but not a cloud shadow map, whose error is
  * measured. */
 static void test_a_reference_has_no_shadow_map(void **state)
@@ -118,7 +152,8 @@ static void test_suites_hold_scenes_that_are_there(void **state)
         const char *const *names;
         int count = 0;
         struct neph_diag diag = {.line = 0};
-        neph_assert_ok(neph_flicker_suite_find(suites[s], &arena, &names, &count, &diag), &diag);
+        neph_assert_ok(neph_flicker_suite_find(suites[s], true, &arena, &names, &count, &diag),
+                       &diag);
         assert_true(count >= 8);
         for (int i = 0; i < count; i++) {
             struct neph_scene *scene = NULL;
@@ -137,10 +172,28 @@ static void test_an_unknown_suite_is_refused_with_those_there_are(void **state)
     const char *const *names;
     int count = 0;
     struct neph_diag diag = {.line = 0};
-    assert_int_equal(neph_flicker_suite_find("best", &arena, &names, &count, &diag),
+    assert_int_equal(neph_flicker_suite_find("best", true, &arena, &names, &count, &diag),
                      NEPH_ERR_USAGE);
     assert_non_null(strstr(diag.hint, "tuning"));
     assert_non_null(strstr(diag.hint, "test"));
+}
+
+/* Only a caller that opens it gets its scenes. */
+static void test_a_shut_suite_is_refused_with_its_reason(void **state)
+{
+    struct neph_arena arena = {.last = NULL};
+    const char *const *names;
+    int count = 0;
+    struct neph_diag diag = {.line = 0};
+    assert_int_equal(neph_flicker_suite_find("motion_test", false, &arena, &names, &count, &diag),
+                     NEPH_ERR_USAGE);
+    assert_non_null(strstr(diag.message, "motion_test is shut: no preset is measured"));
+    assert_non_null(strstr(diag.hint, "--open-shut-suite"));
+    assert_int_equal(count, 0);
+    neph_assert_ok(neph_flicker_suite_find("motion_test", true, &arena, &names, &count, NULL),
+                   NULL);
+    assert_true(count >= 16);
+    neph_arena_finish(&arena);
 }
 
 static void test_a_scene_in_both_suites_is_refused(void **state)
@@ -161,7 +214,7 @@ static void test_a_scene_in_both_suites_is_refused(void **state)
     snprintf(path, sizeof(path), "%s/scenes/studies/flicker.json", folder);
     assert_int_equal(neph_file_write(path, twice, strlen(twice), NULL), NEPH_OK);
     setenv("NEPH_DATA_DIR", folder, 1);
-    assert_int_equal(neph_flicker_suite_find("test", &arena, &names, &count, &diag),
+    assert_int_equal(neph_flicker_suite_find("test", false, &arena, &names, &count, &diag),
                      NEPH_ERR_INPUT);
     unsetenv("NEPH_DATA_DIR");
     assert_non_null(strstr(diag.message, "fog"));
