@@ -182,4 +182,72 @@ static void test_speeds_are_those_of_the_texts(void **state)
     neph_scene_destroy(scene);
 }
 
+/* The scenes of a person, a hand and the wind: one pixel of 96x54 is 0.004 of the distance. */
+
+static void test_a_walk_has_its_steps(void **state)
+{
+    struct neph_scene *scene = load("walk_bob");
+    double lift_m = 0.0, sway_m = 0.0;
+    for (int frame = 0; frame <= 32; frame += 2) {
+        const struct neph_vec3 place_m = neph_scene_camera(scene, frame).position_m;
+        neph_assert_close(place_m.z, 2.0 - 1.4 * frame / 30.0, 0.0, 1e-4);
+        neph_assert_close(place_m.y, 1.7 + 0.03 * sin(2.0 * M_PI * 1.8 * frame / 30.0), 0.0, 1e-4);
+        lift_m = fmax(lift_m, fabs(place_m.y - 1.7));
+        sway_m = fmax(sway_m, fabs(place_m.x));
+    }
+    neph_assert_close(lift_m, 0.03, 0.0, 0.001);
+    neph_assert_close(sway_m, 0.018, 0.0, 0.001);
+    neph_scene_destroy(scene);
+}
+
+/* It moves in each frame, by 0.6 pixels at most, and turns back several times. */
+static void test_a_hand_shakes_by_parts_of_a_pixel(void **state)
+{
+    struct neph_scene *scene = load("hand_shake");
+    double before_px = 0.0, most_px = 0.0, farthest_px = 0.0;
+    int returns = 0;
+    for (int frame = 1; frame <= 32; frame++) {
+        const struct neph_vec3 a = neph_scene_camera(scene, frame - 1).forward;
+        const struct neph_vec3 b = neph_scene_camera(scene, frame).forward;
+        const double moved_px = (b.x - a.x) / 0.004;
+        assert_false(neph_scene_are_frames_equal(scene, frame - 1, frame));
+        returns += moved_px * before_px < 0.0;
+        most_px = fmax(most_px, hypot(moved_px, (b.y - a.y) / 0.004));
+        farthest_px = fmax(farthest_px, hypot(b.x, b.y) / 0.004);
+        before_px = moved_px;
+    }
+    assert_true(returns >= 6);
+    assert_true(most_px > 0.3 && most_px < 0.6);
+    assert_true(farthest_px > 0.8 && farthest_px < 1.5);
+    neph_scene_destroy(scene);
+}
+
+static void test_winds_behind_leaves_and_wires(void **state)
+{
+    static const struct {
+        const char *name;
+        double px_per_frame;
+    } winds[] = {{"leaves_gale", 2.0}, {"wires_gale", 2.5}};
+    for (size_t i = 0; i < sizeof(winds) / sizeof(winds[0]); i++) {
+        struct neph_scene *scene = load(winds[i].name);
+        for (int frame = 0; frame < scene->frame_count; frame++)
+            neph_assert_close(neph_scene_wind_displacement_m(scene, frame).x / (0.004 * 30.0),
+                              winds[i].px_per_frame * frame, 1e-12, 0.0);
+        neph_scene_destroy(scene);
+    }
+}
+
+static void test_a_ride_moves_all_at_once(void **state)
+{
+    struct neph_scene *scene = load("ride_all");
+    for (int frame = 1; frame < scene->frame_count; frame++) {
+        const double elevation_deg = asin(neph_scene_sun(scene, frame).direction.y) * 180.0 / M_PI;
+        neph_assert_close(neph_scene_camera(scene, frame).position_m.z, 4.0 - 0.2 * frame, 1e-12,
+                          0.0);
+        neph_assert_close(neph_scene_wind_displacement_m(scene, frame).x, 0.4 * frame, 1e-12, 0.0);
+        neph_assert_close(elevation_deg, 35.0 - 0.3 * frame, 0.0, 0.01);
+    }
+    neph_scene_destroy(scene);
+}
+
 #include "tests/main.h"
