@@ -82,6 +82,20 @@ def shake(place, yaw_deg, pitch_deg, move_m, turn_deg, rate_hz):
     return pose
 
 
+def hand(place, yaw_deg, pitch_deg, sway_deg, tremor_deg):
+    """A camera in a hand: it sways at about 1 Hz, moves by 1 cm with it, and trembles at 7 to 8."""
+    def wave(time_s, slow_hz, fast_hz, phase):
+        return (sway_deg * math.sin(2 * math.pi * slow_hz * time_s + phase) +
+                tremor_deg * math.sin(2 * math.pi * fast_hz * time_s + 2 * phase))
+
+    def pose(time_s):
+        across, up = wave(time_s, 0.9, 7.3, 0.4), wave(time_s, 1.2, 8.1, 2.1)
+        position = (place[0] + 0.01 * math.sin(2 * math.pi * 0.9 * time_s),
+                    place[1] + 0.01 * math.sin(2 * math.pi * 1.2 * time_s), place[2])
+        return position, yaw_deg + across, pitch_deg + up
+    return pose
+
+
 def orbit(center, radius_m, from_deg, deg_per_s, step=2):
     """Keys around the vertical through the centre, which stays in the middle of the frame."""
     keys = []
