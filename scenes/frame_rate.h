@@ -8,8 +8,8 @@
 
 #include "scenes/scene.h"
 
-/* The reason for which a scene cannot have this frame rate, a static text; NULL: it can. A rate of 0
- * is its own. */
+/* The reason for which a scene cannot have this frame rate, a static text; NULL: it can. A rate of
+ * 0 is its own. */
 const char *neph_frame_rate_obstacle(const struct neph_scene *scene, double rate_hz);
 
 /* Moves all keys of a scene without an obstacle, so that camera, sun, wind and solids are at the
