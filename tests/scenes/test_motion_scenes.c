@@ -301,6 +301,44 @@ static void test_solids_and_media_are_in_view(void **state)
     }
 }
 
+/* The thinnest solid in a frame, across the line of sight, in pixels of a frame of this height. */
+static double find_thinnest_px(const struct neph_scene *scene, int height_px)
+{
+    const struct neph_camera camera = neph_scene_camera(scene, 0);
+    const double slope = 2.0 * tan(0.5 * camera.vertical_fov_rad) / height_px;
+    double thinnest_px = INFINITY;
+    for (int i = 0; i < scene->solid_count; i++) {
+        const struct neph_bounds box = neph_solid_bounds(&scene->solids[i]);
+        const struct neph_vec3 size_m = neph_vec3_sub(box.max_m, box.min_m);
+        const struct neph_vec3 middle_m = neph_vec3_scale(neph_vec3_add(box.min_m, box.max_m), 0.5);
+        const double depth_m = neph_vec3_dot(neph_vec3_sub(middle_m, camera.position_m),
+                                             camera.forward);
+        if (depth_m > 0.0)
+            thinnest_px = fmin(thinnest_px, fmin(size_m.x, size_m.y) / (slope * depth_m));
+    }
+    return thinnest_px;
+}
+
+/* The descriptions are of 384x216, to a third of a pixel; at 192x108 a solid has half as many
+ * pixels, at 960x540 2.5 times as many. */
+static void test_thin_solids_have_their_pixels(void **state)
+{
+    static const struct {
+        const char *name;
+        double px;
+    } thin[] = {{"lattice_mast", 1.0},   {"leaf_breeze", 3.0},  {"wire_storm", 1.0},
+                {"mist_fence", 2.0},     {"reed_breeze", 1.0},  {"balloon_orbit", 1.0},
+                {"scaffold_smoke", 1.0}, {"rigging_swell", 0.6}};
+    for (size_t i = 0; i < sizeof(thin) / sizeof(thin[0]); i++) {
+        struct neph_scene *scene = load(thin[i].name);
+        const double px = find_thinnest_px(scene, 216);
+        neph_assert_close(px, thin[i].px, 0.0, 1.0 / 3.0);
+        neph_assert_close(find_thinnest_px(scene, 108), px / 2.0, 1e-12, 0.0);
+        neph_assert_close(find_thinnest_px(scene, 540), px * 2.5, 1e-12, 0.0);
+        neph_scene_destroy(scene);
+    }
+}
+
 static void test_no_two_scenes_are_equal(void **state)
 {
     char hashes[SCENES][NEPH_HASH_HEX_SIZE];

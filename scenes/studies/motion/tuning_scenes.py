@@ -250,8 +250,7 @@ SCENES = [
 
     {"name": "rigging_swell", "title": "Rigging of a ship in a swell before clouds",
      "isolates": """A slow large sway: a third of a metre and 2 degrees with a period of 4 s,
-         with ropes
-         of a pixel before clouds in a wind of 8 m/s.""",
+         with ropes of less than a pixel at 384x216 before clouds in a wind of 8 m/s.""",
      "fov_deg": 48, "ev": -1, "sky": DAY, "sun": sun((0.45, 0.65, 0.5)), "wind": (-8, 0, 0),
      "camera": sample(shake((0, 4, 9), 0, 16, 0.35, 2.2, 0.25)),
      "solids": [ground((-900, -900), (900, 200), (0.05, 0.09, 0.12)),
