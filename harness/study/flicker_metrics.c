@@ -26,7 +26,7 @@ const struct neph_study_capture neph_study_captures[NEPH_STUDY_CAPTURES] = {
 };
 
 /* Film, television and games, each at a desk and in a living room. */
-static const struct neph_study_display displays[NEPH_STUDY_DISPLAYS] = {
+const struct neph_study_display neph_study_displays[NEPH_STUDY_DISPLAYS] = {
     {30.0, 60.0}, {24.0, 60.0}, {60.0, 60.0}, {30.0, 30.0}, {24.0, 30.0}, {60.0, 30.0},
 };
 
@@ -39,7 +39,7 @@ struct neph_study_display neph_study_display_at(double frame_rate_hz, int index)
 {
     return frame_rate_hz > 0.0
                ? (struct neph_study_display){frame_rate_hz, index == 0 ? 60.0 : 30.0}
-               : displays[index];
+               : neph_study_displays[index];
 }
 
 const char *const neph_study_eye_extractors[] = {"seen", NULL};

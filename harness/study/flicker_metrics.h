@@ -39,6 +39,7 @@ struct neph_study_display {
     double frame_rate_hz, pixels_per_degree;
 };
 enum { NEPH_STUDY_DISPLAYS = 6 };
+extern const struct neph_study_display neph_study_displays[NEPH_STUDY_DISPLAYS];
 
 /* Scenes with their own frame rates (0) are compared on all displays, scenes of one given rate only
  * on two displays of this rate. */
