@@ -286,6 +286,15 @@ static void name_targets(uint32_t targets, char *text, size_t size)
                                      neph_rt_target_name(t));
 }
 
+static void name_condition(struct neph_rt_condition condition, char *text, size_t size)
+{
+    const struct neph_option *setting = &neph_rt_options[condition.setting];
+    if (condition.setting == RT_ORACLE)
+        snprintf(text, size, "one of oracle_* is on");
+    else
+        snprintf(text, size, "%s=%s", setting->name, setting->choices[condition.choice]);
+}
+
 static bool describe_pass(int index, struct neph_engine_pass *pass)
 {
     static const char *const resolutions[] = {
@@ -294,14 +303,12 @@ static bool describe_pass(int index, struct neph_engine_pass *pass)
     const struct neph_rt_pass *record = neph_rt_passes[index];
     if (!record)
         return false;
-    const struct neph_option *setting = &neph_rt_options[record->condition.setting];
     *pass = (struct neph_engine_pass){
         .name = record->name,
         .note = record->note,
         .resolution = resolutions[record->resolution],
     };
-    snprintf(pass->condition, sizeof(pass->condition), "%s=%s", setting->name,
-             setting->choices[record->condition.choice]);
+    name_condition(record->condition, pass->condition, sizeof(pass->condition));
     name_targets(record->reads, pass->reads, sizeof(pass->reads));
     name_targets(record->writes, pass->writes, sizeof(pass->writes));
     name_targets(neph_rt_targets_before(record), pass->hands_on, sizeof(pass->hands_on));

@@ -40,6 +40,12 @@ static bool can_march_near_fog(const struct neph_scene *scene, struct neph_march
     return neph_march_can_render_with(scene, veils, lighting, reason, reason_size);
 }
 
+bool neph_rt_has_oracle(const struct neph_rt_settings *settings)
+{
+    return settings->oracle.rays || settings->oracle.motion || settings->oracle.depth ||
+           settings->oracle.upscale;
+}
+
 bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
                               char *reason, size_t reason_size)
 {
@@ -67,6 +73,13 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
     if (of_passes.atrous.is_on && of_passes.gradient.is_on) {
         snprintf(reason, reason_size,
                  "gradient=on and atrous=on, which share memory: switch one of them off");
+        return false;
+    }
+    if (neph_rt_has_oracle(&of_passes) &&
+        (of_passes.shared.split == RT_SPLIT_NONE || of_passes.atrous.is_on)) {
+        snprintf(reason, reason_size,
+                 "an oracle (oracle_rays, oracle_motion, oracle_depth, oracle_upscale) without the "
+                 "split frame or with atrous=on: set split=four and atrous=off");
         return false;
     }
     const enum neph_march_lighting lighting = (enum neph_march_lighting)(

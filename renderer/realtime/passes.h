@@ -84,6 +84,7 @@ struct neph_rt_pass {
      * shader has them. Else, or with NULL, one dispatch of independent texels. */
     const struct neph_rt_condition *in_colours;
     uint32_t reads, writes; /* NEPH_RT_BIT() of all targets that its shader can access */
+    uint32_t replaces;      /* of the written targets those that it reads first, with an oracle */
     /* exceptions; ends early with no targets */
     struct neph_rt_unused_targets spared[NEPH_RT_UNUSED_MAX];
     struct neph_rt_history histories[NEPH_RT_HISTORIES_MAX]; /* ends early with {0, 0} */
@@ -97,6 +98,9 @@ extern const struct neph_rt_pass neph_rt_froxel_light;
 extern const struct neph_rt_pass neph_rt_froxel_sum;
 extern const struct neph_rt_pass neph_rt_tile_index;
 extern const struct neph_rt_pass neph_rt_ray_march;
+extern const struct neph_rt_pass neph_rt_oracle_texels;
+extern const struct neph_rt_pass neph_rt_oracle_spread;
+extern const struct neph_rt_pass neph_rt_oracle_pixels;
 extern const struct neph_rt_pass neph_rt_gradient;
 extern const struct neph_rt_pass neph_rt_change;
 extern const struct neph_rt_pass neph_rt_reconstruct;

@@ -269,6 +269,7 @@ static void choose_settings(const struct neph_realtime *realtime, const struct n
                             struct neph_gpu_view *view)
 {
     view->settings[RT_SOLID_MOTION] = follows_solids(realtime, scene);
+    view->settings[RT_ORACLE] = neph_rt_has_oracle(&realtime->settings);
     view->settings[RT_COMPOSITION] = (float)find_composition_pass(realtime, view);
     neph_rt_absorb_passes(view, find_device_kind(realtime->vulkan), true);
 }
@@ -856,7 +857,8 @@ static enum neph_status update_static_state(struct neph_realtime *realtime,
     const bool is_next = view->has_history && !view->is_cut && neph_rt_is_view_static(view) &&
                          has_only_scene;
     view->settings[RT_STEADY] = RT_STEADY_ASKED;
-    if (view->settings[RT_GRADIENT] == 0.0f || realtime->hooks.always_asks_gradient)
+    if (view->settings[RT_GRADIENT] == 0.0f || view->settings[RT_ORACLE] != 0.0f ||
+        realtime->hooks.always_asks_gradient)
         return NEPH_OK;
     enum neph_status status = neph_rt_static_content_update(&realtime->stillness, static_scene,
                                                             is_next, diag);

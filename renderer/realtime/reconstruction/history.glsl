@@ -40,12 +40,32 @@ bool is_static()
 
 // --- value of the history ------------------------------------------------------------------------
 
-History fetch_history_texel(ivec2 half_pixel)
+// Whether a depth of the frame before is about the expected one.
+bool is_same_depth(float expected_m, float before_m, float tolerance)
+{
+    return !(abs(expected_m - before_m) >= tolerance * expected_m);
+}
+
+// With an oracle taps that ended at another depth are invalid; else every depth is accepted.
+const float ANY_DEPTH = 0.0;
+const float ORACLE_TOLERANCE = 0.1; // as reject_depth of `ours`
+
+bool ended_elsewhere(ivec2 half_pixel, float expected_m)
+{
+    if (expected_m == ANY_DEPTH)
+        return false;
+    float before_m = fetch_half(RT_HALF_DEPTH_BEFORE, half_pixel).x;
+    return !is_same_depth(expected_m, is_sky(before_m) ? setting(RT_SKY_M) : before_m,
+                          ORACLE_TOLERANCE);
+}
+
+History fetch_history_texel(ivec2 half_pixel, float expected_m)
 {
     vec4 value = fetch_half(RT_HISTORY_BEFORE, half_pixel);
     float age = fetch_half(RT_HISTORY_STATE_BEFORE, half_pixel).x;
     bool has_age = is_finite(age) && age > 0.0;
-    bool is_invalid = checks_validity() && !(has_age && is_sound(value));
+    bool is_invalid = (checks_validity() && !(has_age && is_sound(value))) ||
+                      ended_elsewhere(half_pixel, expected_m);
     return History(value, has_age ? age : 0.0, is_invalid, false, 0.0);
 }
 
@@ -74,10 +94,10 @@ void add(History tap, float weight, inout Mean mean)
 // without valid taps. It is clamped to the range of the taps, so equal taps give exactly their
 // value. All four taps are fetched before the first is added: after a branch a GPU would wait for
 // one tap after the other, and a loop on lavapipe would keep the whole mean in memory.
-History interpolate_history(vec2 place_px)
+History interpolate_history(vec2 place_px, float expected_m)
 {
     if (is_static())
-        return fetch_history_texel(ivec2(floor(0.5 * place_px)));
+        return fetch_history_texel(ivec2(floor(0.5 * place_px)), expected_m);
     vec2 place = 0.5 * place_px - 0.5; // in texels from the centre of the first
     ivec2 base = ivec2(floor(place));
     vec2 part = place - vec2(base);
@@ -85,7 +105,7 @@ History interpolate_history(vec2 place_px)
     Mean mean = Mean(NO_HISTORY, vec4(0.0), 0.0, 0.0, Box(vec4(FAR_M), vec4(-FAR_M)));
     History taps[4];
     [[unroll]] for (int i = 0; i < 4; i++)
-        taps[i] = fetch_history_texel(base + ivec2(i & 1, i >> 1));
+        taps[i] = fetch_history_texel(base + ivec2(i & 1, i >> 1), expected_m);
     [[unroll]] for (int i = 0; i < 4; i++)
         add(taps[i], weights_x[i & 1] * weights_y[i >> 1], mean);
     History history = mean.history;
@@ -135,19 +155,11 @@ bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
            all(lessThanEqual(before_px, vec2(view_size())));
 }
 
-bool is_same_depth(float expected_m, float before_m)
-{
-    return !(abs(expected_m - before_m) >= setting(RT_REJECT_DEPTH) * expected_m);
-}
-
 const float MOVED_PX = 0.125; // from this motion on history comes partly from another texel
 
-// Whether the scene behind the history had the depth that this texel's scene had in the frame
-// before. One matching texel of 3x3 is enough (reject_around): in the depth map nearest and
-// farthest alternate from one texel to the next, so the texel itself may be of the other kind when
-// the image moves by an odd number of texels. The sky has a fixed depth, sky_m, independent of
-// camera rotation.
-bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
+// The eye depth that this texel's scene had in the frame before. The sky has a fixed depth, sky_m,
+// independent of camera rotation.
+float find_expected_depth_m(vec2 place_px, float depth_m)
 {
     float expected_m = setting(RT_SKY_M);
     if (is_static() && !is_sky(depth_m)) {
@@ -157,6 +169,16 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
         float length_m = depth_m / dot(line.direction, view_now.forward);
         expected_m = project(view_before, line.origin_m + length_m * line.direction).z;
     }
+    return expected_m;
+}
+
+// Whether the scene behind the history had the depth that this texel's scene had in the frame
+// before. One matching texel of 3x3 is enough (reject_around): in the depth map nearest and
+// farthest alternate from one texel to the next, so the texel itself may be of the other kind when
+// the image moves by an odd number of texels.
+bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
+{
+    float expected_m = find_expected_depth_m(place_px, depth_m);
     if (!(expected_m > 0.0))
         return false;
     ivec2 nearest = ivec2(floor(0.5 * before_px));
@@ -167,7 +189,8 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
     for (int i = 0; i < count; i++) {
         int tap = (i + 4) % 9; // the central one first, which nearly always decides
         float before_m = fetch_half(RT_HALF_DEPTH_BEFORE, nearest + ivec2(tap % 3, tap / 3) - 1).x;
-        if (is_same_depth(expected_m, is_sky(before_m) ? setting(RT_SKY_M) : before_m))
+        if (is_same_depth(expected_m, is_sky(before_m) ? setting(RT_SKY_M) : before_m,
+                          setting(RT_REJECT_DEPTH)))
             return true;
     }
     return false;
@@ -176,7 +199,8 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
 // --- place and value -----------------------------------------------------------------------------
 
 // The history of a half-resolution texel, given its scene's eye depth and its medium's distance.
-History find_history(ivec2 half_pixel, float depth_m, float distance_m)
+// With `is_exact`, of the oracle, history has only taps with the expected depth.
+History find_history(ivec2 half_pixel, float depth_m, float distance_m, bool is_exact)
 {
     bool is_new = (checks_validity() && !has_past) ||
                   (choice(RT_CUT_RESET) != 0 && is_cut);
@@ -186,7 +210,8 @@ History find_history(ivec2 half_pixel, float depth_m, float distance_m)
         return NO_HISTORY;
     if (is_set(RT_REJECT_DEPTH) && !is_same_scene(place_px, before_px, depth_m))
         return REJECTED;
-    History history = interpolate_history(before_px);
+    float expected_m = is_exact ? find_expected_depth_m(place_px, depth_m) : ANY_DEPTH;
+    History history = interpolate_history(before_px, expected_m);
     history.motion_px = distance(before_px, centre_px);
     return history;
 }

@@ -31,5 +31,6 @@ const struct neph_rt_pass neph_rt_reconstruct = {
                 NEPH_RT_BIT(RT_KEPT_RAY)}},
     .writes = NEPH_RT_BIT(RT_HISTORY) | NEPH_RT_BIT(RT_HISTORY_STATE) | NEPH_RT_BIT(RT_CHANGE) |
               NEPH_RT_BIT(RT_CHANGE_BEHIND) | NEPH_RT_BIT(RT_KEPT_RAY),
+    .replaces = NEPH_RT_BIT(RT_HISTORY) | NEPH_RT_BIT(RT_HISTORY_STATE),
     .histories = {{RT_HISTORY, RT_HISTORY_BEFORE}, {RT_HISTORY_STATE, RT_HISTORY_STATE_BEFORE}},
 };

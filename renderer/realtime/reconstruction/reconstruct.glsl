@@ -18,25 +18,28 @@ Change change_around_tile(ivec2 tile);
 
 // --- change -----------------------------------------------------------------------------------
 
-// The difference between the nearest ray and the history of that ray's own texel: relative
-// difference of luminance L, or difference of transmittance T,
+// The relative difference of luminance L, or the difference of transmittance T, 0 .. 1:
 //
-//     max(|L_ray - L_history| / max(L_ray, L_history), |T_ray - T_history|)    0 .. 1
-//
-// A gradient as in C. Schied, C. Peters, C. Dachsbacher, "Gradient Estimation for Real-Time
-// Adaptive Temporal Filtering", HPG 2018; each tile has it without an additional ray.
+//     max(|L_now - L_then| / max(L_now, L_then), |T_now - T_then|)
+float measure_change(vec4 now, vec4 then)
+{
+    float now_luminance = luminance(now.rgb);
+    float then_luminance = luminance(then.rgb);
+    float most = max(now_luminance, then_luminance);
+    float change = most > 0.0 ? abs(now_luminance - then_luminance) / most : 0.0;
+    return max(change, abs(now.a - then.a));
+}
+
+// The change from the history of the nearest ray's own texel to that ray: a gradient as in
+// C. Schied, C. Peters, C. Dachsbacher, "Gradient Estimation for Real-Time Adaptive Temporal
+// Filtering", HPG 2018; each tile has it without an additional ray.
 float change_at_ray(ivec2 tile, int ray)
 {
     ivec2 find_tile = ray_tile(tile, ray);
     ivec2 place = ray_half_pixel(find_tile);
     History then = find_history(place, fetch_half(RT_HALF_DEPTH, place).x,
-                              fetch_tile(RT_RAY_DISTANCE, find_tile).x);
-    vec4 now = ray_value(ray);
-    float now_luminance = luminance(now.rgb);
-    float then_luminance = luminance(then.value.rgb);
-    float most = max(now_luminance, then_luminance);
-    float change = most > 0.0 ? abs(now_luminance - then_luminance) / most : 0.0;
-    return then.is_invalid ? 1.0 : max(change, abs(now.a - then.value.a));
+                                fetch_tile(RT_RAY_DISTANCE, find_tile).x, false);
+    return then.is_invalid ? 1.0 : measure_change(ray_value(ray), then.value);
 }
 
 // The temporal gradient gives the change without noise (realtime/gradient/gradient.comp).
@@ -231,6 +234,42 @@ float adapt_history(Texel texel, inout History history)
     return part;
 }
 
+// --- the oracle -------------------------------------------------------------------------------
+
+// The texel's own ray (oracle/oracle_texels.comp), in place of which its result is written.
+vec4 fetch_own_ray(ivec2 half_pixel) { return fetch_half(RT_HISTORY, half_pixel); }
+
+void put_own_ray(ivec2 half_pixel)
+{
+    put_result(half_pixel, fetch_own_ray(half_pixel), 1.0,
+               fetch_half(RT_HISTORY_STATE, half_pixel).y);
+}
+
+const int ORACLE_DISTANCES = 64;
+const float ORACLE_NEAREST_M = 1.0, ORACLE_RATIO = 1.2; // up to 97 km; the last is infinite
+
+// The distance at which valid history differs least from the texel's own ray; the medium's distance
+// if no other is better.
+float find_best_distance_m(Texel texel, float distance_m, bool is_exact)
+{
+    vec4 own = fetch_own_ray(texel.half_pixel);
+    History history = find_history(texel.half_pixel, texel.depth_m, distance_m, is_exact);
+    if (is_static() || history.is_invalid)
+        return distance_m;
+    float best_m = distance_m, least = measure_change(own, history.value);
+    float asked_m = ORACLE_NEAREST_M;
+    for (int i = 0; i < ORACLE_DISTANCES; i++, asked_m *= ORACLE_RATIO) {
+        float candidate_m = i < ORACLE_DISTANCES - 1 ? asked_m : FAR_M;
+        history = find_history(texel.half_pixel, texel.depth_m, candidate_m, is_exact);
+        float change = measure_change(own, history.value);
+        if (!history.is_invalid && change < least) {
+            best_m = candidate_m;
+            least = change;
+        }
+    }
+    return best_m;
+}
+
 // Reconstructs a texel; the rays around are loaded.
 void reconstruct(ivec2 half_pixel)
 {
@@ -240,8 +279,15 @@ void reconstruct(ivec2 half_pixel)
         put_result(half_pixel, vec4(0.0, 0.0, 0.0, 1.0), 0.0, FAR_M);
         return;
     }
-    float distance_m = medium_distance_m(texel);
-    History history = find_history(half_pixel, texel.depth_m, distance_m);
+    bool is_exact = choice(RT_ORACLE_DEPTH) != 0;
+    float distance_m = medium_distance_m(texel), before_m = distance_m;
+    if (choice(RT_ORACLE_MOTION) != 0)
+        before_m = find_best_distance_m(texel, distance_m, is_exact);
+    History history = find_history(half_pixel, texel.depth_m, before_m, is_exact);
+    if (choice(RT_ORACLE_RAYS) != 0 || (is_exact && history.is_invalid && !texel.is_fresh)) {
+        put_own_ray(half_pixel);
+        return;
+    }
     float part = history.is_invalid ? 1.0 : adapt_history(texel, history);
     float age = history.is_invalid ? 1.0 : history.age;
     vec4 value = ray_value(texel.is_fresh ? 0 : texel.nearest);

@@ -28,5 +28,6 @@ const struct neph_rt_pass neph_rt_upscale = {
                {{{RT_STEADY, RT_STEADY_ASKED}, {RT_STEADY, RT_STEADY_KNOWN}},
                 NEPH_RT_BIT(RT_VOLUME) | NEPH_RT_BIT(RT_VOLUME_DISTANCE)}},
     .writes = NEPH_RT_BIT(RT_VOLUME) | NEPH_RT_BIT(RT_VOLUME_DISTANCE) | NEPH_RT_BIT(RT_COLOR),
+    .replaces = NEPH_RT_BIT(RT_VOLUME),
     .picture = RT_COLOR,
 };

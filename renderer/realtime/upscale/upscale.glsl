@@ -289,25 +289,10 @@ Upscaled upscaled(Taps taps, int in_quad, vec2 fraction, float scene_m)
     return Upscaled(blend(taps.of, weights, nearest), chosen.distance_m);
 }
 
-// --- composition ------------------------------------------------------------------------------
+// --- pixels -----------------------------------------------------------------------------------
 
-// The volume as a later pass would read it from its target.
-vec4 as_kept(vec4 volume)
-{
-    return get_format(RT_VOLUME) == RT_RGBA16F
-               ? from_words(uvec2(pack(volume.xy), pack(volume.zw)))
-               : volume;
-}
-
-// Whether the volume is composed with the background here, because no later pass changes it
-// (composition/compose.comp).
-bool composes() { return choice(RT_COMPOSITION) == RT_COMPOSITION_UPSCALE; }
-
-void put_composed(ivec2 pixel, vec4 volume)
-{
-    vec3 radiance = over(as_kept(volume), fetch_full(RT_BEHIND, pixel).xyz);
-    put_full(RT_COLOR, pixel, vec4(radiance, 1.0));
-}
+// What becomes of a pixel; each shader defines its own.
+void put_upscaled(ivec2 pixel, Upscaled made);
 
 // Four neighbouring pixels.
 void upscale(ivec2 quad)
@@ -321,14 +306,8 @@ void upscale(ivec2 quad)
             taps = fetch_taps(corner);
         precise vec2 fraction = place - vec2(corner);
         Upscaled made = upscaled(taps, i, fraction, fetch_full(RT_DEPTH, pixel).x);
-        if (all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, view_size()))) {
-            if (!is_output_elided()) {
-                put_full(RT_VOLUME, pixel, made.volume);
-                put_full(RT_VOLUME_DISTANCE, pixel, vec4(made.distance_m));
-            }
-            if (composes())
-                put_composed(pixel, made.volume);
-        }
+        if (all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, view_size())))
+            put_upscaled(pixel, made);
     }
 }
 

@@ -7,7 +7,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/pass.glsl"
-#include "upscale.glsl"
+#include "put_upscaled.glsl"
 
 vec4 weighted_mean(Tap taps[TAPS_MAX], float weights[TAPS_MAX], float total)
 {
