@@ -6,6 +6,7 @@
 #include "base/written.h"
 #include "harness/document/junit.h"
 #include "harness/json_file.h"
+#include "harness/night/readers.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -122,26 +123,47 @@ enum neph_status neph_night_summary(const struct neph_night *night, const char *
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
 
-static json_t *finding_json(const struct neph_finding *f)
+/* This run's number of a series' floor; NaN: the series has no floor. */
+static double find_floor(const struct neph_night_comparison *c, const char *series)
 {
-    return json_pack("{s:s, s:b, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:s, s:I}", "found",
-                     neph_found_word(f->found), "fails", neph_found_fails(f->found), "series",
-                     f->series, "step", f->step, "words", f->words, "tonight",
-                     neph_json_number(f->tonight), "baseline", neph_json_number(f->baseline),
-                     "change", neph_json_number(f->change), "p", neph_json_number(f->p), "floor",
-                     neph_json_number(f->floor), "example", f->example, "accepted_night",
-                     (json_int_t)f->accepted);
+    const size_t length = strlen(series);
+    for (int i = 0; i < c->series_count; i++)
+        if (strncmp(c->series[i].series, series, length) == 0 &&
+            strcmp(&c->series[i].series[length], NEPH_NIGHT_FLOOR) == 0)
+            return c->series[i].tonight;
+    return NAN;
 }
 
-static json_t *series_json(const struct neph_compared *row)
+/* A number over its floor; NaN where there is no ratio. */
+static double divide_by_floor(double tonight, double floor)
+{
+    return floor > 0.0 ? tonight / floor : NAN;
+}
+
+static json_t *finding_json(const struct neph_night_comparison *c, const struct neph_finding *f)
+{
+    const double floor = find_floor(c, f->series);
+    return json_pack("{s:s, s:b, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s, s:I}",
+                     "found", neph_found_word(f->found), "fails", neph_found_fails(f->found),
+                     "series", f->series, "step", f->step, "words", f->words, "tonight",
+                     neph_json_number(f->tonight), "baseline", neph_json_number(f->baseline),
+                     "change", neph_json_number(f->change), "p", neph_json_number(f->p), "floor",
+                     neph_json_number(f->floor), "preset_floor", neph_json_number(floor),
+                     "times_preset_floor", neph_json_number(divide_by_floor(f->tonight, floor)),
+                     "example", f->example, "accepted_night", (json_int_t)f->accepted);
+}
+
+static json_t *series_json(const struct neph_night_comparison *c, const struct neph_compared *row)
 {
     const struct neph_judgement *j = &row->judgement;
-    return json_pack("{s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:i}", "series", row->series,
-                     "step", row->step, "judged", neph_judged_word(j->judged), "why", row->why,
-                     "tonight", neph_json_number(row->tonight), "baseline",
+    const double floor = find_floor(c, row->series);
+    return json_pack("{s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i}", "series",
+                     row->series, "step", row->step, "judged", neph_judged_word(j->judged), "why",
+                     row->why, "tonight", neph_json_number(row->tonight), "baseline",
                      neph_json_number(j->baseline), "change", neph_json_number(j->change), "p",
-                     neph_json_number(j->p), "floor", neph_json_number(j->floor), "nights",
-                     j->nights);
+                     neph_json_number(j->p), "floor", neph_json_number(j->floor), "preset_floor",
+                     neph_json_number(floor), "times_preset_floor",
+                     neph_json_number(divide_by_floor(row->tonight, floor)), "nights", j->nights);
 }
 
 static json_t *step_json(const struct neph_night_step *step,
@@ -172,9 +194,9 @@ json_t *neph_night_json(const struct neph_night *night, const char *tier)
     const struct neph_night_comparison *c = &night->comparison;
     json_t *findings = json_array(), *series = json_array();
     for (int i = 0; i < c->finding_count; i++)
-        neph_json_add(&findings, finding_json(&c->findings[i]));
+        neph_json_add(&findings, finding_json(c, &c->findings[i]));
     for (int i = 0; i < c->series_count; i++)
-        neph_json_add(&series, series_json(&c->series[i]));
+        neph_json_add(&series, series_json(c, &c->series[i]));
     return json_pack("{s:s, s:I, s:I, s:s, s:s, s:s, s:s, s:b, s:b, s:f, s:i, s:i, s:i, s:i, s:i, "
                      "s:i, s:o, s:o, "
                      "s:o}",

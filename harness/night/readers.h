@@ -25,6 +25,11 @@
 #define NEPH_NIGHT_PICTURE "picture"
 #define NEPH_NIGHT_BROKEN_PICTURE -1.0
 
+/* The end of the metric of a floor's series: "error over all floor" is the floor of a preset's
+ * "error over all" in a stress scene that moves (harness/stress/floors.h). Documents of earlier
+ * versions have no floors. */
+#define NEPH_NIGHT_FLOOR " floor"
+
 /* Texts are allocated in the arena. */
 struct neph_night_numbers {
     struct neph_measurement *list;

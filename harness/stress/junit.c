@@ -4,6 +4,8 @@
  */
 #include "harness/stress/output.h"
 
+#include "harness/stress/floors.h"
+
 #include <math.h>
 
 /* Fails to compile when a verdict is added, as each one has a JUnit result. */
@@ -28,10 +30,13 @@ static void add_cell(const struct neph_stress_suite *suite, const struct neph_st
                                          row->limit->over);
     const char *why = cell->why && cell->why[0] ? cell->why : row->limit->reason;
     const char *verdict = neph_stress_verdicts[cell->verdict].name;
+    const struct neph_stress_floor of_preset = neph_stress_find_floor(suite, row, column);
+    const char *floor = of_preset.name ? neph_arena_format(arena, ", floor %.4g", of_preset.value)
+                                       : "";
     const char *message = isnan(cell->value)
                               ? neph_arena_format(arena, "%s: %s", verdict, why)
-                              : neph_arena_format(arena, "%s: %.4g, limit %.4g: %s", verdict,
-                                                  cell->value, row->limit->limit, why);
+                              : neph_arena_format(arena, "%s: %.4g, limit %.4g%s: %s", verdict,
+                                                  cell->value, row->limit->limit, floor, why);
     neph_junit_add(junit, group, name, junit_result(cell->verdict),
                    cell->verdict == NEPH_STRESS_PASS ? "" : message);
 }

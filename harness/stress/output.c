@@ -7,6 +7,8 @@
 #include "base/files.h"
 #include "harness/document/table.h"
 #include "harness/run/seed.h"
+#include "harness/stress/floors.h"
+#include "harness/stress/truth.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,6 +18,16 @@
 _Static_assert(NEPH_STRESS_VERDICTS == 12, "a new kind");
 
 /* ---- text ------------------------------------------------------------------------------------ */
+
+/* "0.12 (3.4)": a floor, and the value over it. */
+static void add_floor(const struct neph_stress_floor *floor, struct neph_table *table)
+{
+    neph_table_word(table, "");
+    if (floor->name && isnan(floor->times))
+        neph_table_shown(table, "%.3g", floor->value);
+    else if (floor->name)
+        neph_table_shown(table, "%.3g (%.3g)", floor->value, floor->times);
+}
 
 static void add_row(const struct neph_stress_suite *suite, const struct neph_stress_row *row,
                     struct neph_table *table)
@@ -32,6 +44,9 @@ static void add_row(const struct neph_stress_suite *suite, const struct neph_str
         neph_table_word(table, mark);
         if (!isnan(value))
             neph_table_shown(table, "%.3g%s%s", value, *mark ? " " : "", mark);
+        const struct neph_stress_floor floor = neph_stress_find_floor(suite, row, c);
+        if (suite->has_floors && suite->columns[c].is_preset)
+            add_floor(&floor, table);
     }
 }
 
@@ -55,9 +70,12 @@ static enum neph_status print_table(const struct neph_stress_suite *suite,
     };
     struct neph_table table = {.cells = NULL};
     neph_table_columns(&table, fixed, 3);
-    for (int c = 0; c < suite->column_count; c++)
+    for (int c = 0; c < suite->column_count; c++) {
         neph_table_column(&table,
                           (struct neph_column){.title = suite->columns[c].name, .width = -16});
+        if (suite->has_floors && suite->columns[c].is_preset)
+            neph_table_column(&table, (struct neph_column){.title = "floor (times)", .width = -16});
+    }
     for (int i = 0; i < count; i++)
         if (is_first_of_row(spots, i))
             add_row(suite, spots[i].row, &table);
@@ -113,6 +131,9 @@ static enum neph_status print_unexpected(const struct neph_stress_suite *suite,
     fprintf(out, "%s%s%s, %s: ", row->scene->name, row->point[0] ? " " : "", row->point,
             suite->columns[spot->column].name);
     print_value(row, cell, out);
+    const struct neph_stress_floor floor = neph_stress_find_floor(suite, row, spot->column);
+    if (floor.name)
+        fprintf(out, ", floor %.4g", floor.value);
     if (more > 0)
         fprintf(out, ", and at %d further points", more);
     fprintf(out, "\n  %s\n", cell->why[0] ? cell->why : row->limit->reason);
@@ -131,7 +152,12 @@ static void print_counts(const struct neph_stress_suite *suite, FILE *out)
     for (int v = NEPH_STRESS_PASS; v < NEPH_STRESS_VERDICTS; v++)
         if (counts->verdicts[v] > 0)
             fprintf(out, " %d %s", counts->verdicts[v], neph_stress_verdicts[v].name);
-    fprintf(out, "\nverdict: %s\n", suite->passes ? "pass" : "fail");
+    fprintf(out, "\n%s\nverdict: %s\n",
+            suite->has_floors ? "floor: the lower number of every pixel marched in every frame, "
+                                "with the anti-aliasing of the\npreset and with the default one; "
+                                "in brackets the preset over it; static scenes have none"
+                              : "floor: not measured (--tier full, or --only NAME)",
+            suite->passes ? "pass" : "fail");
 }
 
 enum neph_status neph_stress_print(const struct neph_stress_suite *suite, FILE *out,
@@ -195,16 +221,20 @@ static json_t *results_json(const struct neph_stress_suite *suite)
     for (int i = 0; i < count; i++) {
         const struct neph_stress_row *row = spots[i].row;
         const struct neph_stress_cell *cell = &row->cells[spots[i].column];
-        neph_json_add(&results,
-                      json_pack("{s:s, s:s, s:s, s:s, s:f, s:s, s:s, s:o, s:b, s:s, s:s, s:s}",
-                                "scene", row->scene->name, "point", row->point, "measure",
-                                neph_failing_measure_name(row->limit->measure), "over",
-                                row->limit->over, "limit", row->limit->limit, "reason",
-                                row->limit->reason, "column", suite->columns[spots[i].column].name,
-                                "value", neph_json_number(cell->value), "infinite",
-                                isinf(cell->value) != 0, "verdict",
-                                neph_stress_verdicts[cell->verdict].name, "why", cell->why,
-                                "frame_key", cell->frame_key ? cell->frame_key : ""));
+        const struct neph_stress_floor floor = neph_stress_find_floor(suite, row, spots[i].column);
+        neph_json_add(
+            &results,
+            json_pack("{s:s, s:s, s:s, s:s, s:f, s:s, s:s, s:o, s:b, s:s, s:s, s:s, s:s?, "
+                      "s:o, s:b, s:o}",
+                      "scene", row->scene->name, "point", row->point, "measure",
+                      neph_failing_measure_name(row->limit->measure), "over", row->limit->over,
+                      "limit", row->limit->limit, "reason", row->limit->reason, "column",
+                      suite->columns[spots[i].column].name, "value", neph_json_number(cell->value),
+                      "infinite", isinf(cell->value) != 0, "verdict",
+                      neph_stress_verdicts[cell->verdict].name, "why", cell->why, "frame_key",
+                      cell->frame_key ? cell->frame_key : "", "floor_column", floor.name, "floor",
+                      neph_json_number(floor.value), "floor_infinite", isinf(floor.value) != 0,
+                      "times_floor", neph_json_number(floor.times)));
     }
     free(spots);
     return results;
@@ -220,12 +250,12 @@ static json_t *scene_json(const struct neph_stress_suite *suite, const struct ne
         neph_failing_point_name(failing, point, name, sizeof(name));
         neph_json_add(&points, json_string(name));
     }
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:i, s:o}", "name", scene->name,
-                     "title", scene->title, "fails", failing->fails, "known", failing->known,
-                     "symptom", failing->symptom, "truth",
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:i, s:b, s:o}", "name",
+                     scene->name, "title", scene->title, "fails", failing->fails, "known",
+                     failing->known, "symptom", failing->symptom, "truth",
                      neph_failing_reference_name(failing->truth), "width_px", failing->width_px,
                      "height_px", failing->height_px, "frames", failing->frame_count, "steps",
-                     failing->steps, "points", points);
+                     failing->steps, "moves", !neph_stress_is_static(scene), "points", points);
 }
 
 json_t *neph_stress_json(const struct neph_stress_suite *suite)
@@ -240,10 +270,11 @@ json_t *neph_stress_json(const struct neph_stress_suite *suite)
     for (int v = NEPH_STRESS_PASS; v < NEPH_STRESS_VERDICTS; v++)
         neph_json_set(&counts, neph_stress_verdicts[v].name,
                       json_integer(suite->counts.verdicts[v]));
-    return json_pack("{s:s, s:s, s:s, s:o, s:o, s:i, s:i, s:o, s:s, s:f, s:i, s:o}", "format",
+    return json_pack("{s:s, s:s, s:s, s:o, s:o, s:o, s:i, s:i, s:o, s:s, s:f, s:i, s:o}", "format",
                      "neph-failure-2", "device", suite->device, "tier",
-                     suite->full ? "full" : "quick", "columns", columns, "scenes", scenes,
-                     "compared", suite->counts.compared, "news", suite->counts.news, "counts",
-                     counts, "verdict", suite->passes ? "pass" : "fail", "seconds", suite->seconds,
+                     suite->full ? "full" : "quick", "columns", columns, "floors",
+                     neph_stress_floors_json(suite), "scenes", scenes, "compared",
+                     suite->counts.compared, "news", suite->counts.news, "counts", counts,
+                     "verdict", suite->passes ? "pass" : "fail", "seconds", suite->seconds,
                      "frames", suite->frame_count, "results", results_json(suite));
 }

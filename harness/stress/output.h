@@ -28,11 +28,15 @@ void neph_stress_junit(const struct neph_stress_suite *suite, struct neph_junit 
  *
  *   {"format": "neph-failure-2", "device", "tier",
  *    "columns": [{"name", "engine", "preset": bool}],
+ *    "floors": [{"column", "floors": [name, name]}], or null: not measured,
  *    "scenes": [{"name", "title", "fails", "known", "symptom", "truth", "width_px", "height_px",
- *                "frames", "steps", "points": [names, "" for the scene file itself]}],
+ *                "frames", "steps", "moves": bool,
+ *                "points": [names, "" for the scene file itself]}],
  *    "compared", "news", "counts": {verdict: n}, "verdict", "seconds", "frames",
  *    "results": [{"scene", "point", "measure", "over", "limit", "reason", "column",
- *                 "value" (null: none, or infinite), "infinite", "verdict", "why"}, ...]} */
+ *                 "value" (null: none, or infinite), "infinite", "verdict", "why",
+ *                 "floor_column" (null: no floor), "floor", "floor_infinite",
+ *                 "times_floor"}, ...]} */
 json_t *neph_stress_json(const struct neph_stress_suite *suite);
 
 #endif

@@ -6,7 +6,9 @@
 
 #include "harness/data.h"
 #include "harness/engines/engines.h"
+#include "harness/stress/floors.h"
 #include "harness/stress/measures.h"
+#include "harness/stress/truth.h"
 #include "renderer/realtime/options.h"
 
 #include <math.h>
@@ -221,8 +223,9 @@ static void add_row(struct neph_stress_suite *suite, const struct neph_scene *sc
         .point_index = point,
         .point = name,
         .limit = limit,
-        .cells = neph_arena_allocate(&suite->arena, (size_t)suite->column_count,
-                                     sizeof(*row->cells)),
+        .is_moving = !neph_stress_is_static(scene),
+        .cells = neph_arena_allocate(
+            &suite->arena, (size_t)(suite->column_count + suite->floor_count), sizeof(*row->cells)),
     };
     for (int c = 0; c < suite->column_count && row->cells; c++)
         row->cells[c] = (struct neph_stress_cell){
@@ -231,6 +234,8 @@ static void add_row(struct neph_stress_suite *suite, const struct neph_scene *sc
                            ? NEPH_STRESS_NOT_YET
                            : NEPH_STRESS_NOT_PLANNED,
             .why = ""};
+    if (row->cells)
+        neph_stress_plan_floor_cells(suite, row);
 }
 
 /* Adds the rows of a point; bad values are counted at every point. */
@@ -277,5 +282,7 @@ enum neph_status neph_stress_plan(const struct neph_stress_params *params,
     enum neph_status status = choose_scenes(params, suite, diag);
     if (!status)
         status = choose_columns(params, suite, diag);
+    if (!status && (params->full || params->only_count > 0))
+        status = neph_stress_add_floors(suite, diag);
     return status ? status : make_rows(params, suite, diag);
 }

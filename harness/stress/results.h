@@ -7,10 +7,15 @@
 
 #include "base/arena.h"
 #include "harness/engines/engine.h"
+#include "harness/study/flicker_study.h"
 #include "scenes/failing.h"
 #include "scenes/scene.h"
 
-enum { NEPH_STRESS_COLUMNS_MAX = 24, NEPH_STRESS_JOBS_MAX = 64 };
+enum {
+    NEPH_STRESS_COLUMNS_MAX = 24,
+    NEPH_STRESS_TRIAL_COLUMNS_MAX = (1 + NEPH_STUDY_FLOOR_CANDIDATES) * NEPH_STRESS_COLUMNS_MAX,
+    NEPH_STRESS_JOBS_MAX = 64
+};
 
 /* ---- verdicts --------------------------------------------------------------------------------
  *
@@ -120,7 +125,8 @@ struct neph_stress_row {
     int point_index;
     const char *point;
     const struct neph_failing_limit *limit;
-    struct neph_stress_cell *cells; /* one per column */
+    bool is_moving;                 /* camera, light, media or solids move: it can have floors */
+    struct neph_stress_cell *cells; /* one per column, then one per floor */
 };
 
 struct neph_stress_counts {
@@ -136,8 +142,10 @@ struct neph_stress_suite {
     int width_px, height_px; /* 0: the scenarios' sizes */
     bool on_device;          /* only bad values were counted, on the device */
     char device[128];
-    int column_count;
-    struct neph_stress_column columns[NEPH_STRESS_COLUMNS_MAX];
+    int column_count, floor_count;
+    struct neph_stress_column columns[NEPH_STRESS_TRIAL_COLUMNS_MAX]; /* then the floors */
+    struct neph_study_floor floors[NEPH_STRESS_COLUMNS_MAX]; /* of presets: columns (floors.h) */
+    bool has_floors;                                         /* false: floors are not measured */
     int scene_count, row_count;
     struct neph_scene **scenes; /* owned; the list is in the arena */
     struct neph_stress_row *rows;

@@ -51,7 +51,7 @@ static void list_point(const struct neph_stress_suite *suite, const struct neph_
 {
     const struct neph_failing *failing = point->scene->failing;
     bool has_truth[2] = {false, false}; /* of engines, of presets */
-    for (int c = 0; c < suite->column_count; c++)
+    for (int c = 0; c < suite->column_count + suite->floor_count; c++)
         if (neph_stress_has_trial(suite, point, c)) {
             trials->list[trials->count++] = (struct neph_stress_trial){
                 .row = point->first_row,
@@ -66,7 +66,8 @@ static void list_point(const struct neph_stress_suite *suite, const struct neph_
 enum neph_status neph_stress_list_trials(struct neph_stress_suite *suite, bool are_spread,
                                          struct neph_stress_trials *trials, struct neph_diag *diag)
 {
-    const size_t most = (size_t)suite->row_count * (size_t)suite->column_count;
+    const size_t most = (size_t)suite->row_count *
+                        (size_t)(suite->column_count + suite->floor_count);
     *trials = (struct neph_stress_trials){
         .list = neph_arena_allocate(&suite->arena, most, sizeof(*trials->list))};
     if (!trials->list)
@@ -184,7 +185,7 @@ static bool read_message(json_t *json, struct neph_stress_suite *suite,
         return false;
     message->row_count = (int)json_array_size(cells);
     bool is_read = message->row_count > 0 && message->first_row >= 0 && message->column >= 0 &&
-                   message->column < suite->column_count &&
+                   message->column < suite->column_count + suite->floor_count &&
                    message->first_row + message->row_count <= suite->row_count;
     for (int r = 0; r < message->row_count && is_read; r++)
         is_read = read_cell(json_array_get(cells, (size_t)r), suite,
@@ -306,7 +307,7 @@ static void probe(struct neph_stress_context *bench)
     struct neph_engine_info info;
     neph_engine_probe(realtime, bench->params->device, &info);
     snprintf(suite->device, sizeof(suite->device), "%s", info.device);
-    for (int c = 0; c < suite->column_count; c++)
+    for (int c = 0; c < suite->column_count + suite->floor_count; c++)
         if (suite->columns[c].engine == realtime)
             bench->infos[c] = info;
         else

@@ -58,8 +58,11 @@ void neph_stress_name(const struct neph_stress_suite *suite, const struct neph_s
                       int column, char name[NEPH_STRESS_NAME_SIZE])
 {
     const char *at = suite->rows[point->first_row].point;
+    const char *kind = column >= suite->column_count      ? "floor"
+                       : suite->columns[column].is_preset ? "preset"
+                                                          : "engine";
     snprintf(name, NEPH_STRESS_NAME_SIZE, "%s%s%s, %s %s", point->scene->name, *at ? " " : "", at,
-             suite->columns[column].is_preset ? "preset" : "engine", suite->columns[column].name);
+             kind, suite->columns[column].name);
 }
 
 int neph_stress_kind(const struct neph_stress_suite *suite, int column)
@@ -87,6 +90,12 @@ struct trial {
 static const struct neph_stress_column *trial_column(const struct trial *trial)
 {
     return &trial->bench->suite->columns[trial->column];
+}
+
+/* A floor has values only: no verdicts, no evidence. */
+static bool is_floor(const struct trial *trial)
+{
+    return trial->column >= trial->bench->suite->column_count;
 }
 
 static struct neph_stress_row *trial_row(const struct trial *trial, int number)
@@ -250,7 +259,7 @@ static bool is_drawn(const struct trial *trial)
 {
     const enum neph_stress_images wanted = trial->bench->params->pictures;
     bool is_wanted = false;
-    for (int r = 0; r < trial->point->row_count; r++) {
+    for (int r = 0; r < trial->point->row_count && !is_floor(trial); r++) {
         const struct neph_stress_verdict_info *verdict =
             &neph_stress_verdicts[trial_cell(trial, r)->verdict];
         is_wanted |= verdict->is_compared &&
@@ -412,8 +421,8 @@ static bool is_skipped(const struct trial *trial)
 }
 
 /* Whether an error concerns one column; all others end the run. An engine or a user engine may not
- * support a scene, or not be installed; a preset must render every scenario. */
-static bool is_column_error(const struct neph_stress_column *column, enum neph_status status,
+ * support a scene, or not be installed; a floor may fail. A preset must render every scenario. */
+static bool is_column_error(const struct trial *trial, enum neph_status status,
                             enum neph_stress_verdict *verdict)
 {
     static const struct {
@@ -427,7 +436,9 @@ static bool is_column_error(const struct neph_stress_column *column, enum neph_s
         {NEPH_ERR_UNAVAILABLE, false, NEPH_STRESS_MISSING},
         {NEPH_ERR_TIMEOUT, false, NEPH_STRESS_NOT_RENDERED},
     };
-    const bool is_promise = column->is_preset && !column->engine->is_user_engine;
+    const struct neph_stress_column *column = trial_column(trial);
+    const bool is_promise = column->is_preset && !column->engine->is_user_engine &&
+                            !is_floor(trial);
     for (size_t i = 0; i < sizeof(table) / sizeof(table[0]); i++)
         if (table[i].status == status) {
             *verdict = is_promise ? NEPH_STRESS_NO_NUMBER : table[i].verdict;
@@ -441,7 +452,7 @@ static enum neph_status try(struct trial *trial, const char *what, struct neph_d
     struct neph_diag why = {.line = 0};
     enum neph_stress_verdict verdict;
     enum neph_status status = run(trial, &why);
-    if (is_column_error(trial_column(trial), status, &verdict)) {
+    if (is_column_error(trial, status, &verdict)) {
         if (neph_stress_verdicts[verdict].is_unexpected)
             neph_progress_warn("%s: %s", what, why.message);
         mark_cells(trial, verdict, why.message);

@@ -21,7 +21,7 @@ struct neph_stress_context {
     struct neph_store *store;
     json_t *expectations;
     struct neph_progress progress;
-    struct neph_engine_info infos[NEPH_STRESS_COLUMNS_MAX]; /* of the columns */
+    struct neph_engine_info infos[NEPH_STRESS_TRIAL_COLUMNS_MAX]; /* of the columns */
 };
 
 /* A sweep point of a scenario: consecutive rows of the suite. */

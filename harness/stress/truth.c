@@ -15,7 +15,7 @@
 /* Fails to compile when a kind is added, as neph_stress_preset_truth() chooses by it. */
 _Static_assert(NEPH_FAILING_REFERENCE_COUNT == 2, "a new kind");
 
-static bool is_static_scenario(const struct neph_scene *scene)
+bool neph_stress_is_static(const struct neph_scene *scene)
 {
     for (int frame = 1; frame < scene->failing->frame_count; frame++)
         if (!neph_scene_are_frames_equal(scene, 0, frame))
@@ -25,7 +25,7 @@ static bool is_static_scenario(const struct neph_scene *scene)
 
 struct neph_stress_frames neph_stress_engine_frames(const struct neph_scene *scene)
 {
-    return is_static_scenario(scene)
+    return neph_stress_is_static(scene)
                ? (struct neph_stress_frames){1, 1}
                : (struct neph_stress_frames){3, (scene->failing->frame_count - 1) / 2};
 }
@@ -101,7 +101,7 @@ enum neph_status neph_stress_preset_truth(const struct neph_job *test, struct ne
     if (scene->failing->truth == NEPH_FAILING_MARCH)
         return neph_reference_make(test, scene->failing->frame_count, store, progress, reference,
                                    diag);
-    if (!is_static_scenario(scene))
+    if (!neph_stress_is_static(scene))
         return neph_fail(diag, NEPH_ERR_INPUT, "%s moves: `truth: exact` needs a static scene",
                          scene->name);
     return make_exact(test, &one, store, reference, diag);

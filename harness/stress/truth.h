@@ -8,6 +8,9 @@
 
 #include "harness/study/reference.h"
 
+/* Whether all frames of a stress scene are equal: nothing moves and no light changes. */
+bool neph_stress_is_static(const struct neph_scene *scene);
+
 /* Frames of a test: first, first + step, ... */
 struct neph_stress_frames {
     int count, step;

@@ -66,6 +66,8 @@ function checkFinding(finding, seen) {
   for (const end of [...(finding.interval ?? []), finding.range?.low, finding.range?.high])
     if (end !== undefined && end !== null && finding.tonight !== null
       && !group.values.includes(end)) find(`${where}: its interval is not shown`);
+  if (typeof finding.preset_floor === "number" && !group.values.includes(finding.preset_floor))
+    find(`${where}: its floor is not shown`);
   if (finding.tonight === null && !group.text.includes(single(finding.words)))
     find(`${where}: it is not said: ${finding.words}`);
   if ((finding.trend ?? []).filter(({ value }) => value !== null).length > 1
@@ -91,6 +93,9 @@ function checkContent(data, seen) {
   for (const row of data.series)
     if (row.tonight !== null && !row.series.endsWith("/contrast")
       && !seen.cells.includes(row.tonight)) find(`${row.series}: its number is not shown`);
+  for (const row of data.series)
+    if (typeof row.preset_floor === "number" && !seen.cells.includes(row.preset_floor))
+      find(`${row.series}: its floor is not shown`);
   for (const row of seen.empty) find(`a row without a number: ${row}`);
   for (const step of data.steps)
     if (!seen.text.includes(step.name)) find(`step ${step.name} is not shown`);

@@ -42,6 +42,9 @@ function checkContent(data, seen) {
     if (result.value !== null && shownCount(seen.values, result.value) === 0)
       find(`${result.scene} ${result.point} ${result.measure} ${result.column}: the number ` +
         `${result.value} is not shown`);
+    if (typeof result.floor === "number" && shownCount(seen.values, result.floor) === 0)
+      find(`${result.scene} ${result.point} ${result.measure} ${result.column}: the floor ` +
+        `${result.floor} is not shown`);
     for (const said of [result.why, result.reason])
       if (said && !seen.text.includes(said)) find(`it is not said: ${said}`);
   }

@@ -210,6 +210,12 @@
   const changeText = ({ words, tonight, baseline }) => (tonight !== null && baseline !== null
     ? words.slice(words.indexOf(": ") + 2) : words);
 
+  const hasFloor = (one) => typeof one.preset_floor === "number";
+
+  /** The floor of a number in motion, and the number over it. */
+  const floorText = (one) => ["floor ", number(one.preset_floor),
+    typeof one.times_preset_floor === "number" && ` (${written(one.times_preset_floor, 3)} times)`];
+
   function numbers(group) {
     const own = group.filter((finding) => finding.tonight !== null || finding.change !== null
       || (finding.trend ?? []).length > 0);
@@ -223,6 +229,7 @@
           ? el("p", null, el("span", { class: "big" }, number(finding.tonight)), " accepted ",
             number(finding.baseline))
           : null,
+        hasFloor(finding) && el("p", null, floorText(finding)),
         el("p", null, changeText(finding)),
         el("p", { class: "small soft" }, rangeText(finding),
           finding.floor !== null && [rangeText(finding) ? "; " : "", "detectable from ",
@@ -281,6 +288,8 @@
     entry("Numbers", unique(night.findings.map((finding) => finding.kind).filter((kind) =>
       KINDS[kind])).map((kind) => `${kind}: ${KINDS[kind]}. `),
     "“Detectable from”: the smallest change that this run could detect."),
+    entry("Floor", "The same measure of a scene in motion with every pixel marched in every frame: ",
+      "the lower number of the anti-aliasing of the preset and the default one."),
     entry("Every number", "Point at a number of the tables below for all its digits, the ",
       "accepted number and the smallest detectable change."),
     entry("Intended change", el("code", null, "neph baseline accept --why TEXT"), " accepts this ",
@@ -298,6 +307,7 @@
           .join("; ") }, written(result.tonight, 3)),
       ["worse", "better", "moved"].includes(result.judged)
         && small(`${result.judged}, ${percent(result.change)}`),
+      hasFloor(result) && small(floorText(result)),
       result.judged === "not judged" && small("not judged"));
   }
 

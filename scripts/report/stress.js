@@ -60,6 +60,17 @@
       written(result.value));
   }
 
+  /** The floor of a number in motion, and the number over it; null: it has no floor. */
+  function floorOf(result) {
+    if (!result.floor_column) return null;
+    const number = result.floor_infinite ? "∞" : el("data", { value: result.floor,
+      "data-value": result.floor, title: result.floor_column }, written(result.floor));
+    return ["floor ", number,
+      result.times_floor !== null && ` (${written(result.times_floor)} times)`];
+  }
+
+  const withFloor = (result) => result.floor_column && [", ", floorOf(result)];
+
   const limitOf = (result) => el("data", { value: result.limit, title: result.limit },
     written(result.limit));
 
@@ -99,7 +110,8 @@
   const newsItem = ([result, ...more]) => el("li", null, word(result.verdict, true), " ",
     link(`#${anchor(result.scene)}`, result.scene), result.point && ` at ${result.point}`, " · ",
     bold(result.column), ` · ${result.measure}${maskOf(result)}: `,
-    hasNumber(result) ? [numberOf(result), ", limit ", limitOf(result)] : result.why,
+    hasNumber(result) ? [numberOf(result), ", limit ", limitOf(result), withFloor(result)]
+      : result.why,
     more.length > 0 && `, and at ${plural(more.length, "more point", "more points")}`);
 
   function verdict() {
@@ -131,7 +143,10 @@
   const head = () => window.NephPage.head("Nephelometer stress tests", "Where methods fail",
     verdict(), fact("Tier", run.tier), fact("Device", run.device),
     fact("Created", run.created_utc), fact("Duration", `${written(run.seconds)} s`),
-    fact("Version", `neph ${run.neph_version}`), fact("Page", pictureFact()));
+    fact("Version", `neph ${run.neph_version}`),
+    fact("Floor", run.floors ? "measured, where a scenario moves"
+      : "not measured (--tier full, or --only NAME)"),
+    fact("Page", pictureFact()));
 
   // --------------------------------------------------------------------------------------- matrix
 
@@ -145,6 +160,7 @@
     const failing = own.filter((result) => !["pass", "not_yet"].includes(result.verdict)).length;
     return el("td", { class: `num ${TINTS[worst.verdict] ?? ""}` }, numberOf(worst),
       small(word(worst.verdict)), hasNumber(worst) && small("limit ", limitOf(worst)),
+      worst.floor_column && small(floorOf(worst)),
       small(`${worst.measure}${maskOf(worst)}`), worst.point && small(worst.point),
       own.length > 1 && hasNumber(worst) && worst.verdict !== "pass"
         && small(`${failing} of ${own.length} numbers`));
@@ -174,6 +190,9 @@
     entry("Verdicts", "✗ fails: above its limit, and not expected. △ fails, known: an " +
       "expected failure, recorded with its reason. ◆ passes, unexpected: recorded as a failure, " +
       "but now below its limit; this also counts as not expected."),
+    entry("Floor", "The same measure with every pixel marched in every frame: the lower number " +
+      "of the anti-aliasing of the preset and the default one. The rest is caused by the division " +
+      "over frames. Scenarios without motion have no floor."),
     entry("Engines", "Presets are settings of the real-time method with history. Engines that " +
       "render each frame independently are tested in the fog scenarios only: they are compared " +
       "with engine exact, without the measures of a history. “Cannot” and “missing” are not " +
@@ -276,7 +295,8 @@
     return el("article", { class: "exhibit" },
       el("h4", null, item.column, item.point && ` at ${item.point}`),
       worst && el("p", { class: "small" }, word(worst.verdict), ": ", worst.measure, maskOf(worst),
-        " ", numberOf(worst), ", limit ", limitOf(worst), worst.why && `. ${worst.why}`),
+        " ", numberOf(worst), ", limit ", limitOf(worst), withFloor(worst),
+        worst.why && `. ${worst.why}`),
       fit(shown, size));
   }
 
@@ -333,7 +353,16 @@
         svg("text", { x, y: PLOT.top + 24, "text-anchor": "middle", stroke: "none" }, "∞")]));
   }
 
-  function curveKey(names) {
+  /** The floor of one column: dots in its colour. */
+  function floorSeries(own, n, across, place) {
+    const course = own.map((one, p) => [across(p), one?.floor ?? null])
+      .filter(([, floor]) => floor !== null)
+      .map(([x, floor], i) => `${i ? "L" : "M"}${x.toFixed(1)} ${place(floor).toFixed(1)}`);
+    return svg("path", { d: course.join(""), fill: "none", stroke: SERIES[n % SERIES.length][0],
+      "stroke-dasharray": "1 4", "stroke-width": 1.5 });
+  }
+
+  function curveKey(names, hasFloor) {
     return el("p", { class: "small curve-key" }, names.map((name, n) => {
       const [colour, dash] = SERIES[n % SERIES.length];
       return el("span", null, svg("svg", { width: 34, height: 12, "aria-hidden": "true" },
@@ -341,7 +370,8 @@
           svg("path", { d: "M0 6H34", "stroke-width": 1.5, "stroke-dasharray": dash || null }),
           MARKS[n % MARKS.length](17, 6))), ` ${name} `);
     }), el("span", null, svg("svg", { width: 34, height: 12, "aria-hidden": "true" },
-      svg("path", { class: "limit", d: "M0 6H34" })), " limit"));
+      svg("path", { class: "limit", d: "M0 6H34" })), " limit"),
+    hasFloor && " · dots in the colour of a preset: its floor");
   }
 
   /** The label of a point of a sweep: its value; null if the sweep has several parameters. */
@@ -357,7 +387,9 @@
     const { limit } = own[0];
     const resultAt = (name, point) => own.find((result) => result.column === name
       && result.point === point);
-    const values = own.map((result) => result.value).filter((value) => value !== null);
+    const hasFloor = own.some((result) => typeof result.floor === "number");
+    const values = own.flatMap((result) => [result.value, result.floor ?? null])
+      .filter((value) => value !== null);
     const scale = axis([...values, limit].filter((value, n, all) => value > 0
       || Math.min(...all) <= 0), own.some((result) => result.infinite));
     const room = PLOT.width - PLOT.left - PLOT.right;
@@ -379,8 +411,10 @@
           : (points[1] ?? "").replace(/\+?=.*$/, "")),
       level("limit", limit),
       names.map((name, n) => series(points.map((point) => resultAt(name, point)), n, across,
-        scale.place)))),
-      curveKey(names));
+        scale.place)),
+      hasFloor && names.map((name, n) => floorSeries(points.map((point) => resultAt(name, point)),
+        n, across, scale.place)))),
+      curveKey(names, hasFloor));
   }
 
   // --------------------------------------------------------------------------------------- scenes
@@ -390,7 +424,8 @@
       && one.measure === measure && one.over === over);
     if (!result) return notAsked();
     return el("td", { class: `num ${TINTS[result.verdict] ?? ""}`, title: result.why || null },
-      numberOf(result), small(word(result.verdict)));
+      numberOf(result), small(word(result.verdict)),
+      result.floor_column && small(floorOf(result)));
   }
 
   function numbers(scene, points, label) {

@@ -76,6 +76,10 @@ def findings():
         finding("worse", f"{fog}/march/radiance rel_bias/exact",
                 "-0.02, accepted 0.0002: by 20 % of 0.001 further from 0", tonight=-0.02,
                 baseline=0.0002, change=20.2, p=0.0, floor=0.005, trend=course([2e-4, -0.02])),
+        finding("worse", "failure/sea@15da7c6d/ours/error over all",
+                "0.0375, accepted 0.025: +50 %", tonight=0.0375, baseline=0.025, change=0.5, p=0.0,
+                floor=0.005, preset_floor=0.0125, times_preset_floor=3.0,
+                trend=course([0.025, 0.0375])),
         finding("worse", "speed/fog@15da7c6d/march/time", "1.25, accepted 1.0: +25 %",
                 tonight=1.25, baseline=1.0, change=0.25, p=1e-5, floor=0.08, kind="timed",
                 range={"low": 0.95, "high": 1.06, "nights": 5}, accepted_night=3,
@@ -106,7 +110,10 @@ def page_data():
             row(f"{fog}/march/contrast", "not judged", 2.0, "a picture"),
             row(f"{fog}/realtime/radiance p99/exact", "better", 0.1),
             row("physics/slab_thin/tracer/deviation/theory", "same", 1.25e-4),
-            row("speed/fog@15da7c6d/march/time", "worse", 1.25)]
+            row("speed/fog@15da7c6d/march/time", "worse", 1.25),
+            {**row("failure/sea@15da7c6d/ours/error over all", "worse", 0.0375),
+             "preset_floor": 0.0125, "times_preset_floor": 3.0},
+            row("failure/sea@15da7c6d/ours/error over all floor", "same", 0.0125)]
     steps = [{"name": "catalog fog", "done": True, "outcome": "done", "reason": "",
               "arguments": ["validate", "fog"], "log": "logs/catalog_fog.log"},
              {"name": f"sweep {HOSTILE}", "done": False, "outcome": "failed",
@@ -171,6 +178,7 @@ class Page(PageCase):
         data = page_data()
         data["findings"][3]["tonight"] *= 1.001
         data["series"][4]["tonight"] *= 1.001
+        data["findings"][5]["preset_floor"] *= 1.001
         (folder / "data.json").write_text(json.dumps(data))
         self.assert_finds(self.check(folder, "--quick"), (
             ("a command that is not shown", "its command is not shown"),
@@ -178,6 +186,7 @@ class Page(PageCase):
             ("markup from data", "markup that is none of the page's"),
             ("a missing picture", "images/c.png"),
             ("a number that differs", "its number of tonight is not shown"),
+            ("a floor that differs", "its floor is not shown"),
             ("another", "slab_thin/tracer/deviation/theory: its number")))
 
 

@@ -116,6 +116,11 @@ class Runs(unittest.TestCase):
             self.assertEqual(found["fog_none", "error", "all", preset]["value"], 0.0)
             self.assertEqual(found["fog_none", "bad_values", "all", preset]["value"], 0.0)
 
+    def test_static_scenes_have_no_floor(self):
+        for found in cells(self.done).values():
+            self.assertEqual((found["floor_column"], found["floor"], found["times_floor"]),
+                             (None, None, None))
+
     def test_comparisons_are_counted(self):
         document = json.loads(self.done.stdout)
         verdicts = [r["verdict"] for r in document["results"]]
@@ -212,6 +217,34 @@ class Runs(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual([r["measure"] for r in json.loads(done.stdout)["results"]],
                          ["bad_values"])
+
+
+class Floors(unittest.TestCase):
+    """A number in motion is beside the number of every pixel marched in every frame."""
+
+    def test_the_floor_is_the_number_of_its_preset(self):
+        """A preset that is the floor of both is rendered once, and its ratio is 1."""
+        done = suite(TEMPORARY.name, "--only", "sun_flash", "--preset", "fixed", "--preset",
+                     "off+taa=on", "--jobs", "2", "--json")
+        found = cells(done)
+        fixed, floor = (found["sun_flash", "lag", "all", preset]
+                        for preset in ("fixed", "off+taa=on"))
+        self.assertEqual((fixed["floor_column"], fixed["floor"]), ("off+taa=on", floor["value"]))
+        self.assertEqual(fixed["times_floor"], fixed["value"] / floor["value"])
+        self.assertEqual(floor["times_floor"], 1.0)
+        self.assertIsNone(found["sun_flash", "bad_values", "all", "fixed"]["floor_column"])
+        frames = json.loads(done.stdout)["scenes"][0]["frames"]
+        self.assertEqual(json.loads(done.stdout)["frames"], 2 * frames)
+
+    def test_a_floor_has_no_verdict(self):
+        """Its numbers are in no count and its column is in no list."""
+        done = suite(TEMPORARY.name, "--only", "sun_flash", "--preset", "fixed", "--json")
+        document = json.loads(done.stdout)
+        self.assertEqual({r["column"] for r in document["results"]}, {"fixed"})
+        self.assertEqual(document["compared"], len(document["results"]))
+        self.assertEqual(document["floors"],
+                         [{"column": "fixed", "floors": ["off+taa=on", "off+taa=on"]}])
+        self.assertIsNotNone(cells(done)["sun_flash", "lag", "all", "fixed"]["floor"])
 
 
 class Engines(unittest.TestCase):

@@ -30,10 +30,12 @@ PICTURES = ["worst", "worst_reference", "worst_difference", "slice", "slice_refe
 # ----------------------------------------------------------------------------------------- data
 
 def result(scene, column, verdict, value, measure="error", point="", why="", limit=0.2,
-           infinite=False):
+           infinite=False, floor=None):
     return {"scene": scene, "point": point, "measure": measure, "over": "all", "limit": limit,
             "reason": f"a few seams may be open {HOSTILE}", "column": column, "value": value,
-            "infinite": infinite, "verdict": verdict, "why": why}
+            "infinite": infinite, "verdict": verdict, "why": why,
+            "floor_column": floor and f"off+taa=on {HOSTILE}", "floor": floor,
+            "floor_infinite": False, "times_floor": floor and value / floor}
 
 
 def scene(name, points):
@@ -52,7 +54,7 @@ def evidence(scene_name, column, point, folder):
 
 
 def results():
-    fence = [result("fence", "seed", "fail", 0.25 * 2.3 ** p, point=point)
+    fence = [result("fence", "seed", "fail", 0.25 * 2.3 ** p, point=point, floor=0.07 + 0.01 * p)
              for p, point in reversed(list(enumerate(POINTS)))]
     variance = [result("fence", "ours+taa_box=variance", "known_fail" if p else "pass",
                        0.12 * 1.7 ** p, point=point, why="not isolated yet" if p else "")
@@ -75,6 +77,7 @@ def page_data():
     verdicts = [row["verdict"] for row in rows]
     return {"format": "neph-failure-2", "device": f"llvmpipe {HOSTILE}", "tier": "full",
             "columns": COLUMNS,
+            "floors": [{"column": "seed", "floors": ["off+taa=on", "off+taa=on"]}],
             "scenes": [scene("fog", [""]), scene("fence", POINTS), scene("veil", [""]),
                        scene("blind", [""])],
             "compared": sum(v in ("pass", "fail", "known_fail", "unexpected_pass", "flake")
@@ -149,6 +152,7 @@ class Page(PageCase):
         (folder / "images/a1/slice.png").unlink()
         data = page_data()
         data["results"][0]["value"] *= 1.001
+        data["results"][1]["floor"] *= 1.001
         data["results"][-1]["why"] = "another reason"
         (folder / "data.json").write_text(json.dumps(data))
         self.assert_finds(self.check(folder, "--quick"), (
@@ -158,6 +162,7 @@ class Page(PageCase):
             ("a row without a number", "a row without a number: blind"),
             ("a missing picture", "images/a1/slice.png"),
             ("a number that differs", "the number"),
+            ("a floor that differs", "the floor"),
             ("a reason that is not said", "another reason")))
 
 

@@ -14,6 +14,7 @@
 #include "harness/stress/measures.h"
 #include "harness/stress/suite.h"
 #include "harness/stress/trial.h"
+#include "harness/stress/truth.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
@@ -312,6 +313,8 @@ static void test_every_scenario_can_be_run(void **state)
             struct neph_scene *at = NULL;
             struct neph_diag diag = {.line = 0};
             neph_assert_ok(neph_scene_load_point(full.scenes[s], p, &at, &diag), &diag);
+            /* a point moves only if its file does, by which its floors are planned */
+            assert_true(neph_stress_is_static(at) || !neph_stress_is_static(full.scenes[s]));
             neph_scene_destroy(at);
         }
     }
@@ -420,7 +423,7 @@ static void assert_all_once(const struct neph_stress_suite *suite,
 {
     int asked = 0;
     for (int row = 0; row < suite->row_count; row += neph_stress_point_at(suite, row).row_count)
-        for (int c = 0; c < suite->column_count; c++)
+        for (int c = 0; c < suite->column_count + suite->floor_count; c++)
             asked += is_requested_at(suite, row, c);
     assert_int_equal(trials->count, asked);
     for (int i = 0; i < trials->count; i++) {
