@@ -14,14 +14,20 @@ enum { LABEL_PX = 24 }; /* segments from this width on have their percents */
 /* Fails to compile when a part is added, as it needs a fill. */
 _Static_assert(NEPH_PARTS == 7, "a new kind");
 
-/* Neighbours in a bar differ in lightness, so that the chart is readable in grey. Colours: M. Okabe,
- * K. Ito, "Color Universal Design", 2008. */
+/* Differ in lightness or pattern, so that the chart is readable in grey. Colours after M. Okabe, K.
+ * Ito, "Color Universal Design", 2008. */
 static const struct {
     const char *fill, *text;
 } fills[NEPH_PARTS] = {
-    {"#0072b2", "#fff"}, {"#f0e442", "#000"}, {"#009e73", "#fff"}, {"#ffffff", "#000"},
-    {"#d55e00", "#fff"}, {"#b9dff5", "#000"}, {"#333333", "#fff"},
+    {"#0072b2", "#fff"}, {"#f0e442", "#000"},    {"url(#stripes)", "#000"}, {"#ffffff", "#000"},
+    {"#e8894c", "#000"}, {"url(#dots)", "#000"}, {"#222222", "#fff"},
 };
+static const char patterns[] =
+    "<defs><pattern id=\"stripes\" width=\"5\" height=\"5\" patternUnits=\"userSpaceOnUse\" "
+    "patternTransform=\"rotate(45)\"><rect width=\"5\" height=\"5\" fill=\"#b6e5d7\"/><rect "
+    "width=\"2\" height=\"5\" fill=\"#009e73\"/></pattern><pattern id=\"dots\" width=\"5\" "
+    "height=\"5\" patternUnits=\"userSpaceOnUse\"><rect width=\"5\" height=\"5\" "
+    "fill=\"#d3ebf8\"/><circle cx=\"2.5\" cy=\"2.5\" r=\"1\" fill=\"#3c93c2\"/></pattern></defs>\n";
 
 /* An axis of percents. */
 struct axis {
@@ -72,7 +78,7 @@ static void draw_axis(const struct axis *axis, double bottom_px, FILE *out)
                 "<path d=\"M%.1f %d V%.0f\" stroke=\"%s\"/>"
                 "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%g</text>\n",
                 at_px(axis, percent), TOP - 6, bottom_px, percent == 0.0 ? "#000" : "#ccc",
-                at_px(axis, percent), TOP - 12, percent);
+                at_px(axis, percent), TOP - 12, percent + 0.0);
 }
 
 static void draw_segment(const struct axis *axis, int part, double from, double percent,
@@ -80,6 +86,8 @@ static void draw_segment(const struct axis *axis, int part, double from, double 
 {
     const double left_px = at_px(axis, fmin(from, from + percent)),
                  right_px = at_px(axis, fmax(from, from + percent));
+    if (right_px - left_px < 0.1)
+        return;
     fprintf(out,
             "<rect x=\"%.1f\" y=\"%.0f\" width=\"%.1f\" height=\"%d\" fill=\"%s\" "
             "stroke=\"#000\" stroke-width=\"0.6\"/>",
@@ -115,9 +123,9 @@ void neph_attribution_plot(const struct neph_attribution_study *attribution, FIL
     fprintf(out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" font-family="
             "\"sans-serif\" font-size=\"12\">\n<rect width=\"100%%\" height=\"100%%\" "
-            "fill=\"#fff\"/>\n<text x=\"%d\" y=\"26\" font-size=\"16\">Causes of the flicker seen: "
-            "",
-            WIDTH, bottom_px + BOTTOM, LEFT);
+            "fill=\"#fff\"/>\n%s<text x=\"%d\" y=\"26\" font-size=\"16\">Causes of the flicker "
+            "seen: ",
+            WIDTH, bottom_px + BOTTOM, patterns, LEFT);
     neph_svg_print_escaped(attribution->plan->preset, out);
     fprintf(out, "</text>\n");
     draw_key(out);
