@@ -8,6 +8,9 @@
 #include "harness/experiments/experiments.h"
 #include "harness/experiments/flicker.h"
 
+/* Fails to compile when a kind is added, as run() chooses sequences. */
+_Static_assert(NEPH_STUDY_CAPTURES == 4, "a new kind");
+
 struct request {
     struct neph_flicker_request flicker;
     const char *preset;
@@ -37,7 +40,7 @@ static const struct neph_cli_option options[] = {
     {.name = "output",
      .help = "Folder of the store, of attribution.svg and of a map for each scene and each of the "
              "worst parts",
-     .otherwise = "out/attribution"},
+     .otherwise = "out/study"},
     {.name = "all"},
     {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "csv", .help = "A line for each scene and part"},

@@ -27,8 +27,8 @@ struct neph_attribution_plan {
     int count;
 };
 
-/* Plans the sequences of a preset. NEPH_ERR_USAGE: no such preset, or its parts have no ideal: every
- * pixel is marched (split=none), or it has the a-trous filter. NEPH_ERR_MEMORY. */
+/* Plans the sequences of a preset. NEPH_ERR_USAGE: no such preset, or its parts have no ideal: it
+ * has split=none, the a-trous filter, or is a user engine. NEPH_ERR_MEMORY. */
 enum neph_status neph_attribution_plan_make(const char *preset, int steps, struct neph_arena *arena,
                                             struct neph_attribution_plan *plan,
                                             struct neph_diag *diag);

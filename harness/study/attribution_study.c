@@ -6,6 +6,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* Fails to compile when a kind is added, as fill_row() needs it. */
+_Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
+
 /* ---- one scene ------------------------------------------------------------------------------- */
 
 static const struct neph_study_cell *find_cell(const struct neph_attribution_plan *plan,

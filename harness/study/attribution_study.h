@@ -42,8 +42,8 @@ double neph_attribution_seen(const struct neph_attribution_plan *plan,
                              const struct neph_flicker_study *study, int scene, int seed,
                              neph_part_set state);
 
-/* Divides the flicker of a finished study; the arena owns the scenes. NEPH_ERR_UNSUPPORTED: no scene
- * could be rendered; NEPH_ERR_MEMORY. */
+/* Divides the flicker of a finished study; the arena owns the scenes. NEPH_ERR_UNSUPPORTED: all
+ * scenes were left out; NEPH_ERR_MEMORY. */
 enum neph_status neph_attribution_judge(const struct neph_attribution_plan *plan,
                                         const struct neph_flicker_study *study,
                                         struct neph_arena *arena,

@@ -75,7 +75,7 @@ class StudyAttribution(StudyCase):
         with open(self.folder / "all.csv", newline="") as file:
             lines = list(csv.DictReader(file))
         self.assertEqual([line["part"] for line in lines], [*PARTS, "interaction"])
-        output = self.folder / "out/attribution"
+        output = self.folder / "out/study"
         store = self.stamps(output / "store/frames")
         self.assertEqual(list((output / "store/tmp").glob("*")), [])
         maps = {path.name for path in (output / "maps").iterdir()}
