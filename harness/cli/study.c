@@ -19,6 +19,8 @@ static const struct {
      "how far an engine's steps are from their limit, and which are enough"},
     {"flicker", &neph_experiment_flicker,
      "which preset of the real-time renderer flickers and lags less, with intervals"},
+    {"attribution", &neph_experiment_attribution,
+     "which part of a real-time preset causes how much of its flicker, and where"},
     {"light", &neph_experiment_light,
      "how far lighting models are from all orders of scattering, and where"},
     {"sky", &neph_experiment_sky,

@@ -8,6 +8,7 @@
 #include "harness/experiment/experiment.h"
 
 extern const struct neph_experiment neph_experiment_ablation;
+extern const struct neph_experiment neph_experiment_attribution;
 extern const struct neph_experiment neph_experiment_convergence;
 extern const struct neph_experiment neph_experiment_flicker;
 extern const struct neph_experiment neph_experiment_fog;

@@ -32,7 +32,7 @@ static const double timed_s = 2.0;            /* total duration of the frames th
 static const char shared_setting[] = "steps=8";
 
 /* Visible contrast in units of the threshold. */
-static const char map_file[] = "seen_contrast_radiance.exr";
+static const char map_file[] = "flicker_seen_contrast.exr";
 
 static const char *const metrics[] = {"seen_contrast", "seen_share", "std_p95", NULL};
 
@@ -94,7 +94,8 @@ static enum neph_status take_preset(const struct work *work, const struct neph_j
     viewing.frame_rate_hz = work->scene->frame_rate_hz;
     viewing.pixels_per_degree = pixels_per_degree;
     const struct neph_measurement_set readings[] = {
-        {"flicker", NEPH_REFERENCE_AVERAGED, extractors, .viewing = viewing},
+        {"flicker", NEPH_REFERENCE_AVERAGED, extractors, .viewing = viewing,
+         .map = "seen_contrast"},
         {"flicker_centre", NEPH_REFERENCE_CENTRE, extractors, .viewing = viewing},
     };
     const struct neph_capture take = {
@@ -104,7 +105,6 @@ static enum neph_status take_preset(const struct work *work, const struct neph_j
         .readings = readings,
         .reading_count = sizeof(readings) / sizeof(readings[0]),
         .with_pictures = true,
-        .map_file = map_file,
         .all_masks = true,
     };
     return neph_capture_run(&take, work->store, folder, record, diag);

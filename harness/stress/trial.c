@@ -355,13 +355,12 @@ static enum neph_status measure(struct trial *trial, struct neph_diag *diag)
     neph_stress_list_metrics(failing, is_preset, kept);
     snprintf(step, sizeof(step), "lag.step_frame=%d", failing->event_frame);
     const char *const settings[] = {failing->event_frame > 0 ? step : NULL, NULL};
-    const struct neph_measurement_set reading = {reading_name,
-                                                 NEPH_REFERENCE_AVERAGED,
-                                                 trial->extractors,
-                                                 settings,
-                                                 make_trial_viewing(trial->point->at),
-                                                 kept,
-                                                 0};
+    const struct neph_measurement_set reading = {.name = reading_name,
+                                                 .against = NEPH_REFERENCE_AVERAGED,
+                                                 .extractors = trial->extractors,
+                                                 .settings = settings,
+                                                 .viewing = make_trial_viewing(trial->point->at),
+                                                 .kept = kept};
     const bool is_read = trial->bench->params->width_px == 0 && (is_preset || trial->extractors[0]);
     const struct neph_capture take = {
         .job = trial->job,

@@ -10,6 +10,7 @@
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/run/seed.h"
+#include "harness/study/ideal.h"
 #include "harness/study/take.h"
 #include "metrics/extractors/flicker_verdict.h"
 #include "scenes/display.h"
@@ -45,6 +46,7 @@ struct work {
         user_engine_info;            /* of `realtime`, and of the user engine where a preset
                                             names it */
     struct neph_reference reference; /* of the current sequence */
+    struct neph_ideal ideal;         /* of the current scene and seed */
 };
 
 /* Presets and floors. */
@@ -115,14 +117,23 @@ static struct neph_viewing make_display_viewing(const struct neph_scene *scene,
 
 static const char *const display_names[NEPH_STUDY_DISPLAYS] = {
     "averaged", "display_1", "display_2", "display_3", "display_4", "display_5"};
-static const char centre_name[] = "centre";
+
+/* The name of the measurement set against the second reference; NULL: there is none. */
+static const char *find_second_name(const struct neph_flicker_study_params *params)
+{
+    return params->ideal ? "ideal" : params->brief ? NULL : "centre";
+}
 
 /* Lists the metrics of the tables for a sequence, with the metrics that decide whether they count.
  */
-static void list_kept(enum neph_study_capture_id id, struct neph_meter_number kept[KEPT_MAX])
+static void list_kept(enum neph_study_capture_id id, bool only_headline,
+                      struct neph_meter_number kept[KEPT_MAX])
 {
     int count = 0;
+    const struct neph_study_metric *headline = &neph_study_metrics[neph_study_find_headline()];
     for (const struct neph_study_metric *metric = neph_study_metrics; metric->title; metric++) {
+        if (only_headline && metric != headline)
+            continue;
         const char *const names[] = {metric->metric, metric->alone, metric->never_share,
                                      metric->at_most};
         for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++)
@@ -132,35 +143,42 @@ static void list_kept(enum neph_study_capture_id id, struct neph_meter_number ke
     kept[count] = (struct neph_meter_number){.metric = NULL};
 }
 
-/* Lists the measurement sets of a sequence: all metrics against the averaged reference; unless
- * `brief`, also against the centre rays, and the eye's metrics for the other displays. */
-static int list_measurement_sets(const struct neph_scene *scene, enum neph_study_capture_id id,
-                                 const struct neph_flicker_study_params *params,
+/* Lists the measurement sets of a sequence: all metrics against the averaged reference and the
+ * second one, and unless `brief` the eye's metrics for the other displays. */
+static int list_measurement_sets(const struct work *work, const struct neph_scene *scene,
+                                 const struct study_cell_id *id,
                                  const struct neph_meter_number *kept,
                                  struct neph_measurement_set readings[READINGS_MAX])
 {
-    const struct neph_study_capture *take = &neph_study_captures[id];
-    const struct neph_viewing viewing = make_display_viewing(scene, params, 0);
-    const int display_count = neph_study_display_count(params->frame_rate_hz);
+    const struct neph_study_capture *take = &neph_study_captures[id->take];
+    const bool has_ideal = work->params->ideal != NULL;
+    const struct neph_viewing viewing = make_display_viewing(scene, work->params, 0);
     int count = 0;
-    const struct neph_measurement_set averaged = {.name = display_names[0],
-                                                  .against = NEPH_REFERENCE_AVERAGED,
-                                                  .extractors = take->extractors,
-                                                  .settings = take->settings,
-                                                  .viewing = viewing,
-                                                  .kept = kept};
+    const struct neph_measurement_set averaged = {
+        .name = display_names[0],
+        .against = NEPH_REFERENCE_AVERAGED,
+        .map = id->preset < work->params->map_count ? "seen_contrast" : NULL,
+        .extractors = has_ideal ? neph_study_eye_extractors : take->extractors,
+        .settings = take->settings,
+        .viewing = viewing,
+        .kept = kept};
     readings[count++] = averaged;
-    if (params->brief)
-        return count;
     readings[count] = averaged;
-    readings[count].name = centre_name;
-    readings[count++].against = NEPH_REFERENCE_CENTRE;
-    for (int d = 1; d < display_count && id == NEPH_STUDY_FLICKER; d++)
+    readings[count].name = find_second_name(work->params);
+    if (has_ideal)
+        readings[count].reference = &work->ideal.reference;
+    else
+        readings[count].against = NEPH_REFERENCE_CENTRE;
+    count += readings[count].name != NULL;
+    const bool has_displays = id->take == NEPH_STUDY_FLICKER && !work->params->brief;
+    const int display_count = has_displays ? neph_study_display_count(work->params->frame_rate_hz)
+                                           : 1;
+    for (int d = 1; d < display_count; d++)
         readings[count++] = (struct neph_measurement_set){
             .name = display_names[d],
             .against = NEPH_REFERENCE_AVERAGED,
             .extractors = neph_study_eye_extractors,
-            .viewing = make_display_viewing(scene, params, d),
+            .viewing = make_display_viewing(scene, work->params, d),
             .kept = kept};
     return count;
 }
@@ -220,13 +238,13 @@ static enum neph_status read_cells(const struct work *work, const char *folder,
                                    struct neph_diag *diag)
 {
     json_t *documents[NEPH_STUDY_DISPLAYS] = {NULL}, *centre = NULL;
-    const bool brief = work->params->brief;
+    const char *second = find_second_name(work->params);
     const bool is_flicker = study_cell_id->take == NEPH_STUDY_FLICKER;
-    const int display_count = is_flicker && !brief
+    const int display_count = is_flicker && !work->params->brief
                                   ? neph_study_display_count(work->params->frame_rate_hz)
                                   : 1;
-    enum neph_status status = brief ? NEPH_OK
-                                    : neph_capture_document(folder, centre_name, &centre, diag);
+    enum neph_status status = second ? neph_capture_document(folder, second, &centre, diag)
+                                     : NEPH_OK;
     for (int d = 0; d < display_count && !status; d++)
         status = neph_capture_document(folder, display_names[d], &documents[d], diag);
     for (int m = 0; neph_study_metrics[m].title && !status; m++) {
@@ -256,13 +274,14 @@ static void mark_cells(const struct work *work, const struct study_cell_id *stud
             set_cell_reason(cell_at(work, study_cell_id, m), why);
 }
 
-static void read_cost(const struct work *work, const json_t *record,
+static void read_cost(const struct work *work, const char *folder, const json_t *record,
                       const struct study_cell_id *study_cell_id)
 {
     const double pixels = neph_json_real(record, "frames") * (double)work->params->width_px *
                           work->params->height_px;
     *neph_study_cost_at(work->study, study_cell_id->scene, study_cell_id->preset,
                         study_cell_id->seed) = (struct neph_study_cost){
+        .folder = neph_arena_copy_text(&work->study->arena, folder),
         .density_evaluations = neph_json_real(record, "density_evaluations") / pixels,
         .traffic_bytes = neph_json_real(record, "traffic_bytes") / pixels,
         .gpu_ms = neph_json_real(record, "gpu_ms_median"),
@@ -297,6 +316,29 @@ static enum neph_status ensure_reference(struct work *work, const struct neph_jo
     return NEPH_OK;
 }
 
+/* Measures a sequence, or finds it in the store. The frames of the ideal sequence with its seed are
+ * rendered for the first sequence that is not in the store. */
+static enum neph_status measure_capture(struct work *work, const struct neph_job *ideal,
+                                        const struct neph_capture *take, char **folder,
+                                        json_t **record, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    if (work->params->ideal && !neph_capture_is_stored(take, work->store))
+        status = neph_ideal_render(&work->ideal, ideal, take->frame_count, work->store, diag);
+    return status ? status : neph_capture_run(take, work->store, folder, record, diag);
+}
+
+/* Chooses the ideal sequence of a test, if the study has one. */
+static enum neph_status choose_ideal(struct work *work, const struct neph_job *test,
+                                     struct neph_job *ideal, struct neph_diag *diag)
+{
+    if (!work->params->ideal)
+        return NEPH_OK;
+    enum neph_status status = make_job(work, test->shot.scene, work->params->ideal, 1, ideal, diag);
+    ideal->shot.seed = test->shot.seed;
+    return status ? status : neph_ideal_choose(&work->ideal, ideal, diag);
+}
+
 static int count_capture_frames(const struct neph_study_scene *row, enum neph_study_capture_id id)
 {
     return neph_study_captures[id].frame_count ? neph_study_captures[id].frame_count
@@ -312,6 +354,7 @@ static enum neph_status run_capture(struct work *work, const struct neph_job *jo
     struct neph_meter_number kept[KEPT_MAX];
     char *folder = NULL;
     json_t *record = NULL;
+    struct neph_job ideal;
     struct neph_capture take = {
         .job = *job,
         .frame_count = count_capture_frames(row, study_cell_id->take),
@@ -320,18 +363,20 @@ static enum neph_status run_capture(struct work *work, const struct neph_job *jo
         .plain = true, /* the scenes are the sample: no intervals within one */
         .allow_frozen_frames = true};
     enum neph_status status = ensure_reference(work, job, take.frame_count, row, diag);
+    if (!status)
+        status = choose_ideal(work, job, &ideal, diag);
     if (status)
         return status;
-    list_kept(study_cell_id->take, kept);
-    take.reading_count = list_measurement_sets(job->shot.scene, study_cell_id->take, work->params,
-                                               kept, readings);
-    status = neph_capture_run(&take, work->store, &folder, &record, diag);
+    list_kept(study_cell_id->take, work->params->ideal != NULL, kept);
+    take.reading_count = list_measurement_sets(work, job->shot.scene, study_cell_id, kept,
+                                               readings);
+    status = measure_capture(work, &ideal, &take, &folder, &record, diag);
     if (!status)
         status = read_cells(work, folder, study_cell_id, diag);
     if (!status)
         row->takes_s += json_number_value(json_object_get(record, "cpu_s"));
     if (!status && study_cell_id->take == NEPH_STUDY_FLICKER)
-        read_cost(work, record, study_cell_id);
+        read_cost(work, folder, record, study_cell_id);
     json_decref(record);
     free(folder);
     return status;
@@ -408,8 +453,8 @@ static enum neph_status walk_capture(struct work *work, const struct neph_scene 
     const bool is_scene = take->variant == NEPH_VARIANT_KIND_COUNT;
     const struct neph_variant change = {take->variant, NEPH_STUDY_EVENT_FRAME, take->frame_count};
     const char *obstacle = is_scene ? NULL : neph_variant_obstacle(scene, take->variant);
-    const int seed_count = work->params->seed_count,
-              count = count_configurations(work->params) * seed_count;
+    const int configurations = count_configurations(work->params),
+              count = configurations * work->params->seed_count;
     struct neph_scene *variant = NULL;
     enum neph_status status = NEPH_OK;
     if (!is_scene && !obstacle)
@@ -423,7 +468,8 @@ static enum neph_status walk_capture(struct work *work, const struct neph_scene 
         neph_progress_expect(&work->progress, KIND_TAKE, count, take_typical_s);
     }
     for (int i = 0; i < count && !is_counted && !status; i++) {
-        const struct study_cell_id study_cell_id = {index, id, i / seed_count, i % seed_count};
+        const struct study_cell_id study_cell_id = {index, id, i % configurations,
+                                                    i / configurations};
         status = visit_capture(work, shown, &study_cell_id, obstacle, diag);
     }
     neph_scene_destroy(variant);
@@ -515,7 +561,7 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
     const enum neph_status status = neph_flicker_study_begin(work->params, study, diag);
     const int rows = status ? 0 : compute_row_index(work->params, work->params->scene_count, 0, 0);
     for (int i = 0; i < rows; i++)
-        study->costs[i] = (struct neph_study_cost){NAN, NAN, NAN};
+        study->costs[i] = (struct neph_study_cost){NAN, NAN, NAN, NULL};
     for (int i = 0; i < rows * neph_study_metric_count(); i++) {
         study->cells[i] = (struct neph_study_cell){.value = NAN, .centre = NAN};
         for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
@@ -544,6 +590,7 @@ enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *
         status = neph_arena_check(&study->arena, diag);
     neph_progress_end(&work.progress);
     neph_reference_finish(&work.reference);
+    neph_ideal_finish(&work.ideal);
     if (status == NEPH_ERR_INTERRUPTED)
         neph_hint(diag, "finished frames are in the store: the same command continues from there");
     return status;

@@ -39,7 +39,11 @@ struct neph_flicker_study_params {
     int steps;
     int width_px, height_px;
     bool takes[NEPH_STUDY_CAPTURES];
-    bool brief; /* only the first display, and no comparison with centre rays */
+    bool brief;        /* only the first display, and no comparison with centre rays */
+    const char *ideal; /* words of a configuration that replaces the centre rays as the second
+                          reference, with the same seed; only the headline metric is measured.
+                          NULL: none */
+    int map_count;     /* with `ideal`: the first configurations, which keep maps of the metric */
     struct neph_shared_device *device; /* like neph_shot.device */
     bool quiet;
 };
@@ -49,7 +53,7 @@ enum { NEPH_STUDY_WHY_SIZE = 160 };
 /* A metric of a preset in a scene with a seed. */
 struct neph_study_cell {
     double value;                         /* NaN: none; `because` has the reason */
-    double centre;                        /* against the centre rays; NaN: none */
+    double centre;                        /* against the second reference; NaN: none */
     double displays[NEPH_STUDY_DISPLAYS]; /* the first is `value`; others are NaN except for the
                                              eye's metrics */
     bool is_bound;                        /* `value` is an upper bound: the metric could not be
@@ -65,6 +69,7 @@ struct neph_study_cost {
                              rendered, or no passes */
     double gpu_ms;        /* median of a frame; NaN: not rendered, or the device has no timestamps
                              */
+    const char *folder;   /* of the sequence in the store; NULL: not rendered */
 };
 
 struct neph_study_scene {
@@ -101,6 +106,10 @@ enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *
 enum neph_status neph_flicker_study_begin(const struct neph_flicker_study_params *params,
                                           struct neph_flicker_study *study, struct neph_diag *diag);
 void neph_flicker_study_finish(struct neph_flicker_study *study);
+
+/* Maps of the headline metric in the folder of a sequence, against the reference and `ideal`. */
+#define NEPH_STUDY_MAP "averaged_seen_contrast.exr"
+#define NEPH_STUDY_IDEAL_MAP "ideal_seen_contrast.exr"
 
 /* The cell of a metric, and the cost, of a preset or floor in a scene with a seed. */
 struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *study, int scene,

@@ -185,6 +185,29 @@ static void finish_frames(const struct neph_capture *take, struct frames *frames
 
 /* ---- measuring ------------------------------------------------------------------------------- */
 
+static struct neph_path map_name(const struct neph_measurement_set *reading)
+{
+    return neph_path_format("%s_%s.exr", reading->name, reading->map);
+}
+
+/* A measurement set whose map is kept in a folder. */
+struct kept_map {
+    const struct neph_measurement_set *reading;
+    const char *folder;
+};
+
+static enum neph_status keep_map(void *context, const struct neph_map *map,
+                                 const struct neph_quantity *quantity, int frame,
+                                 const struct neph_image *image, struct neph_diag *diag)
+{
+    const struct kept_map *kept = context;
+    if (frame >= 0 || quantity != neph_quantity_find("radiance") ||
+        strcmp(map->name, kept->reading->map) != 0)
+        return NEPH_OK;
+    return neph_exr_write(neph_path_in(kept->folder, map_name(kept->reading).text).text, image,
+                          diag);
+}
+
 static enum neph_status choose(const struct neph_measurement_set *reading,
                                struct neph_comparison *comparison, struct neph_diag *diag)
 {
@@ -243,19 +266,22 @@ static enum neph_status write_document(const char *folder, const char *name,
 
 static enum neph_status prepare_comparison(const struct neph_capture *take,
                                            const struct neph_measurement_set *reading,
-                                           const char *folder, const struct frames *frames,
+                                           struct kept_map *kept, const struct frames *frames,
                                            struct neph_comparison *comparison,
                                            struct neph_diag *diag)
 {
+    const struct neph_reference *reference = reading->reference ? reading->reference
+                                                                : take->reference;
     *comparison = (struct neph_comparison){
-        .reference = take->reference->frames[reading->against], /* borrowed */
-        .test = frames->files,                                  /* borrowed */
+        .reference = reference->frames[reading->against], /* borrowed */
+        .test = frames->files,                            /* borrowed */
         .test_images = (const struct neph_image *const *)frames->images,
         .viewing = reading->viewing,
         .wanted = reading->kept,
         .warm_up_frames = reading->warm_up_frames,
         .detail_masks = take->all_masks,
-        .maps_directory = take->map_file && reading == take->readings ? folder : NULL,
+        .take_map = reading->map ? keep_map : NULL,
+        .map_context = kept,
         .allow_frozen_frames = take->allow_frozen_frames,
         .plain = take->plain,
         .by_position = true,
@@ -270,10 +296,13 @@ static enum neph_status evaluate_sets(const struct neph_capture *take, int first
 {
     struct neph_comparison comparisons[NEPH_COMPARISONS_MAX];
     struct neph_compared compared[NEPH_COMPARISONS_MAX] = {{.asked = NULL}};
+    struct kept_map kept[NEPH_COMPARISONS_MAX];
     const struct neph_measurement_set *readings = take->readings + first;
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < count && !status; i++)
-        status = prepare_comparison(take, &readings[i], folder, frames, &comparisons[i], diag);
+    for (int i = 0; i < count && !status; i++) {
+        kept[i] = (struct kept_map){&readings[i], folder};
+        status = prepare_comparison(take, &readings[i], &kept[i], frames, &comparisons[i], diag);
+    }
     if (!status)
         status = neph_comparisons_run(comparisons, count, false, compared, diag);
     for (int i = 0; i < count; i++) {
@@ -310,6 +339,10 @@ static void write_reading(const struct neph_measurement_set *reading, FILE *out)
     fprintf(out, "%s against %d at %g Hz %g ppd %g EV %g cd/m2:", reading->name,
             (int)reading->against, viewing->frame_rate_hz, viewing->pixels_per_degree,
             viewing->exposure_ev, viewing->white_cd_per_m2);
+    if (reading->reference)
+        fprintf(out, " reference %s", reading->reference->key);
+    if (reading->map)
+        fprintf(out, " map %s", reading->map);
     if (reading->warm_up_frames > 0)
         fprintf(out, " after %d", reading->warm_up_frames);
     for (size_t l = 0; l < sizeof(lists) / sizeof(lists[0]); l++)
@@ -331,9 +364,9 @@ static void write_entry(const void *entry_, FILE *out)
     const struct neph_capture *take = entry->take;
     fprintf(out,
             "neph-take-1\nfirst %s\nframes %d\nreference %s\nmeasured %d\nmasks %d plain %d\n"
-            "pictures %d %s\n%s",
+            "pictures %d \n%s",
             entry->first, take->frame_count, take->reference->key, MEASURED_REVISION,
-            take->all_masks, take->plain, take->with_pictures, take->map_file ? take->map_file : "",
+            take->all_masks, take->plain, take->with_pictures,
             take->counts_bad ? "bad values counted\n" : "");
     if (take->frame_step > 1)
         fprintf(out, "every %d\n", take->frame_step);
@@ -359,8 +392,9 @@ enum neph_status neph_capture_key(const struct neph_capture *take, char key[NEPH
 static json_t *image_names(const struct neph_capture *take)
 {
     json_t *names = json_array();
-    if (take->map_file)
-        neph_json_add(&names, json_string(take->map_file));
+    for (int i = 0; i < take->reading_count; i++)
+        if (take->readings[i].map)
+            neph_json_add(&names, json_string(map_name(&take->readings[i]).text));
     for (int i = 0; i < NEPH_CAPTURE_IMAGES && take->with_pictures; i++)
         neph_json_add(&names, json_sprintf("flip_%d.png", i));
     return names;
@@ -458,6 +492,17 @@ enum neph_status neph_capture_replay(const struct neph_capture *take, struct nep
                                      struct neph_diag *diag)
 {
     return render_and_publish_capture(take, store, NULL, diag);
+}
+
+bool neph_capture_is_stored(const struct neph_capture *take, struct neph_store *store)
+{
+    char key[NEPH_HASH_HEX_SIZE], *last_frame = NULL;
+    json_t *record = NULL;
+    const bool is_stored = neph_capture_key(take, key, NULL) == NEPH_OK &&
+                           neph_store_find(store, key, &last_frame, &record);
+    json_decref(record);
+    free(last_frame);
+    return is_stored;
 }
 
 enum neph_status neph_capture_run(const struct neph_capture *take, struct neph_store *store,

@@ -25,6 +25,8 @@ struct neph_measurement_set {
                                              frames; ends with a NULL metric; NULL: all values */
     int warm_up_frames;                   /* frames at the start that are rendered and not measured
                                              */
+    const struct neph_reference *reference; /* NULL: the sequence's; borrowed */
+    const char *map; /* of radiance over all frames, to keep as NAME_MAP.exr; NULL: none */
 };
 
 /* The frames of a captured sequence, valid during the callback. */
@@ -50,10 +52,9 @@ struct neph_capture {
     const struct neph_reference *reference;
     const struct neph_measurement_set *readings;
     int reading_count;
-    bool with_pictures;   /* keep flip_0.png .. of the last frames */
-    const char *map_file; /* image to keep of the first set's maps: "a4_radiance.png"; NULL: none */
-    bool all_masks;       /* include masks of which a frame has many */
-    bool plain;           /* values without intervals */
+    bool with_pictures;          /* keep flip_0.png .. of the last frames */
+    bool all_masks;              /* include masks of which a frame has many */
+    bool plain;                  /* values without intervals */
     bool allow_frozen_frames;    /* frames equal to the one before are no error */
     neph_capture_callback *look; /* callback for the frames, not part of the key; NULL: none */
     void *callback_context;
@@ -72,6 +73,9 @@ enum neph_status neph_capture_run(const struct neph_capture *take, struct neph_s
 /* Renders a sequence of the store again for its `look` callback. */
 enum neph_status neph_capture_replay(const struct neph_capture *take, struct neph_store *store,
                                      struct neph_diag *diag);
+
+/* Whether the sequence is in the store. */
+bool neph_capture_is_stored(const struct neph_capture *take, struct neph_store *store);
 
 /* The hash of everything that an entry depends on. */
 enum neph_status neph_capture_key(const struct neph_capture *take, char key[NEPH_HASH_HEX_SIZE],

@@ -35,6 +35,8 @@ RULES = [
     (r"study flicker .*--suite",
      f"{STUDY} --frames 16 --seeds 1 -q -p fixed --takes flicker --no-floor", {0}, False),
     (r"study flicker", f"{STUDY} --frames 16 --seeds 1 -q --no-floor", {0}, False),
+    (r"study attribution .*--suite", f"{STUDY} --frames 16 --seeds 1 -q -p fixed", {0}, False),
+    (r"study attribution", f"{STUDY} --frames 16 --seeds 1 -q", {0}, False),
     (r"study light", "--size 8x5 --samples 2 --steps 8 -q", {0}, False),
     (r"study sky", "--size 8x8 --samples 2 --steps 4 -q", {0}, False),
     (r"study fog", f"{SIZE} --directions 64", {0}, True),
