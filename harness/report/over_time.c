@@ -299,7 +299,7 @@ static void add_row_floors(struct neph_over_time_row *row,
     row->measurements = with_floors;
 }
 
-/* Measure both floors of a row that other rows have not measured yet. A failure of the engine leaves
+/* Measure the floors of a row that other rows have not measured yet. A failure of the engine leaves
  * numbers without floors. */
 static enum neph_status measure_row_floors(const struct work *work,
                                            const struct neph_floor_plan *plan, int row,

@@ -50,8 +50,8 @@ struct neph_over_time {
 /* Render and measure the sequence. `*made`, allocated in the arena, is set once the reference was
  * attempted; free it with neph_over_time_finish(). A preset that fails becomes a row with the
  * reason. The store keeps the last frame of each preset with its measurements and images; a later
- * run reuses them. `times` NULL: speeds are not measured. `with_floors`: the floors of the presets are
- * measured, too (harness/study/floor_plan.h), two sequences or less a preset. */
+ * run reuses them. `times` NULL: speeds are not measured. `with_floors`: the floors
+ * of the presets are measured, too (harness/study/floor_plan.h), two sequences or less a preset. */
 enum neph_status neph_over_time_run(struct neph_shared_device *device, struct neph_store *store,
                                     struct neph_times *times, bool with_floors,
                                     struct neph_progress *progress, struct neph_arena *arena,

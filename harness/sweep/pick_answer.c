@@ -103,10 +103,14 @@ static const char *format_levels(const struct neph_choice *choice, int candidate
                                  char text[TEXT_SIZE])
 {
     text[0] = '\0';
-    for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++)
-        if (!isnan(choice->candidates[candidate].levels[n]))
-            append(text, "%s%s %.3g", text[0] ? ", " : "", neph_choice_measures[n].name,
-                   choice->candidates[candidate].levels[n]);
+    for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++) {
+        const struct neph_choice_candidate *of = &choice->candidates[candidate];
+        if (isnan(of->levels[n]))
+            continue;
+        append(text, "%s%s %.3g", text[0] ? ", " : "", neph_choice_measures[n].name, of->levels[n]);
+        if (!isnan(of->floors[n]))
+            append(text, " (floor %.3g)", of->floors[n]);
+    }
     return text;
 }
 

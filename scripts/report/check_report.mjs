@@ -359,7 +359,7 @@ function numbersToShow(data) {
     paths.push(...["frames", "rate_hz", "exposure_ev"].map((key) => `sequences/${q}/${key}`));
     sequence.rows.forEach((row, r) =>
       row.measurements.forEach((one, m) => paths.push(
-        ...["value", "against_centre_rays", ...(row.floors?.length > 0 ? ["floor", "times_floor"] : [])]
+        ...["value", "against_centre_rays", ...(row.floors?.length ? ["floor", "times_floor"] : [])]
           .map((key) => `sequences/${q}/rows/${r}/measurements/${m}/${key}`))));
   });
   if (!data.physics) return paths;

@@ -1551,7 +1551,7 @@
           ? absent() : flickerNumber(row.measurements[m], row.floors)))))),
       "Radiance as displayed, 1 is white. In brackets: 95\u00a0% interval over the image. Then the "
         + "same number, compared with a reference of centre rays only, where edges move in steps; "
-        + "and the floor: every pixel marched in every frame, with the lower number of two kinds of "
+        + "and the floor: every pixel marched in every frame, the lower number of two kinds of "
         + "anti-aliasing. "
         + "The amplitude over four frames and its map contain only flicker of this period; the "
         + "deviation contains flicker of all periods.");

@@ -99,8 +99,8 @@ class Pick(NephCase):
         self.assertLess(left["a ray for every pixel, every frame"]["error"], 0.1)
 
     def test_the_chosen_preset_is_on_the_front(self):
-        def pick(*arguments, code=0):
-            return self.pick("gaussian_blob", "--preset", "fixed,ours", "--frames", "16",
+        def pick(*arguments, code=0, presets="fixed,ours"):
+            return self.pick("gaussian_blob", "--preset", presets, "--frames", "16",
                              *arguments, size="32x18", code=code)[0]
         found = pick("--least", "flicker", "--half-life", "8")
         self.assertEqual((found["preset"], found["found"]), ("ours", True))
@@ -114,7 +114,16 @@ class Pick(NephCase):
                   "error", "--fail-above", "max_abs=0")
         # No configuration is within a limit that only the other one reaches.
         self.assertLess(3.0 * ours["flicker"], fixed["flicker"])
+        self.check_floors(pick, fixed)
         self.assertFalse(pick("--flicker", 0.5 * ours["flicker"], code=1)["found"])
+
+    def check_floors(self, pick, fixed):
+        """The floor of `fixed` is every pixel marched, with its anti-aliasing: the default."""
+        again, marched = pick(presets="fixed,off+taa=on")["candidates"]
+        for name in ("flicker", "half-life", "lag", "error"):
+            self.assertEqual(fixed["floor"][name], marched[name])
+            self.assertEqual(again["floor"][name], marched["floor"][name])
+        self.assertNotIn("ms", fixed["floor"])
 
     @night.of_the_night
     def test_presets_over_scenes(self):
