@@ -216,6 +216,8 @@ static bool part(void *request_, int index)
 static void print_numbers(const struct neph_pick_point *point, FILE *out)
 {
     fprintf(out, "error %.3g, flicker %.3g, ", point->error, point->flicker);
+    if (!isnan(point->flicker_floor))
+        fprintf(out, "floor %.3g and %.3g, ", point->error_floor, point->flicker_floor);
     if (point->is_closed)
         fprintf(out, "no marched samples");
     else if (isnan(point->evaluations))
@@ -287,6 +289,8 @@ static json_t *point_json(const struct neph_pick_point *point)
     neph_json_set(&json, "name", json_string(point->name));
     neph_json_set(&json, "error", neph_json_number(point->error));
     neph_json_set(&json, "flicker", neph_json_number(point->flicker));
+    neph_json_set(&json, "error_floor", neph_json_number(point->error_floor));
+    neph_json_set(&json, "flicker_floor", neph_json_number(point->flicker_floor));
     neph_json_set(&json, "evaluations", neph_json_number(point->evaluations));
     neph_json_set(&json, "seconds", neph_json_number(point->time.median));
     return json;

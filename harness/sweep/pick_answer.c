@@ -31,10 +31,14 @@ static const char *format_point_values(const struct neph_pick_point *point, char
 {
     text[0] = '\0';
     append(text, "error %.3g %%", 100.0 * point->error);
+    if (!isnan(point->error_floor))
+        append(text, " (floor %.3g %%)", 100.0 * point->error_floor);
     if (isnan(point->flicker))
         append(text, ", flicker not measured");
     else
         append(text, ", flicker %.3g of the threshold", point->flicker);
+    if (!isnan(point->flicker_floor))
+        append(text, " (floor %.3g)", point->flicker_floor);
     if (point->is_closed)
         append(text, ", no marched samples");
     else if (isnan(point->evaluations))

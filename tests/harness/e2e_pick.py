@@ -117,6 +117,24 @@ class Pick(NephCase):
         self.check_floors(pick, fixed)
         self.assertFalse(pick("--flicker", 0.5 * ours["flicker"], code=1)["found"])
 
+    def test_the_choice_in_motion_has_a_floor(self):
+        """Every pixel marched in every frame; a static scene and other candidates have none."""
+        text = (ROOT / "scenes/catalog/gaussian_blob.yaml").read_text()
+        self.put("dolly.yaml", re.sub("name: .*", "name: dolly", text, count=1).replace(
+            "camera: {position_m: [0, 2, 6], look_at_m: [0, 1, 0], vertical_fov_deg: 36}",
+            "camera: {keys: [{frame: 0, position_m: [0, 2, 6], look_at_m: [-2, 1, 0]}, {frame: 31, "
+            "position_m: [0, 2, 6], look_at_m: [1, 1, 0]}], vertical_fov_deg: 36}\n"
+            "frames: {count: 32, rate_hz: 30}"))
+        words = ("--error", "0.9", "--flicker", "40", "--only", "ours")
+        found, _ = self.pick("dolly.yaml", *words, size="16x9")
+        self.assertLess(found["error_floor"], found["error"])
+        self.assertLess(found["flicker_floor"], found["flicker"])
+        self.assertEqual({entry["with"]["flicker_floor"] for entry in found["left_out"]}, {None})
+        said = self.neph("pick", "dolly.yaml", *words, "--size", "16x9", "-q").stdout
+        self.assertIn(f"(floor {found['flicker_floor']:.3g})", said)
+        still, _ = self.pick("gaussian_blob", *words, size="16x9")
+        self.assertEqual((still["error_floor"], still["flicker_floor"]), (None, None))
+
     def check_floors(self, pick, fixed):
         """The floor of `fixed` is every pixel marched, with its anti-aliasing: the default."""
         again, marched = pick(presets="fixed,off+taa=on")["candidates"]
