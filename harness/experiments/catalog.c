@@ -87,6 +87,7 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
                                               .device = run->device};
     struct chosen_scenes chosen = {.listed = NULL};
     params.over_time = is_tier && !request->no_charts;
+    params.over_time_floors = tier->with_floors;
     params.charts = params.over_time ? &charts : NULL;
     enum neph_status status = choose_scenes(request, &params, &chosen, diag);
     if (!status && params.charts)

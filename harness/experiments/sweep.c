@@ -158,6 +158,7 @@ static enum neph_status run_in(const char *folder, const struct neph_sweep_param
                                                early */
     enum neph_status status = neph_arena_check(&arena, diag);
     params.times = &times;
+    params.with_floors = true;
     if (!status)
         status = neph_report_folder_open(page_path, &page, diag);
     if (!status)
@@ -187,6 +188,20 @@ static void print_number(double value, double scale, bool on_front, FILE *out)
     fprintf(out, " %*s", column_width, text);
 }
 
+/* A second line for a preset in a scene that moves. */
+static void print_floors(const struct neph_sweep_point *point, FILE *out)
+{
+    bool has_any = false;
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
+        has_any |= isfinite(point->floors[n]);
+    if (!has_any)
+        return;
+    fprintf(out, "%-16s %-14s %*s %*s", "", "  its floor", column_width, "", column_width, "");
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
+        print_number(point->floors[n], 1.0, false, out);
+    fprintf(out, "\n");
+}
+
 static void print_point(const struct neph_sweep_point *point, FILE *out)
 {
     fprintf(out, "%-16s %-14s", point->series->name, point->label);
@@ -201,6 +216,7 @@ static void print_point(const struct neph_sweep_point *point, FILE *out)
     const char *look = neph_fog_model_note(point->job.engine, &point->job.shot.settings);
     fprintf(out, "%s%s%s\n", point->at_floor ? "  error within twice the noise of the truth" : "",
             look ? "  " : "", look ? look : "");
+    print_floors(point, out);
 }
 
 /* Order of points on a front: by time if both have one, else by density evaluations. */
@@ -255,7 +271,9 @@ static void print_sweep(const struct neph_sweep *sweep, FILE *out)
             "the march of\n"
             "its own model; flicker: contrast seen over threshold; four: flicker that repeats "
             "every four frames, of\n"
-            "white; half-life [frames] after a step of the sun.\n"
+            "white; half-life [frames] after a step of the sun; floor: every pixel marched in "
+            "every frame, in a\n"
+            "scene that moves.\n"
             "%d of %d points measured",
             neph_sweep_measured_count(sweep), sweep->point_count);
     fprintf(out, "; truth %.0f s, all others %.0f s", sweep->truth_s, sweep->measure_s);
@@ -279,7 +297,7 @@ static void print_csv(const struct neph_sweep *sweep, FILE *out)
     fputs("series,engine,point,seconds,seconds_low,seconds_high,evaluations_per_pixel", out);
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++) {
         const char *name = neph_sweep_number_texts[n].name;
-        fprintf(out, ",%s,%s_low,%s_high", name, name, name);
+        fprintf(out, ",%s,%s_low,%s_high,%s_floor", name, name, name, name);
     }
     fputs(",outcome\n", out);
     for (int i = 0; i < sweep->point_count; i++) {
@@ -292,7 +310,9 @@ static void print_csv(const struct neph_sweep *sweep, FILE *out)
                           4, out);
         for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++) {
             const struct neph_sweep_value *number = &point->numbers[n];
-            print_csv_numbers((const double[]){number->value, number->low, number->high}, 3, out);
+            print_csv_numbers(
+                (const double[]){number->value, number->low, number->high, point->floors[n]}, 4,
+                out);
         }
         fprintf(out, ",%s\n", point->missing[0] ? "missing" : "measured");
     }

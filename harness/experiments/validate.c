@@ -53,8 +53,12 @@ static const struct neph_validate_tier tiers[TIER_COUNT] = {
                .charts = quick_charts,
                .chart_repeats = 3,
                .with_times = true},
-    [FULL] =
-        {.name = "full", .width_px = 192, .height_px = 108, .budget_s = 300.0, .chart_repeats = 3},
+    [FULL] = {.name = "full",
+              .width_px = 192,
+              .height_px = 108,
+              .budget_s = 300.0,
+              .chart_repeats = 3,
+              .with_floors = true},
 };
 
 /* NULL: unknown tier. */

@@ -34,6 +34,7 @@ struct neph_validate_tier {
     const char *const *charts;  /* ids, NULL-terminated; NULL: all */
     int chart_repeats;          /* renders of each point of a chart */
     bool with_times;            /* measure the speeds of the scenes' frames as well */
+    bool with_floors;           /* measure the floors of the presets over time as well */
 };
 
 extern const struct neph_experiment neph_experiment_catalog;

@@ -9,6 +9,7 @@
 #include "harness/data.h"
 #include "harness/report/flicker_map.h"
 #include "harness/report/page.h"
+#include "harness/study/floor_plan.h"
 #include "renderer/realtime/options.h"
 #include "scenes/display.h"
 
@@ -29,24 +30,27 @@ static const double timed_s = 2.0;            /* total duration of the frames th
 /* Common setting of the ray marcher and the real-time presets. The flicker measures the
  * reconstruction, which does not need all steps; an eighth of them leaves time for more frames and
  * reference rays. */
+enum { STEPS = 8 };
 static const char shared_setting[] = "steps=8";
 
 /* Visible contrast in units of the threshold. */
 static const char map_file[] = "flicker_seen_contrast.exr";
 
-static const char *const metrics[] = {"seen_contrast", "seen_share", "std_p95", NULL};
+enum { METRICS = 3, MASKS = 3 };
+static const char *const metrics[METRICS + 1] = {"seen_contrast", "seen_share", "std_p95", NULL};
+static const char *const masks[MASKS] = {"all", "depth_edge", "non_edge"};
 
 const char *const *neph_over_time_metrics(void)
 {
     return metrics;
 }
 
-int neph_over_time_step_count(void)
+int neph_over_time_step_count(bool with_floors)
 {
     int count = 0;
     while (count < PRESETS && neph_preset_find_by_use(neph_rt_presets, NEPH_RT_REPORT, count))
         count++;
-    return 1 + count;
+    return 1 + count + with_floors;
 }
 
 struct work {
@@ -58,9 +62,10 @@ struct work {
     struct neph_reference reference;
     struct neph_arena *arena;
     struct neph_over_time *made;
+    bool with_floors;
 };
 
-/* Make a job; `preset` NULL: default settings, for the reference. */
+/* Make a job of a preset or floor; `preset` NULL: default settings, for the reference. */
 static enum neph_status make_job(const struct work *work, struct neph_engine_info *info,
                                  const char *preset, struct neph_job *job, struct neph_diag *diag)
 {
@@ -75,24 +80,30 @@ static enum neph_status make_job(const struct work *work, struct neph_engine_inf
                                       .layers = NEPH_LAYERS_ALL,
                                       .seed = 1,
                                       .device = work->device}};
-    enum neph_status status = preset
-                                  ? neph_settings_preset(engine, preset, &job->shot.settings, diag)
-                                  : NEPH_OK;
-    return status ? status : neph_settings_set(engine, &job->shot.settings, shared_setting, diag);
+    return preset ? neph_engine_parse_words(preset, shared_setting, &job->engine,
+                                            &job->shot.settings, diag)
+                  : neph_settings_set(engine, &job->shot.settings, shared_setting, diag);
 }
 
 /* ---- one preset ------------------------------------------------------------------------------ */
+
+static const char *const extractors[] = {"seen", "flicker", NULL};
+
+static struct neph_viewing make_viewing(const struct neph_scene *scene)
+{
+    struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
+    viewing.exposure_ev = neph_scene_display(scene)->exposure_ev;
+    viewing.frame_rate_hz = scene->frame_rate_hz;
+    viewing.pixels_per_degree = pixels_per_degree;
+    return viewing;
+}
 
 /* Measure flicker against the averaged reference, with its map, and against a reference of centre
  * rays. */
 static enum neph_status take_preset(const struct work *work, const struct neph_job *job,
                                     char **folder, json_t **record, struct neph_diag *diag)
 {
-    static const char *const extractors[] = {"seen", "flicker", NULL};
-    struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    viewing.exposure_ev = neph_scene_display(work->scene)->exposure_ev;
-    viewing.frame_rate_hz = work->scene->frame_rate_hz;
-    viewing.pixels_per_degree = pixels_per_degree;
+    const struct neph_viewing viewing = make_viewing(work->scene);
     const struct neph_measurement_set readings[] = {
         {"flicker", NEPH_REFERENCE_AVERAGED, extractors, .viewing = viewing,
          .map = "seen_contrast"},
@@ -130,9 +141,8 @@ static json_t *shown_number(const json_t *found, const json_t *beside)
 /* The measurements that the report shows. */
 static json_t *shown_measurements(const json_t *document, const json_t *centre)
 {
-    static const char *const masks[] = {"all", "depth_edge", "non_edge"};
     json_t *shown = json_array();
-    for (size_t m = 0; m < sizeof(masks) / sizeof(masks[0]); m++)
+    for (int m = 0; m < MASKS; m++)
         for (int k = 0; metrics[k]; k++) {
             const json_t *found = neph_capture_find_value(document, metrics[k], masks[m]);
             if (found)
@@ -228,6 +238,125 @@ static enum neph_status add_preset(const struct work *work, const char *preset,
     return status;
 }
 
+/* ---- floors ---------------------------------------------------------------------------------- */
+
+/* The document of a configuration of the plan, which has the shown metrics; NULL: none. */
+static enum neph_status measure_floor(const struct work *work, const char *words, json_t **document,
+                                      struct neph_diag *diag)
+{
+    struct neph_meter_number kept[METRICS * MASKS + 1] = {{NULL, NULL}};
+    struct neph_engine_info info;
+    char *folder = NULL;
+    json_t *record = NULL;
+    for (int i = 0; i < METRICS * MASKS; i++)
+        kept[i] = (struct neph_meter_number){metrics[i % METRICS], masks[i / METRICS]};
+    const struct neph_measurement_set reading = {"floor", NEPH_REFERENCE_AVERAGED, extractors,
+                                                 .viewing = make_viewing(work->scene),
+                                                 .kept = kept};
+    struct neph_capture take = {.frame_count = FRAMES,
+                                .reference = &work->reference,
+                                .readings = &reading,
+                                .reading_count = 1,
+                                .plain = true};
+    enum neph_status status = make_job(work, &info, words, &take.job, diag);
+    if (!status)
+        status = neph_capture_run(&take, work->store, &folder, &record, diag);
+    if (!status)
+        status = neph_capture_document(folder, reading.name, document, diag);
+    json_decref(record);
+    free(folder);
+    return status;
+}
+
+json_t *neph_over_time_add_floor(const json_t *found,
+                                 const json_t *const documents[NEPH_STUDY_FLOOR_CANDIDATES])
+{
+    double lower = INFINITY;
+    for (int i = 0; i < NEPH_STUDY_FLOOR_CANDIDATES; i++) {
+        const double floor = neph_json_real(neph_capture_find_value(documents[i],
+                                                                    neph_json_text(found, "metric"),
+                                                                    neph_json_text(found, "mask")),
+                                            "value");
+        lower = isnan(floor) ? NAN : fmin(lower, floor);
+        if (isnan(lower))
+            break;
+    }
+    json_t *number = json_copy((json_t *)found);
+    neph_json_set(&number, "floor", neph_json_number(lower));
+    neph_json_set(&number, "times_floor",
+                  neph_json_number(lower > 0.0 ? neph_json_real(found, "value") / lower : NAN));
+    return number;
+}
+
+static void add_row_floors(struct neph_over_time_row *row,
+                           const json_t *const documents[NEPH_STUDY_FLOOR_CANDIDATES])
+{
+    json_t *with_floors = json_array();
+    for (size_t i = 0; i < json_array_size(row->measurements); i++)
+        neph_json_add(&with_floors,
+                      neph_over_time_add_floor(json_array_get(row->measurements, i), documents));
+    json_decref(row->measurements);
+    row->measurements = with_floors;
+}
+
+/* Measure the floors of a row that other rows have not measured yet. A failure of the engine leaves
+ * numbers without floors. */
+static enum neph_status measure_row_floors(const struct work *work,
+                                           const struct neph_floor_plan *plan, int row,
+                                           json_t **documents, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < NEPH_STUDY_FLOOR_CANDIDATES && !status; i++) {
+        const int floor = plan->floors[row].candidates[i];
+        struct neph_diag why = {.line = 0};
+        enum neph_outcome outcome;
+        if (!documents[floor])
+            status = measure_floor(work, plan->words[floor], &documents[floor], &why);
+        if (is_missing_engine(status, &outcome))
+            status = NEPH_OK;
+        if (status && diag)
+            *diag = why;
+    }
+    return status;
+}
+
+static enum neph_status add_floors(const struct work *work, struct neph_diag *diag)
+{
+    struct neph_over_time *made = work->made;
+    struct neph_floor_plan plan;
+    const char *presets[PRESETS];
+    json_t *documents[(1 + NEPH_STUDY_FLOOR_CANDIDATES) * PRESETS] = {NULL};
+    for (int i = 0; i < made->row_count; i++)
+        presets[i] = made->rows[i].preset;
+    enum neph_status status = neph_floor_plan_make(presets, made->row_count, STEPS, work->arena,
+                                                   &plan, diag);
+    for (int i = 0; i < made->row_count && !status; i++) {
+        const int *candidates = plan.floors[i].candidates;
+        if (!made->rows[i].measurements)
+            continue;
+        status = measure_row_floors(work, &plan, i, documents, diag);
+        if (!status)
+            add_row_floors(&made->rows[i], (const json_t *const[]){documents[candidates[0]],
+                                                                   documents[candidates[1]]});
+        made->rows[i].floors[0] = plan.words[candidates[0]];
+        made->rows[i].floors[1] = plan.words[candidates[1]];
+    }
+    for (size_t i = 0; i < sizeof(documents) / sizeof(documents[0]); i++)
+        json_decref(documents[i]);
+    return status;
+}
+
+static enum neph_status run_floors(const struct work *work, struct neph_diag *diag)
+{
+    char what[128];
+    const double start_s = neph_wall_s();
+    snprintf(what, sizeof(what), "floors of %s", scene_name);
+    neph_progress_begin(work->progress, what);
+    const enum neph_status status = add_floors(work, diag);
+    neph_progress_step(work->progress, what, status ? "" : "measured", neph_wall_s() - start_s);
+    return status;
+}
+
 /* ---- the run --------------------------------------------------------------------------------- */
 
 static enum neph_status run_presets(struct work *work, struct neph_diag *diag)
@@ -302,13 +431,16 @@ static enum neph_status run_sequence(struct work *work, struct neph_over_time **
     work->made->reference.outcome = outcome;
     describe(work, why.message);
     *made = work->made;
-    return status ? NEPH_OK : run_presets(work, diag);
+    if (status)
+        return NEPH_OK;
+    const enum neph_status ran = run_presets(work, diag);
+    return ran || !work->with_floors ? ran : run_floors(work, diag);
 }
 
 enum neph_status neph_over_time_run(struct neph_shared_device *device, struct neph_store *store,
-                                    struct neph_times *times, struct neph_progress *progress,
-                                    struct neph_arena *arena, struct neph_over_time **made,
-                                    struct neph_diag *diag)
+                                    struct neph_times *times, bool with_floors,
+                                    struct neph_progress *progress, struct neph_arena *arena,
+                                    struct neph_over_time **made, struct neph_diag *diag)
 {
     struct neph_scene *scene = NULL;
     enum neph_status status = neph_data_load_scene(scene_name, &scene, diag);
@@ -317,7 +449,8 @@ enum neph_status neph_over_time_run(struct neph_shared_device *device, struct ne
                         .store = store,
                         .times = times,
                         .progress = progress,
-                        .arena = arena};
+                        .arena = arena,
+                        .with_floors = with_floors};
     if (!status)
         status = run_sequence(&work, made, diag);
     neph_reference_finish(&work.reference);
@@ -387,13 +520,15 @@ static json_t *row_json(const struct neph_over_time_row *row)
     json_t *pictures = json_array();
     for (int i = 0; i < NEPH_CAPTURE_IMAGES && row->pictures[i]; i++)
         neph_json_add(&pictures, json_string(row->pictures[i]));
-    return json_pack("{s:s, s:s, s:s, s:s, s:s?, s:o, s:s?, s:o, s:o, s:o, s:s?, s:o}", "engine",
-                     "realtime", "preset", row->preset, "status", neph_outcome_name(row->outcome),
-                     "reason", row->reason, "settings", row->settings, "render_s",
-                     row->folder ? json_real(row->render_s) : json_null(), "folder", row->folder,
-                     "measurements", list_or_empty(row->measurements), "findings",
-                     list_or_empty(row->findings), "pictures", pictures, "map", row->map, "speed",
-                     neph_speed_json(&row->speed));
+    json_t *floors = row->floors[0] ? json_pack("[s,s]", row->floors[0], row->floors[1])
+                                    : json_array();
+    return json_pack(
+        "{s:s, s:s, s:s, s:s, s:s?, s:o, s:o, s:s?, s:o, s:o, s:o, s:s?, s:o}", "engine",
+        "realtime", "preset", row->preset, "status", neph_outcome_name(row->outcome), "reason",
+        row->reason, "settings", row->settings, "floors", floors, "render_s",
+        row->folder ? json_real(row->render_s) : json_null(), "folder", row->folder, "measurements",
+        list_or_empty(row->measurements), "findings", list_or_empty(row->findings), "pictures",
+        pictures, "map", row->map, "speed", neph_speed_json(&row->speed));
 }
 
 json_t *neph_over_time_json(const struct neph_over_time *over_time)

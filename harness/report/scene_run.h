@@ -42,6 +42,7 @@ struct neph_validate_params {
     struct neph_times *times; /* cache for the speeds of frames; NULL: speeds are not measured */
     const struct neph_charts_params *charts; /* NULL: none */
     bool over_time;                          /* include the sequence of over_time.h */
+    bool over_time_floors;                   /* .. with the floors of its presets */
     struct neph_report *report;              /* published after each scene; NULL: no report */
 };
 

@@ -152,7 +152,8 @@ static void expect_all(struct run *run)
         neph_progress_expect(&run->progress, KIND_CHART, neph_charts_step_count(params->charts),
                              NEPH_CHARTS_STEP_TYPICAL_S * params->charts->repeats);
     if (params->over_time)
-        neph_progress_expect(&run->progress, KIND_OVER_TIME, neph_over_time_step_count(),
+        neph_progress_expect(&run->progress, KIND_OVER_TIME,
+                             neph_over_time_step_count(params->over_time_floors),
                              NEPH_OVER_TIME_STEP_TYPICAL_S);
 }
 
@@ -253,8 +254,9 @@ static enum neph_status run_all(struct run *run, struct neph_diag *diag)
         status = time_scenes(run, diag);
     run->progress.kind = KIND_OVER_TIME;
     if (!status && params->over_time)
-        status = neph_over_time_run(params->device, run->store, params->times, &run->progress,
-                                    &made->arena, &made->over_time, diag);
+        status = neph_over_time_run(params->device, run->store, params->times,
+                                    params->over_time_floors, &run->progress, &made->arena,
+                                    &made->over_time, diag);
     if (!status && params->over_time)
         status = show(run, diag);
     run->progress.kind = KIND_CHART;

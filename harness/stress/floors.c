@@ -9,6 +9,9 @@
 
 #include <math.h>
 
+/* Fails to compile when a measure is added: all but the count of bad values have floors. */
+_Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
+
 /* All presets of a scene march its number of steps, whichever number that is. */
 enum { ANY_STEPS = 8 };
 

@@ -76,24 +76,38 @@ static enum neph_status find_or_add(const struct neph_settings *settings,
     return neph_arena_check(arena, diag);
 }
 
-/* Plans both floors of a preset: [0] with its anti-aliasing, [1] with the default one. */
+enum neph_status neph_floor_settings(const struct neph_settings *preset,
+                                     struct neph_settings floors[NEPH_STUDY_FLOOR_CANDIDATES],
+                                     struct neph_diag *diag)
+{
+    const struct neph_settings defaults = neph_options_default(neph_rt_options);
+    struct neph_settings off;
+    const struct neph_engine *engine;
+    const enum neph_status status = neph_engine_parse_words("off", NULL, &engine, &off, diag);
+    for (int i = 0; i < NEPH_STUDY_FLOOR_CANDIDATES && !status; i++) {
+        floors[i] = off;
+        copy_group(preset, "march", &floors[i]);
+        copy_group(i == 0 ? preset : &defaults, "anti aliasing", &floors[i]);
+    }
+    return status;
+}
+
+/* Plans both floors of a preset. A user engine has those of the defaults. */
 static enum neph_status plan_preset(int preset, int steps, struct neph_arena *arena,
                                     struct neph_floor_plan *plan, struct neph_diag *diag)
 {
-    const struct neph_settings defaults = neph_options_default(neph_rt_options);
-    struct neph_settings off, of_preset;
+    struct neph_settings off, of_preset, floors[NEPH_STUDY_FLOOR_CANDIDATES];
     bool is_realtime;
     enum neph_status status = parse_words("off", steps, &is_realtime, &off, diag);
     if (!status)
         status = parse_words(plan->words[preset], steps, &is_realtime, &of_preset, diag);
-    struct neph_settings floors[NEPH_STUDY_FLOOR_CANDIDATES] = {off, off};
-    for (int i = 0; i < NEPH_STUDY_FLOOR_CANDIDATES && !status; i++) {
-        if (is_realtime)
-            copy_group(&of_preset, "march", &floors[i]);
-        copy_group(is_realtime && i == 0 ? &of_preset : &defaults, "anti aliasing", &floors[i]);
+    if (!status && !is_realtime)
+        status = parse_words("off+taa=on", steps, &is_realtime, &of_preset, diag);
+    if (!status)
+        status = neph_floor_settings(&of_preset, floors, diag);
+    for (int i = 0; i < NEPH_STUDY_FLOOR_CANDIDATES && !status; i++)
         status = find_or_add(&floors[i], &off, steps, arena, plan,
                              &plan->floors[preset].candidates[i], diag);
-    }
     return status;
 }
 

@@ -9,6 +9,12 @@
 
 #include "harness/study/flicker_study.h"
 
+/* The settings of a preset's floor: preset `off` with the preset's group "march" and [0] its group
+ * "anti aliasing", [1] that of the defaults. Errors as of neph_engine_parse_words(). */
+enum neph_status neph_floor_settings(const struct neph_settings *preset,
+                                     struct neph_settings floors[NEPH_STUDY_FLOOR_CANDIDATES],
+                                     struct neph_diag *diag);
+
 /* The presets of a study and the floors that are no preset of it, each of them once. */
 struct neph_floor_plan {
     const char *words[NEPH_STUDY_CONFIGURATIONS_MAX]; /* the presets, then the floors */

@@ -4,6 +4,7 @@
  */
 #include "harness/sweep/chart.h"
 
+#include "base/arena.h"
 #include "base/files.h"
 #include "harness/engines/non_physical.h"
 #include "harness/report/vega.h"
@@ -72,6 +73,13 @@ struct mark {
     bool is_last; /* last point of its series, which is labelled with the name */
 };
 
+/* The floor of a series in a chart, at its last point; NaN: none. */
+static double mark_floor(const struct mark *mark, const struct neph_sweep_chart *chart)
+{
+    const double floor = mark->point->floors[chart->y];
+    return mark->is_last && is_drawable(floor) ? floor : NAN;
+}
+
 static int list_marks(const struct neph_sweep *sweep, const struct neph_sweep_chart *chart,
                       struct mark *marks)
 {
@@ -97,13 +105,15 @@ struct range {
 
 /* The range of the marks with a margin at both ends, at least a factor of four. `also` is included
  * unless it is far below. */
-static struct range compute_axis_range(const struct mark *marks, int count, bool of_x, double also)
+static struct range compute_axis_range(const struct mark *marks, int count,
+                                       const struct neph_sweep_chart *chart, bool of_x, double also)
 {
     struct range range = {INFINITY, 0.0};
     for (int i = 0; i < count; i++) {
-        const double value = of_x ? marks[i].x.value : marks[i].y.value;
-        range.low = fmin(range.low, value);
-        range.high = fmax(range.high, value);
+        const double value = of_x ? marks[i].x.value : marks[i].y.value,
+                     floor = of_x ? NAN : mark_floor(&marks[i], chart);
+        range.low = fmin(fmin(range.low, value), floor);
+        range.high = fmax(fmax(range.high, value), floor);
     }
     if (is_drawable(also) && also > 0.02 * range.low) /* a noise floor far below would waste the
                                                          axis */
@@ -241,11 +251,38 @@ static double chart_noise_floor(const struct neph_sweep *sweep,
     return chart->y == NEPH_SWEEP_ERROR ? sweep->floor : 0.0;
 }
 
-static json_t *floor_json(double floor, struct range y)
+/* "floor of ours, fixed": the series with this floor; NULL: an earlier series has it, too. */
+static const char *format_floor_name(const struct mark *marks, int count, int index,
+                                     const struct neph_sweep_chart *chart, struct neph_arena *arena)
 {
+    const double floor = mark_floor(&marks[index], chart);
+    const char *name = "floor of";
+    for (int i = 0; i < count; i++) {
+        if (mark_floor(&marks[i], chart) != floor)
+            continue;
+        if (i < index)
+            return NULL;
+        name = neph_arena_format(arena, "%s%s %s", name, i > index ? "," : "",
+                                 marks[i].point->series->name);
+    }
+    return name;
+}
+
+/* Lines across the plot: the noise of the truth, and the floors of presets in motion. */
+static json_t *floor_json(const struct mark *marks, int count, const struct neph_sweep_chart *chart,
+                          double noise, struct range y)
+{
+    struct neph_arena arena = {NULL};
     json_t *list = json_array();
-    if (floor > y.low)
-        neph_json_add(&list, json_pack("{s:f, s:s}", "y", floor, "text", "noise of the truth"));
+    if (noise > y.low)
+        neph_json_add(&list, json_pack("{s:f, s:s}", "y", noise, "text", "noise of the truth"));
+    for (int i = 0; i < count; i++) {
+        const double floor = mark_floor(&marks[i], chart);
+        const char *name = isnan(floor) ? NULL : format_floor_name(marks, count, i, chart, &arena);
+        if (name)
+            neph_json_add(&list, json_pack("{s:f, s:s}", "y", floor, "text", name));
+    }
+    neph_arena_finish(&arena);
     return list;
 }
 
@@ -415,8 +452,8 @@ static enum neph_status fill(const struct neph_sweep *sweep, const struct neph_s
                              int count, json_t *spec, struct neph_diag *diag)
 {
     const double floor = chart_noise_floor(sweep, chart);
-    const struct range x = compute_axis_range(marks, count, true, NAN),
-                       y = compute_axis_range(marks, count, false, floor);
+    const struct range x = compute_axis_range(marks, count, chart, true, NAN),
+                       y = compute_axis_range(marks, count, chart, false, floor);
     const struct place place = {x, y, size};
     struct neph_label *labels = NULL;
     json_t *points = json_array(), *data = json_object_get(spec, "datasets");
@@ -438,7 +475,7 @@ static enum neph_status fill(const struct neph_sweep *sweep, const struct neph_s
         {data, "leaders", leaders_json(&place, marks, labels, count)},
         {data, "front", front_json(marks, count, x, y)},
         {data, "slopes", slopes_json(marks, count, chart)},
-        {data, "floor", floor_json(floor, y)},
+        {data, "floor", floor_json(marks, count, chart, floor, y)},
         {spec, "width", json_integer(size->width_px)},
         {spec, "height", json_integer(size->height_px)},
         {json_object_get(json_object_get(spec, "config"), "legend"), "columns",

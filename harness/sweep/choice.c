@@ -64,23 +64,29 @@ static void level_costs(const struct neph_flicker_study *study, int number,
             sums[preset] += neph_study_cost_decades(study, offset, scene, preset);
     }
     choice->scene_counts[number] = count;
-    for (int preset = 0; preset < choice->candidate_count; preset++)
+    for (int preset = 0; preset < choice->candidate_count; preset++) {
         choice->candidates[preset].levels[number] = count > 0 ? pow(10.0, sums[preset] / count)
                                                               : NAN;
+        choice->candidates[preset].floors[number] = NAN;
+    }
 }
 
 static enum neph_status level_metric(const struct neph_flicker_study *study, int number,
                                      struct neph_choice *choice, struct neph_diag *diag)
 {
     const struct neph_choice_measure *measure = &neph_choice_measures[number];
-    struct neph_study_level levels[NEPH_STUDY_PRESETS_MAX];
-    const enum neph_status status = neph_study_levels(
-        study, neph_study_metric_find(measure->metric, measure->mask), 0, levels, diag);
+    struct neph_study_level levels[NEPH_STUDY_PRESETS_MAX], floors[NEPH_STUDY_PRESETS_MAX];
+    const int metric = neph_study_metric_find(measure->metric, measure->mask);
+    enum neph_status status = neph_study_levels(study, metric, 0, levels, diag);
+    if (!status)
+        status = neph_study_floor_levels(study, metric, 0, floors, diag);
     if (status)
         return status;
     choice->scene_counts[number] = levels[0].scene_count;
-    for (int preset = 0; preset < choice->candidate_count; preset++)
+    for (int preset = 0; preset < choice->candidate_count; preset++) {
         choice->candidates[preset].levels[number] = pow(10.0, levels[preset].mean);
+        choice->candidates[preset].floors[number] = pow(10.0, floors[preset].mean);
+    }
     return NEPH_OK;
 }
 
@@ -188,6 +194,15 @@ void neph_choice_judge(struct neph_choice *choice)
 
 /* --- output --------------------------------------------------------------------------------- */
 
+static void print_row(const double numbers[NEPH_CHOICE_NUMBERS], FILE *out)
+{
+    for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++)
+        if (isnan(numbers[n]))
+            fprintf(out, " %11s", "-");
+        else
+            fprintf(out, " %11.4g", numbers[n]);
+}
+
 static void print_candidates(const struct neph_choice *choice,
                              const struct neph_flicker_study *study, FILE *out)
 {
@@ -202,15 +217,14 @@ static void print_candidates(const struct neph_choice *choice,
         const struct neph_choice_candidate *candidate = &choice->candidates[i];
         const char *name = study->params->presets[i]; /* a long name gets a line of its own */
         fprintf(out, strlen(name) > 24 ? "%s\n%24s" : "%-24s%s", name, "");
-        for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++)
-            if (isnan(candidate->levels[n]))
-                fprintf(out, " %11s", "-");
-            else
-                fprintf(out, " %11.4g", candidate->levels[n]);
+        print_row(candidate->levels, out);
         fprintf(out, "%s%s%s%s\n", candidate->on_front ? "  front" : "",
                 candidate->is_within ? "" : "  over the budget",
                 candidate->beaten_by < 0 ? "" : "  beaten by ",
                 candidate->beaten_by < 0 ? "" : study->params->presets[candidate->beaten_by]);
+        fprintf(out, "%-24s", "  its floor");
+        print_row(candidate->floors, out);
+        fputc('\n', out);
     }
 }
 
@@ -297,8 +311,14 @@ static json_t *candidate_json(const struct neph_choice *choice,
         "{s:s, s:b, s:b, s:s?}", "preset", study->params->presets[index], "on_front",
         candidate->on_front, "within", candidate->is_within, "beaten_by",
         candidate->beaten_by < 0 ? NULL : study->params->presets[candidate->beaten_by]);
-    for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++)
+    json_t *floor = json_object();
+    for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++) {
         neph_json_set(&json, neph_choice_measures[n].name, neph_json_number(candidate->levels[n]));
+        if (neph_choice_measures[n].metric)
+            neph_json_set(&floor, neph_choice_measures[n].name,
+                          neph_json_number(candidate->floors[n]));
+    }
+    neph_json_set(&json, "floor", floor);
     return json;
 }
 

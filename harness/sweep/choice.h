@@ -40,6 +40,7 @@ int neph_choice_find(const char *name);
 struct neph_choice_candidate {
     double levels[NEPH_CHOICE_NUMBERS]; /* geometric means over the scenes in which all candidates
                                            have a value; NaN: none */
+    double floors[NEPH_CHOICE_NUMBERS]; /* likewise of its floor; NaN: none, as for costs */
     bool on_front;                      /* of all measures that every candidate has; time only when
                                            requested */
     bool is_within;                     /* within the budget */

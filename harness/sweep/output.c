@@ -104,9 +104,9 @@ int neph_sweep_measured_count(const struct neph_sweep *sweep)
 static json_t *value_json(const struct neph_sweep_point *point, enum neph_sweep_number number)
 {
     const struct neph_sweep_value *value = &point->numbers[number];
-    return json_pack("{s:o, s:o, s:o, s:b}", "value", neph_json_number(value->value), "low",
-                     neph_json_number(value->low), "high", neph_json_number(value->high),
-                     "on_front", point->on_front[number]);
+    return json_pack("{s:o, s:o, s:o, s:o, s:b}", "value", neph_json_number(value->value), "low",
+                     neph_json_number(value->low), "high", neph_json_number(value->high), "floor",
+                     neph_json_number(point->floors[number]), "on_front", point->on_front[number]);
 }
 
 static json_t *point_json(const struct neph_sweep *sweep, const struct neph_sweep_point *point)

@@ -44,6 +44,7 @@ struct work {
     struct neph_sweep_plan plan;
     struct entry *entries; /* [series * NEPH_SWEEP_VALUES_MAX + place], NEPH_SWEEP_POINTS_MAX */
     struct neph_pick *pick;
+    bool with_floors;
 };
 
 /* --- measuring ------------------------------------------------------------------------------ */
@@ -59,6 +60,8 @@ static struct neph_pick_point make_pick_point(const struct work *work,
                           .scattering = job->shot.scene->scattering},
         .error = point->numbers[NEPH_SWEEP_ERROR].value,
         .flicker = point->numbers[NEPH_SWEEP_FLICKER].value,
+        .error_floor = point->floors[NEPH_SWEEP_ERROR],
+        .flicker_floor = point->floors[NEPH_SWEEP_FLICKER],
         .evaluations = point->evaluations,
         .time = point->time,
         .is_closed = job->engine->rung == NEPH_LEVEL_EXACT,
@@ -101,6 +104,7 @@ static enum neph_status measure(struct work *work, const bool *wanted, int size,
                                             .device = params->device,
                                             .quiet = params->quiet,
                                             .untimed = !is_timed,
+                                            .with_floors = work->with_floors,
                                             .times = params->times,
                                             .wanted = wanted};
     struct neph_sweep sweep = {.plan = NULL};
@@ -131,7 +135,11 @@ static enum neph_status measure_one(struct work *work, int index, int size, stru
 {
     bool wanted[NEPH_SWEEP_POINTS_MAX] = {false};
     wanted[index] = true;
-    return measure(work, wanted, size, size == FULL && isfinite(work->params->time_s), 1, diag);
+    work->with_floors = size == FULL;
+    const enum neph_status status = measure(
+        work, wanted, size, size == FULL && isfinite(work->params->time_s), 1, diag);
+    work->with_floors = false;
+    return status;
 }
 
 /* --- judging -------------------------------------------------------------------------------- */

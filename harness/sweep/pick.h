@@ -34,7 +34,8 @@ struct neph_pick_params {
 struct neph_pick_point {
     char name[64]; /* "ours, octaves, steps=16" */
     struct neph_configuration configuration;
-    double error, flicker;   /* NaN: not measured */
+    double error, flicker;             /* NaN: not measured */
+    double error_floor, flicker_floor; /* of the choice in a scene that moves; NaN: none */
     double evaluations;      /* density evaluations per pixel and frame; NaN: not counted */
     struct neph_spread time; /* NaN: not timed */
     bool is_closed;          /* a closed form, without a marched ray */

@@ -31,10 +31,14 @@ static const char *format_point_values(const struct neph_pick_point *point, char
 {
     text[0] = '\0';
     append(text, "error %.3g %%", 100.0 * point->error);
+    if (!isnan(point->error_floor))
+        append(text, " (floor %.3g %%)", 100.0 * point->error_floor);
     if (isnan(point->flicker))
         append(text, ", flicker not measured");
     else
         append(text, ", flicker %.3g of the threshold", point->flicker);
+    if (!isnan(point->flicker_floor))
+        append(text, " (floor %.3g)", point->flicker_floor);
     if (point->is_closed)
         append(text, ", no marched samples");
     else if (isnan(point->evaluations))
@@ -103,10 +107,14 @@ static const char *format_levels(const struct neph_choice *choice, int candidate
                                  char text[TEXT_SIZE])
 {
     text[0] = '\0';
-    for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++)
-        if (!isnan(choice->candidates[candidate].levels[n]))
-            append(text, "%s%s %.3g", text[0] ? ", " : "", neph_choice_measures[n].name,
-                   choice->candidates[candidate].levels[n]);
+    for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++) {
+        const struct neph_choice_candidate *of = &choice->candidates[candidate];
+        if (isnan(of->levels[n]))
+            continue;
+        append(text, "%s%s %.3g", text[0] ? ", " : "", neph_choice_measures[n].name, of->levels[n]);
+        if (!isnan(of->floors[n]))
+            append(text, " (floor %.3g)", of->floors[n]);
+    }
     return text;
 }
 

@@ -10,9 +10,11 @@
 #include "harness/engines/engines.h"
 #include "harness/engines/frame_stats.h"
 #include "harness/study/flicker_metrics.h"
+#include "harness/study/floor_plan.h"
 #include "harness/study/take.h"
 #include "harness/sweep/repeat.h"
 #include "scenes/display.h"
+#include "scenes/motion.h"
 #include "scenes/variant.h"
 
 #include <math.h>
@@ -286,6 +288,52 @@ static enum neph_status measure_lag(struct neph_sweep_context *bench,
     return status;
 }
 
+/* --- floors --------------------------------------------------------------------------------- */
+
+/* Whether an error concerns this point only. */
+static bool is_point_error(enum neph_status status)
+{
+    return status == NEPH_ERR_ENGINE || status == NEPH_ERR_UNSUPPORTED || status == NEPH_ERR_GATE ||
+           status == NEPH_ERR_UNAVAILABLE || status == NEPH_ERR_TIMEOUT;
+}
+
+/* The numbers of a configuration of a point's floor. */
+static enum neph_status measure_floor(struct neph_sweep_context *bench,
+                                      const struct neph_sweep_point *point,
+                                      const struct neph_settings *settings,
+                                      struct neph_sweep_point *floor, struct neph_diag *diag)
+{
+    *floor = *point;
+    floor->job.shot.settings = *settings;
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
+        floor->numbers[n] = (struct neph_sweep_value){NAN, NAN, NAN};
+    const enum neph_status status = measure_sequence(bench, floor, diag);
+    return status || !neph_sweep_has_lag(point->series, point->place)
+               ? status
+               : measure_lag(bench, floor, diag);
+}
+
+/* The lower number of both configurations, for a preset in a scene that moves; none where one of
+ * them cannot be rendered. */
+static enum neph_status measure_floors(struct neph_sweep_context *bench,
+                                       struct neph_sweep_point *point, struct neph_diag *diag)
+{
+    struct neph_settings settings[NEPH_STUDY_FLOOR_CANDIDATES];
+    struct neph_sweep_point floors[NEPH_STUDY_FLOOR_CANDIDATES];
+    if (!bench->with_floors || !point->series->flicker ||
+        !neph_engine_is_kind(point->job.engine, "realtime") ||
+        neph_scene_is_static(point->job.shot.scene))
+        return NEPH_OK;
+    enum neph_status status = neph_floor_settings(&point->job.shot.settings, settings, diag);
+    for (int i = 0; i < NEPH_STUDY_FLOOR_CANDIDATES && !status; i++)
+        status = measure_floor(bench, point, &settings[i], &floors[i], diag);
+    for (int n = 0; n < NEPH_SWEEP_NUMBERS && !status; n++) {
+        const double own = floors[0].numbers[n].value, other = floors[1].numbers[n].value;
+        point->floors[n] = isnan(own) || isnan(other) ? NAN : fmin(own, other);
+    }
+    return is_point_error(status) ? NEPH_OK : status;
+}
+
 /* --- single frames -------------------------------------------------------------------------- */
 
 enum neph_status neph_sweep_point_render(const struct neph_sweep_context *bench,
@@ -312,13 +360,6 @@ enum neph_status neph_sweep_point_render(const struct neph_sweep_context *bench,
     return status;
 }
 
-/* Whether an error concerns this point only. */
-static bool is_point_error(enum neph_status status)
-{
-    return status == NEPH_ERR_ENGINE || status == NEPH_ERR_UNSUPPORTED || status == NEPH_ERR_GATE ||
-           status == NEPH_ERR_UNAVAILABLE || status == NEPH_ERR_TIMEOUT;
-}
-
 enum neph_status neph_sweep_point_measure(struct neph_sweep_context *bench,
                                           struct neph_sweep_point *point, struct neph_diag *diag)
 {
@@ -332,6 +373,8 @@ enum neph_status neph_sweep_point_measure(struct neph_sweep_context *bench,
                                          &why);
     if (!status && neph_sweep_has_lag(point->series, point->place))
         status = measure_lag(bench, point, &why);
+    if (!status)
+        status = measure_floors(bench, point, &why);
     point->at_floor = point->numbers[NEPH_SWEEP_ERROR].value < 2.0 * bench->truth->noise;
     if (is_point_error(status)) {
         snprintf(point->missing, sizeof(point->missing), "%s", why.message);

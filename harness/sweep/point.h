@@ -21,6 +21,7 @@ struct neph_sweep_context {
     struct neph_progress *progress;
     struct neph_times *times;                               /* borrowed */
     bool remeasures_times;                                  /* time again what was timed before */
+    bool with_floors;                                       /* as in struct neph_sweep_params */
     struct neph_scene *steps[NEPH_SCATTERING_MULTIPLE + 1]; /* the scene with a step of the sun, by
                                                                scattering; made on demand; owned */
     struct neph_reference still, stepped;                   /* references of the current point;

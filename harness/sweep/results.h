@@ -40,7 +40,9 @@ struct neph_sweep_point {
     char *settings;                         /* canonical text; owned */
     char missing[512];                      /* reason why the point was not measured; "" */
     struct neph_sweep_value numbers[NEPH_SWEEP_NUMBERS];
-    bool at_floor;           /* the error is at most twice the truth's own noise */
+    double floors[NEPH_SWEEP_NUMBERS]; /* of a preset in a scene that moves: the floor of each value
+                                          (harness/study/floor_plan.h); NaN: none */
+    bool at_floor;                     /* the error is at most twice the truth's own noise */
     struct neph_spread time; /* of a frame [s]: by the device's timestamps where it has them, else
                                 from frame to frame; for engines without frames in flight of single
                                 frames without the start; NaN: not measured */

@@ -117,6 +117,7 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
         .time = {NAN, NAN, NAN},
         .evaluations = NAN,
         .to_finest = {NAN, NAN, NAN},
+        .floors = {NAN, NAN, NAN, NAN, NAN},
     };
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
         point->numbers[n] = (struct neph_sweep_value){NAN, NAN, NAN};
@@ -327,6 +328,7 @@ static struct neph_sweep_context make_sweep_context(const struct sweep_run_state
 {
     const struct neph_sweep_params *params = sweep_run_state->params;
     return (struct neph_sweep_context){.plan = params->plan,
+                                       .with_floors = params->with_floors,
                                        .truth = truth,
                                        .store = sweep_run_state->store,
                                        .progress = progress,

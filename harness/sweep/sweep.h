@@ -22,6 +22,7 @@ struct neph_sweep_params {
     int seed, jobs; /* jobs: processes that render sequences and frames in flight; 0: one */
     struct neph_shared_device *device; /* like neph_shot.device */
     bool quiet;
+    bool with_floors;         /* measure the floors of presets in a scene that moves, too */
     bool untimed;             /* measure no times; density evaluations are the cost */
     struct neph_times *times; /* stored times, which are not measured again; NULL when untimed */
     bool remeasures_times;    /* measure them again */

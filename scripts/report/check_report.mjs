@@ -358,8 +358,9 @@ function numbersToShow(data) {
   (data.sequences ?? []).forEach((sequence, q) => {
     paths.push(...["frames", "rate_hz", "exposure_ev"].map((key) => `sequences/${q}/${key}`));
     sequence.rows.forEach((row, r) =>
-      row.measurements.forEach((_, m) => paths.push(...["value", "against_centre_rays"].map((key) =>
-            `sequences/${q}/rows/${r}/measurements/${m}/${key}`))));
+      row.measurements.forEach((one, m) => paths.push(
+        ...["value", "against_centre_rays", ...(row.floors?.length ? ["floor", "times_floor"] : [])]
+          .map((key) => `sequences/${q}/rows/${r}/measurements/${m}/${key}`))));
   });
   if (!data.physics) return paths;
   for (const key of ["family_alpha", "tests", "critical_z"]) paths.push(`physics/${key}`);

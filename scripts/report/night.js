@@ -288,7 +288,7 @@
     entry("Numbers", unique(night.findings.map((finding) => finding.kind).filter((kind) =>
       KINDS[kind])).map((kind) => `${kind}: ${KINDS[kind]}. `),
     "“Detectable from”: the smallest change that this run could detect."),
-    entry("Floor", "The same measure of a scene in motion with every pixel marched in every frame: ",
+    entry("Floor", "The same measure of a scene in motion, every pixel marched in every frame: ",
       "the lower number of the anti-aliasing of the preset and the default one."),
     entry("Every number", "Point at a number of the tables below for all its digits, the ",
       "accepted number and the smallest detectable change."),

@@ -1471,7 +1471,10 @@
           exposure(sequence), `. Reference: ${reference.text}, `,
           number(reference, "cpu_s", { unit: "s" }), " of processor time."),
         folded("Settings of the reference", el("p", { class: "small soft" }, reference.settings))),
-      el("ul", { class: "causes small" }, sequence.rows.map((row) => (row.status === "rendered"
+      el("ul", { class: "causes small" }, sequence.rows.some((row) => row.floors?.length > 0)
+        ? sequence.rows.map(seenOverFloor)
+        : sequence.rows.length > 0 && item("floor: not measured (--tier full)"),
+        sequence.rows.map((row) => (row.status === "rendered"
         ? row.findings.map((found) => item(bold(row.preset),
           `, ${maskName(found.mask)}: ${found.text}`))
         : item(bold(row.preset), " ", word(STATUSES, row.status), " ", why(row)))))),
@@ -1481,6 +1484,15 @@
       sequence.rows.some((row) => row.measurements.length > 0)
         && folded("All numbers of the flicker", sequenceNumbers(sequence)),
     ];
+  }
+
+  /** The visible flicker of the whole frame beside its floor. */
+  function seenOverFloor(row) {
+    const seen = row.measurements.find(({ metric, mask }) => metric === "seen_contrast"
+      && mask === "all");
+    return seen && typeof seen.floor === "number" && item(bold(row.preset),
+      `, visible flicker: ${written(seen.value)} × threshold; with every pixel marched in every ` +
+      `frame (the floor) ${written(seen.floor)}`);
   }
 
   const sequencePictures = (sequence) => fit(el("div", { class: "pictures small-pictures" },
@@ -1536,19 +1548,23 @@
       first.measurements.map((measurement, m) => tr(
         rowHead(measurement.metric, small(maskName(measurement.mask))),
         rows.map((row) => num(row.measurements.length === 0
-          ? absent() : flickerNumber(row.measurements[m])))))),
+          ? absent() : flickerNumber(row.measurements[m], row.floors)))))),
       "Radiance as displayed, 1 is white. In brackets: 95\u00a0% interval over the image. Then the "
-        + "same number, compared with a reference of centre rays only, where edges move in steps. "
+        + "same number, compared with a reference of centre rays only, where edges move in steps; "
+        + "and the floor: every pixel marched in every frame, the lower number of two kinds of "
+        + "anti-aliasing. "
         + "The amplitude over four frames and its map contain only flicker of this period; the "
         + "deviation contains flicker of all periods.");
   }
 
-  function flickerNumber(measurement) {
+  function flickerNumber(measurement, floors) {
     const unit = isRatio(measurement.unit) ? RATIO_UNITS[measurement.metric] ?? ""
       : measurement.unit;
     return [number(measurement, "value", { unit }),
       measurement.interval && small(interval(measurement), unit && unitText(unit)),
-      small("centre rays ", number(measurement, "against_centre_rays", { unit }))];
+      small("centre rays ", number(measurement, "against_centre_rays", { unit })),
+      floors?.length > 0 && small("floor ", number(measurement, "floor", { unit }), " (",
+        number(measurement, "times_floor"), " times)")];
   }
 
   // --------------------------------------------------------------------------------------- charts

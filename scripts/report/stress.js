@@ -191,8 +191,8 @@
       "expected failure, recorded with its reason. ◆ passes, unexpected: recorded as a failure, " +
       "but now below its limit; this also counts as not expected."),
     entry("Floor", "The same measure with every pixel marched in every frame: the lower number " +
-      "of the anti-aliasing of the preset and the default one. The rest is caused by the division " +
-      "over frames. Scenarios without motion have no floor."),
+      "of the anti-aliasing of the preset and the default one. The rest is caused by the " +
+      "division over frames. Scenarios without motion have no floor."),
     entry("Engines", "Presets are settings of the real-time method with history. Engines that " +
       "render each frame independently are tested in the fog scenarios only: they are compared " +
       "with engine exact, without the measures of a history. “Cannot” and “missing” are not " +

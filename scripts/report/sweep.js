@@ -7,7 +7,7 @@
   "use strict";
 
   const sweep = window.NEPH_SWEEP;
-  const { el, append, written, folded, colHead, rowHead, row, table, loadVega, drawLive } =
+  const { el, append, small, written, folded, colHead, rowHead, row, table, loadVega, drawLive } =
     window.NephPage;
   const NARROW = "(max-width: 42rem)";
   const COLUMNS = [
@@ -59,7 +59,9 @@
 
   function cell(point, [, read, front]) {
     const on = front !== null && point[front].on_front;
-    return el("td", { class: on ? "front" : null }, number(read(point)), on ? "*" : "");
+    const floor = front === null ? null : point[front].floor ?? null;
+    return el("td", { class: on ? "front" : null }, number(read(point)), on ? "*" : "",
+      floor !== null && small(`floor ${number(floor)}`));
   }
 
   /** A table that may be wider than the screen. */
@@ -118,7 +120,8 @@
     sweep.charts.map((chart) => [el("h2", null, chart.title), figure(chart)]),
     el("h2", null, "All points"),
     el("p", { class: "small" }, "*: on the Pareto front of its column: no cheaper point is " +
-      "as good."),
+      "as good. Floor: the number of every pixel marched in every frame, for presets in a " +
+      "scene that moves."),
     allPoints(points), equals(sweep.equal), commands(points),
     missing(sweep.points.filter((point) => point.missing !== null)),
   ]);

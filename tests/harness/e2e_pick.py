@@ -99,8 +99,8 @@ class Pick(NephCase):
         self.assertLess(left["a ray for every pixel, every frame"]["error"], 0.1)
 
     def test_the_chosen_preset_is_on_the_front(self):
-        def pick(*arguments, code=0):
-            return self.pick("gaussian_blob", "--preset", "fixed,ours", "--frames", "16",
+        def pick(*arguments, code=0, presets="fixed,ours"):
+            return self.pick("gaussian_blob", "--preset", presets, "--frames", "16",
                              *arguments, size="32x18", code=code)[0]
         found = pick("--least", "flicker", "--half-life", "8")
         self.assertEqual((found["preset"], found["found"]), ("ours", True))
@@ -114,7 +114,34 @@ class Pick(NephCase):
                   "error", "--fail-above", "max_abs=0")
         # No configuration is within a limit that only the other one reaches.
         self.assertLess(3.0 * ours["flicker"], fixed["flicker"])
+        self.check_floors(pick, fixed)
         self.assertFalse(pick("--flicker", 0.5 * ours["flicker"], code=1)["found"])
+
+    def test_the_choice_in_motion_has_a_floor(self):
+        """Every pixel marched in every frame; a static scene and other candidates have none."""
+        text = (ROOT / "scenes/catalog/gaussian_blob.yaml").read_text()
+        self.put("dolly.yaml", re.sub("name: .*", "name: dolly", text, count=1).replace(
+            "camera: {position_m: [0, 2, 6], look_at_m: [0, 1, 0], vertical_fov_deg: 36}",
+            "camera: {keys: [{frame: 0, position_m: [0, 2, 6], look_at_m: [-2, 1, 0]}, {frame: 31, "
+            "position_m: [0, 2, 6], look_at_m: [1, 1, 0]}], vertical_fov_deg: 36}\n"
+            "frames: {count: 32, rate_hz: 30}"))
+        words = ("--error", "0.9", "--flicker", "40", "--only", "ours")
+        found, _ = self.pick("dolly.yaml", *words, size="16x9")
+        self.assertLess(found["error_floor"], found["error"])
+        self.assertLess(found["flicker_floor"], found["flicker"])
+        self.assertEqual({entry["with"]["flicker_floor"] for entry in found["left_out"]}, {None})
+        said = self.neph("pick", "dolly.yaml", *words, "--size", "16x9", "-q").stdout
+        self.assertIn(f"(floor {found['flicker_floor']:.3g})", said)
+        still, _ = self.pick("gaussian_blob", *words, size="16x9")
+        self.assertEqual((still["error_floor"], still["flicker_floor"]), (None, None))
+
+    def check_floors(self, pick, fixed):
+        """The floor of `fixed` is every pixel marched, with its anti-aliasing: the default."""
+        again, marched = pick(presets="fixed,off+taa=on")["candidates"]
+        for name in ("flicker", "half-life", "lag", "error"):
+            self.assertEqual(fixed["floor"][name], marched[name])
+            self.assertEqual(again["floor"][name], marched["floor"][name])
+        self.assertNotIn("ms", fixed["floor"])
 
     @night.of_the_night
     def test_presets_over_scenes(self):

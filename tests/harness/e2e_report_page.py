@@ -314,6 +314,26 @@ def chart_spec():
     return spec
 
 
+def flicker_row(preset, seen, floor):
+    """A preset over time; `floor` None: not measured."""
+    measurement = {"quantity": "radiance", "metric": "seen_contrast", "mask": "all", "value": seen,
+                   "unit": "1", "interval": None, "against_centre_rays": seen * 1.01}
+    if floor is not None:
+        measurement.update(floor=floor, times_floor=seen / floor)
+    return {"engine": "realtime", "preset": preset, "settings": "steps=8", "status": "rendered",
+            "reason": "", "render_s": 1.5, "speed": None, "measurements": [measurement],
+            "floors": [] if floor is None else ["off+taa=on", "off+taa=on+taa_jitter_length=8"],
+            "findings": [{"mask": "all", "text": f"flicker of {preset} {HOSTILE}"}],
+            "pictures": [], "map": None}
+
+
+def sequence(rows):
+    return {"scene": "fence", "title": f"Clouds behind bars {HOSTILE}", "physics": "A drift.",
+            "size_px": [WIDTH, HEIGHT], "frames": 16, "rate_hz": 30, "exposure_ev": 0.5,
+            "reference": {"engine": "march", "settings": "steps=8", "text": "march, 16 rays",
+                          "status": "rendered", "reason": "", "cpu_s": 12.5}, "rows": rows}
+
+
 def report_data():
     fog = [frame("height_fog", "exact", truth=True, seconds=0.8, settings="nodes=64"),
            frame("height_fog", "tracer", 0.0042, 1, seconds=41.7, settings="samples=1024, seed=1"),
@@ -396,6 +416,9 @@ def report_data():
          "gates": [gate("march", "rmse", None, 0.1, mask=HOSTILE, reason=HOSTILE)]},],
             "metrics": [{"name": name, "help": f"what {name} is {HOSTILE}"}
                         for name in ("rel_mse", "p95", "not_measured_here")],
+            "sequences": [sequence([flicker_row("seed", 3.7334, 4.3549),
+                                    flicker_row("ours", 5.2838, 0.8125)]),
+                          sequence([flicker_row("fixed", 2.5, None)])],
             "absent": [{"scene": "disney_cloud", "reason": f"no file cloud.vdb {HOSTILE}",
                         "hint": "see scenes/README.md"}], "physics": physics_data(), "charts": [
         {"id": "speed_accuracy", "title": "What accuracy costs",
@@ -648,6 +671,7 @@ class Page(PageCase):
             "</head>", '<script src="https://example.com/tracker.js"></script></head>'))
         data = report_data()
         data["scenes"][0]["frames"][1]["measurements"][2]["value"] *= 1.001
+        data["sequences"][0]["rows"][1]["measurements"][0]["floor"] *= 1.001
         (folder / "data.json").write_text(json.dumps(data))
         (folder / "images/height_fog/march.png").unlink()
         (folder / "vendor/vega.min.js").unlink()
@@ -660,6 +684,7 @@ class Page(PageCase):
             ("a wrong count of what is not gated", "frames.ungated"),
             ("a map without a scale", "a map without its scale"),
             ("a number that differs", "scenes/0/frames/1/measurements/2/value"),
+            ("a floor that differs", "sequences/0/rows/1/measurements/0/floor"),
             ("a number shown wrongly", "scenes/1/frames/1/wall_s: the page reads"),
             ("a missing picture", "images/height_fog/march.png"),
             ("a missing bundle", "vendor/vega.min.js"),

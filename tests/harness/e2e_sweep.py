@@ -118,7 +118,8 @@ class Sweep(NephCase):
     def test_a_scene_that_moves(self):
         """The truth is for the last frame, and so is every error."""
         self.put("plan.yaml", PLAN.replace("4 16, flicker", "16, flicker")
-                 .replace(", lag_at: 16", ""))
+                 .replace(", lag_at: 16", "") + "- {name: marched, engine: realtime, "
+                 "preset: off, set: taa=on, vary: steps, values: 16, flicker: true}\n")
         text = (ROOT / "scenes/catalog/gaussian_blob.yaml").read_text()
         self.put("dolly.yaml", re.sub("name: .*", "name: dolly", text, count=1).replace(
             "camera: {position_m: [0, 2, 6], look_at_m: [0, 1, 0], vertical_fov_deg: 36}",
@@ -126,20 +127,30 @@ class Sweep(NephCase):
             "position_m: [0, 2, 6], look_at_m: [1, 1, 0]}], vertical_fov_deg: 36}\n"
             "frames: {count: 32, rate_hz: 30}"))
         def sweep(jobs):
-            done = self.sweep("-o", f"out_{jobs}", "--json", "--untimed", "--only", "march,ours",
-                              "--jobs", jobs, scene="dolly.yaml")
+            done = self.sweep("-o", f"out_{jobs}", "--json", "--untimed", "--only",
+                              "march,ours,marched", "--jobs", jobs, scene="dolly.yaml")
             found = json.loads(done.stdout)
             found.pop("load")  # of the machine
             return found
         document = sweep(1)
         self.assertEqual(sweep(2), document)
         self.assertEqual((document["frame"], document["frames"]), (31, 32))
-        coarse, fine, ours = document["points"]
+        coarse, fine, ours, marched = document["points"]
+        self.check_floors(fine, ours, marched)
         self.assertLess(fine["error"]["value"], 0.5 * coarse["error"]["value"])
         # Against the first frame, the error of the last would be large.
         self.assertLess(ours["error"]["value"], 0.5)
         self.assertIn("--frame 31", fine["command"])
         self.assertIn("--frames 32", ours["command"])
+
+    def check_floors(self, fine, ours, marched):
+        """Every pixel marched with the default anti-aliasing is its own floor, and no preset's
+        floor is above it."""
+        self.assertEqual({fine[name]["floor"] for name in ("error", "flicker")}, {None})
+        for name in ("error", "shortcut", "flicker", "four"):
+            self.assertEqual(marched[name]["floor"], marched[name]["value"])
+            self.assertLessEqual(ours[name]["floor"], marched[name]["value"])
+        self.assertGreater(ours["error"]["value"], ours["error"]["floor"])
 
     def test_fronts_of_several_seeds(self):
         document = json.loads(

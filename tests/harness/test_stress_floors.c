@@ -3,7 +3,7 @@
  * The floors of the stress tests without a renderer: which configuration counts, and where floors
  * are planned.
  */
-#include "tests/base/scratch.h"
+#include "tests/neph_test.h"
 
 #include "harness/stress/floors.h"
 #include "harness/stress/suite.h"
@@ -115,12 +115,4 @@ static void test_floors_of_the_tiers(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_floor_is_the_lower_of_two),
-        cmocka_unit_test(test_floors_are_planned_beside_presets),
-        cmocka_unit_test(test_floors_of_the_tiers),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

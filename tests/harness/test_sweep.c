@@ -387,6 +387,46 @@ static void test_charts_have_the_measurements(void **state)
     neph_sweep_plan_finish(&made.plan);
 }
 
+static const json_t *make_floors(const struct made *made, json_t **spec)
+{
+    const struct neph_sweep_chart *chart = neph_sweep_charts;
+    struct neph_diag diag = {.line = 0};
+    while (strcmp(chart->id, "time_flicker") != 0)
+        chart++;
+    neph_assert_ok(
+        neph_sweep_chart_spec(&made->sweep, chart, &neph_sweep_chart_sizes[0], spec, &diag), &diag);
+    return json_object_get(json_object_get(*spec, "datasets"), "floor");
+}
+
+/* A line for each floor at the last point of a series, within the axis; equal floors share it. */
+static void test_charts_have_floors(void **state)
+{
+    struct made made;
+    json_t *spec = NULL;
+    make_sweep(&made);
+    for (int i = 0; i < 3; i++) {
+        made.points[i].numbers[NEPH_SWEEP_FLICKER].value = 2.0 + i;
+        for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
+            made.points[i].floors[n] = NAN;
+    }
+    assert_int_equal(json_array_size(make_floors(&made, &spec)), 0);
+    json_decref(spec);
+    made.points[0].floors[NEPH_SWEEP_FLICKER] = 1.5; /* not the last of its series */
+    made.points[1].floors[NEPH_SWEEP_FLICKER] = 0.25;
+    made.points[2].floors[NEPH_SWEEP_FLICKER] = 0.25;
+    const json_t *floors = make_floors(&made, &spec), *first = json_array_get(floors, 0);
+    assert_int_equal(json_array_size(floors), 1);
+    assert_string_equal(neph_json_text(first, "text"), "floor of one, two");
+    assert_true(neph_json_real(first, "y") == 0.25);
+    json_decref(spec);
+    made.points[2].floors[NEPH_SWEEP_FLICKER] = 0.5;
+    floors = make_floors(&made, &spec);
+    assert_int_equal(json_array_size(floors), 2);
+    assert_string_equal(neph_json_text(json_array_get(floors, 1), "text"), "floor of two");
+    json_decref(spec);
+    neph_sweep_plan_finish(&made.plan);
+}
+
 /* Compares series with one of them: returns the count, and the first comparison. */
 static int hold(const struct made *made, int base, enum neph_sweep_cost cost,
                 struct neph_sweep_comparison *first)
@@ -472,6 +512,7 @@ int main(int count, char **arguments)
         cmocka_unit_test(test_names_lie_on_nothing),
         cmocka_unit_test(test_names_keep_off_lines),
         cmocka_unit_test(test_charts_have_the_measurements),
+        cmocka_unit_test(test_charts_have_floors),
         cmocka_unit_test(test_equal_error_and_equal_time),
         cmocka_unit_test(test_json_has_every_point),
     };
