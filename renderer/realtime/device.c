@@ -186,6 +186,7 @@ static void set_choices(const struct neph_rt_device *device, const struct neph_r
     params->constants[RT_STATIC_CONSTANT] = pass->rays ? 0u : find_static_parts(device);
     params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
     params->constants[RT_DARK_CONSTANT] = device->is_dark;
+    params->constants[RT_ROLE_CONSTANT] = (uint32_t)pass->role;
     for (int s = 0; s < RT_NUMBER_COUNT && device->specialises; s++)
         if (!pass->rays || !is_static_setting(s))
             params->constants[RT_CHOICE_CONSTANT + s / 8] |= encode_digit(s, values[s])

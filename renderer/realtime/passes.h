@@ -79,6 +79,7 @@ struct neph_rt_pass {
     int unread_resolution; /* in frames with output elision (output_elision.h); 0: the same */
     bool in_quads;         /* a thread writes 2x2 texels; the first may lie one before the view */
     enum neph_rt_rays rays;
+    int role; /* RT_ROLE_*, of passes that share a shader; 0: the ordinary one */
     /* Where this is true the pass runs in four phases, one for each texel of 2x2, and each phase
      * reads the results of those before: four dispatches, or one dispatch of blocks where the
      * shader has them. Else, or with NULL, one dispatch of independent texels. */

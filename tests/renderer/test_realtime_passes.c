@@ -93,9 +93,12 @@ static void reflect_with(const struct neph_rt_pass *pass, const struct neph_rt_s
 /* With settings that are read and not constant, on a CPU and, for passes without rays, on a GPU. */
 static struct module reflect(const struct neph_rt_pass *pass)
 {
-    const uint32_t on_gpu[RT_CONSTANT_COUNT] = {[RT_GPU_ACCESS_CONSTANT] = 1};
+    const uint32_t role = (uint32_t)pass->role;
+    const uint32_t on_cpu[RT_CONSTANT_COUNT] = {[RT_ROLE_CONSTANT] = role};
+    const uint32_t on_gpu[RT_CONSTANT_COUNT] = {[RT_ROLE_CONSTANT] = role,
+                                                [RT_GPU_ACCESS_CONSTANT] = 1};
     struct module sum = {.reads = 0};
-    reflect_with(pass, &pass->shader, NULL, 0, &sum);
+    reflect_with(pass, &pass->shader, role ? on_cpu : NULL, role ? RT_CONSTANT_COUNT : 0, &sum);
     if (!pass->rays)
         reflect_with(pass, &pass->shader, on_gpu, RT_CONSTANT_COUNT, &sum);
     for (int kind = 0; kind < NEPH_RT_DEVICE_KINDS; kind++)

@@ -46,21 +46,25 @@ uint count_square_rays(ivec2 tile)
     return uint(rest.x * rest.y);
 }
 
+// `place`: of the sample in each step.
+Ray make_texel_ray(ivec2 half_pixel, float place)
+{
+    vec2 place_px = vec2(2 * half_pixel + 1);
+    if (choice(RT_JITTERED_DEPTH) != 0)
+        place_px += jitter_px;
+    return make_ray(place_px, fetch_half(RT_HALF_DEPTH, half_pixel).x, place);
+}
+
 Ray make_tile_ray(ivec2 tile)
 {
     ivec2 half_pixel = 2 * tile + slot_place(int(fetch_tile(RT_TILE, tile).x));
     half_pixel = min(half_pixel, half_size() - 1);
-    vec2 place_px = vec2(2 * half_pixel + 1);
-    if (choice(RT_JITTERED_DEPTH) != 0)
-        place_px += jitter_px;
-    return make_ray(place_px, fetch_half(RT_HALF_DEPTH, half_pixel).x,
-                    mix(0.5, read_ray_dither(tile, half_pixel), setting(RT_RAY_DITHER_AMOUNT)));
+    return make_texel_ray(half_pixel, mix(0.5, read_ray_dither(tile, half_pixel),
+                                          setting(RT_RAY_DITHER_AMOUNT)));
 }
 
-void main()
+void march_tile(uint thread)
 {
-    load_known_solids();
-    uint thread = gl_GlobalInvocationID.x;
     ivec2 tile = find_ray_tile(int(run.first_ray + thread));
     if (thread >= run.ray_count || any(greaterThanEqual(tile, tile_count())))
         return;
@@ -72,4 +76,47 @@ void main()
     if (!UNCOUNTED && gl_LocalInvocationIndex == 0u)
         atomicAdd(counters.rays, count_square_rays(tile));
     count_cost();
+}
+
+// --- the oracles ----------------------------------------------------------------------------------
+//
+// Rays without noise, which are not counted: they measure what a shortcut costs.
+
+layout(constant_id = RT_ROLE_CONSTANT) const int ROLE = RT_ROLE_ORDINARY;
+
+// A half-resolution texel has its own ray. The reconstruction finds it in its own output.
+void march_texel(uint thread)
+{
+    ivec2 half_pixel = element_at(int(run.first_ray + thread), half_size().x);
+    MarchedRay marched;
+    if (thread >= run.ray_count || !march_ray(thread, make_texel_ray(half_pixel, 0.5), marched))
+        return;
+    if (choice(RT_TARGET_FORMAT) == RT_FORMAT_HALF)
+        marched.value = min(marched.value, vec4(HALF_MAX));
+    put_half(RT_HISTORY, half_pixel, marched.value);
+    put_half(RT_HISTORY_STATE, half_pixel, vec4(1.0, marched.distance_m, 0.0, 0.0));
+}
+
+// A pixel has its own ray. Minus the upscale of the texels' own rays, which is in the target, it is
+// the error of the upscale; the upscale adds it.
+void march_pixel(uint thread)
+{
+    ivec2 pixel = element_at(int(run.first_ray + thread), view_size().x);
+    Ray ray = make_ray(vec2(pixel) + 0.5 + jitter_px, fetch_full(RT_DEPTH, pixel).x, 0.5);
+    MarchedRay marched;
+    if (thread >= run.ray_count || !march_ray(thread, ray, marched))
+        return;
+    put_full(RT_VOLUME, pixel, marched.value - fetch_full(RT_VOLUME, pixel));
+}
+
+void main()
+{
+    load_known_solids();
+    uint thread = gl_GlobalInvocationID.x;
+    if (ROLE == RT_ROLE_ORDINARY)
+        march_tile(thread);
+    else if (ROLE == RT_ROLE_ORACLE)
+        march_texel(thread);
+    else
+        march_pixel(thread);
 }

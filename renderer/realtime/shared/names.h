@@ -18,6 +18,7 @@
 //   STATIC_PARTS the static parts of the frame
 //   BALLS        which of few solids are spheres, in two constants
 //   DARK         rays compute only transmittance (realtime/ray_march/ray_march.comp)
+//   ROLE         which of the passes with this shader runs, RT_ROLE_*
 //   CHOICE       the first constant with choices
 #define RT_UNCOUNTED_CONSTANT 6
 #define RT_SPECIALISED_CONSTANT 7
@@ -30,7 +31,11 @@
 #define RT_STATIC_MEDIUM 2u
 #define RT_BALLS_CONSTANT 12 // and 13
 #define RT_DARK_CONSTANT 14
-#define RT_CHOICE_CONSTANT 15
+#define RT_ROLE_CONSTANT 15
+#define RT_ROLE_ORDINARY 0
+#define RT_ROLE_ORACLE 1 // of the upscale; of the march: texels
+#define RT_ROLE_PIXELS 2
+#define RT_CHOICE_CONSTANT 16
 #define RT_CONSTANT_COUNT (RT_CHOICE_CONSTANT + RT_CHOICE_CONSTANT_COUNT)
 // Pixels of a column that a thread of the anti-aliasing processes, a multiple of a tile's side:
 // each row that it reads serves three of them.

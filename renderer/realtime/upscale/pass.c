@@ -31,3 +31,17 @@ const struct neph_rt_pass neph_rt_upscale = {
     .replaces = NEPH_RT_BIT(RT_VOLUME),
     .picture = RT_COLOR,
 };
+
+const struct neph_rt_pass neph_rt_oracle_spread = {
+    .name = "oracle spread",
+    .note = "the texels' own rays at full resolution",
+    .shader = {"upscale", code, sizeof(code)},
+    .condition = {RT_ORACLE_UPSCALE, 1},
+    .resolution = RT_FULL,
+    .in_quads = true,
+    .role = RT_ROLE_ORACLE,
+    .reads = NEPH_RT_BIT(RT_DEPTH) | NEPH_RT_BIT(RT_HALF_DEPTH) | NEPH_RT_BIT(RT_HISTORY) |
+             NEPH_RT_BIT(RT_HISTORY_BEFORE) | NEPH_RT_BIT(RT_HISTORY_STATE),
+    .spared = {{{{RT_ATROUS, 1}}, NEPH_RT_BIT(RT_HISTORY_BEFORE)}},
+    .writes = NEPH_RT_BIT(RT_VOLUME),
+};

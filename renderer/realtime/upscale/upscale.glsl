@@ -289,10 +289,51 @@ Upscaled upscaled(Taps taps, int in_quad, vec2 fraction, float scene_m)
     return Upscaled(blend(taps.of, weights, nearest), chosen.distance_m);
 }
 
-// --- pixels -----------------------------------------------------------------------------------
+// --- the output --------------------------------------------------------------------------------
 
-// What becomes of a pixel; each shader defines its own.
-void put_upscaled(ivec2 pixel, Upscaled made);
+// The volume as a later pass would read it from its target.
+vec4 as_kept(vec4 volume)
+{
+    return get_format(RT_VOLUME) == RT_RGBA16F
+               ? from_words(uvec2(pack(volume.xy), pack(volume.zw)))
+               : volume;
+}
+
+// Whether the volume is composed with the background here, because no later pass changes it
+// (composition/compose.comp).
+bool composes() { return choice(RT_COMPOSITION) == RT_COMPOSITION_UPSCALE; }
+
+void put_composed(ivec2 pixel, vec4 volume)
+{
+    vec3 radiance = over(as_kept(volume), fetch_full(RT_BEHIND, pixel).xyz);
+    put_full(RT_COLOR, pixel, vec4(radiance, 1.0));
+}
+
+// Adds the oracle, the error of the upscale of error-free texels (ray_march/ray_march.comp). Where
+// the texels have errors of their own a sum may be negative, which no volume is.
+vec4 correct_volume(ivec2 pixel, vec4 volume)
+{
+    if (choice(RT_ORACLE_UPSCALE) == 0)
+        return volume;
+    return max(volume + fetch_full(RT_VOLUME, pixel), vec4(0.0));
+}
+
+layout(constant_id = RT_ROLE_CONSTANT) const int ROLE = RT_ROLE_ORDINARY;
+
+void put_upscaled(ivec2 pixel, Upscaled made)
+{
+    if (ROLE == RT_ROLE_ORACLE) {
+        put_full(RT_VOLUME, pixel, made.volume);
+        return;
+    }
+    vec4 volume = correct_volume(pixel, made.volume);
+    if (!is_output_elided()) {
+        put_full(RT_VOLUME, pixel, volume);
+        put_full(RT_VOLUME_DISTANCE, pixel, vec4(made.distance_m));
+    }
+    if (composes())
+        put_composed(pixel, volume);
+}
 
 // Four neighbouring pixels.
 void upscale(ivec2 quad)

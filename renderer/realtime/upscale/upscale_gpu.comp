@@ -7,7 +7,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/pass.glsl"
-#include "put_upscaled.glsl"
+#include "upscale.glsl"
 
 vec4 weighted_mean(Tap taps[TAPS_MAX], float weights[TAPS_MAX], float total)
 {
