@@ -78,7 +78,7 @@ void march_tile(uint thread)
     count_cost();
 }
 
-// --- the oracles ----------------------------------------------------------------------------------
+// --- the oracles --------------------------------------------------------------------------------
 //
 // Rays without noise, which are not counted: they measure what a shortcut costs.
 
