@@ -65,7 +65,8 @@ struct neph_study_cell {
     char because[NEPH_STUDY_WHY_SIZE];    /* reason when it does not count */
 };
 
-/* Cost and origin of the flicker sequence of a preset in a scene with a seed, without the warm-up. */
+/* Cost of the flicker sequence of a preset in a scene with a seed, without the warm-up, and its
+ * place in the store. */
 struct neph_study_cost {
     double density_evaluations; /* per pixel and frame, counted; NaN: not rendered */
     double traffic_bytes; /* per pixel and frame, over all passes (neph_realtime_stats); NaN: not
