@@ -75,6 +75,9 @@ class StudyAttribution(StudyCase):
         with open(self.folder / "all.csv", newline="") as file:
             lines = list(csv.DictReader(file))
         self.assertEqual([line["part"] for line in lines], [*PARTS, "interaction"])
+        blur = found["scenes"][0]["blur_px"]
+        self.assertTrue(0.0 < blur <= 1.5, blur)
+        self.assertEqual({float(line["blur_px"]) for line in lines}, {blur})
         output = self.folder / "out/study"
         store = self.stamps(output / "store/frames")
         self.assertEqual(list((output / "store/tmp").glob("*")), [])
@@ -93,6 +96,7 @@ class StudyAttribution(StudyCase):
         self.assertRegex(done.stdout, r"\nthe parts explain [01] of 1 scenes within 15 %; ")
         text = self.neph(*self.command("--all")).stdout
         self.assertIn("\n| interaction | - | ", text)
+        self.assertIn(f"; blur {found['scenes'][0]['blur_px']:.2f} px; ", text)
         self.assertEqual(self.stamps(output / "store/frames").keys(), store.keys())
         self.assertIn(">aliasing</text>", (output / "attribution.svg").read_text())
 

@@ -72,8 +72,8 @@ static void test_34_different_sequences(void **state)
     }
 }
 
-/* Blur and aliasing have no sequence of their own; the first sequences, which have maps, are those that
- * lack one part. */
+/* Blur and aliasing have references in place of sequences; the first sequences, which have maps,
+ * are those that lack one part. */
 static void test_sequences_of_states(void **state)
 {
     struct neph_arena arena = {.last = NULL};
