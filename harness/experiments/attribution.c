@@ -66,11 +66,12 @@ static const struct neph_cli_syntax syntax = {
     .check = check,
     .doc =
         "Divide the squared flicker seen of a preset of the real-time renderer among its parts: "
-        "rays, reprojection, disocclusion, box, noise, upscale, anti-aliasing; print which part "
+        "rays, reprojection, disocclusion, box, noise, upscale, blur, aliasing; print which part "
         "causes how much, with 95 % intervals over scenes.\vEvery set of parts is made ideal in "
         "turn, which takes 35 sequences for each scene and seed, and the flicker seen of each is "
-        "measured against two references: the ray marcher with 16 rays a pixel, and the sequence "
-        "with all parts ideal but the anti-aliasing. The share of a part is its contribution, "
+        "measured against four references: the ray marcher with 16 rays a pixel (R), the sequence "
+        "with all parts ideal but blur and aliasing (I), R with the Gaussian blur that fits I best "
+        "(B), and I - B + R. The share of a part is its contribution, "
         "averaged over all orders in which the parts become real (Shapley value; rays before "
         "reprojection, disocclusion, box and noise, which act on the history of rays). The shares "
         "add up to the squared flicker. A negative share means that the part hides flicker of "

@@ -138,6 +138,7 @@ static void begin_scene(struct neph_table *table)
         {.key = "seen", .title = "seen", .format = "%.3g", .forms = NEPH_TABLE_DATA},
         {.key = "seen_if_ideal", .title = "seen if ideal", .format = "%.3g"},
         {.key = "gain", .title = "gain", .format = "%.3g"},
+        {.key = "blur_px", .title = "blur [px]", .format = "%.3f", .forms = NEPH_TABLE_DATA},
     };
     neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
 }
@@ -155,10 +156,10 @@ static void add_scene(const struct neph_attribution_study *attribution, int inde
                                                            NAN, scene->values.interaction, NAN};
         neph_table_word(table, attribution->study->scenes[index].name);
         neph_table_word(table, row_name(row));
-        neph_table_numbers(table, 6,
+        neph_table_numbers(table, 7,
                            (const double[]){part.share, neph_attribution_percent(scene, row),
                                             part.alone, seen, sqrt(part.without),
-                                            seen - sqrt(part.without)});
+                                            seen - sqrt(part.without), scene->blur_px});
     }
 }
 
@@ -173,9 +174,9 @@ static void print_scene(const struct neph_attribution_study *attribution, int in
         return;
     }
     fprintf(publication->text,
-            "\n**%s**: %.3g thresholds, squared %.3g; interaction %.3g %%: the parts %s it within "
-            "15 %%.\n\n",
-            name, sqrt(scene->values.all), scene->values.all,
+            "\n**%s**: %.3g thresholds, squared %.3g; blur %.2f px; interaction %.3g %%: the parts "
+            "%s it within 15 %%.\n\n",
+            name, sqrt(scene->values.all), scene->values.all, scene->blur_px,
             neph_attribution_percent(scene, NEPH_ATTRIBUTION_INTERACTION),
             neph_attribution_explains(&scene->values) ? "explain" : "do not explain");
     begin_scene(&table);
@@ -232,10 +233,11 @@ static json_t *scenes_json(const struct neph_attribution_study *attribution)
         const struct neph_attribution_values *values = &scene->values;
         neph_json_add(
             &list,
-            json_pack("{s:s, s:s?, s:o, s:o, s:o, s:o}", "scene",
+            json_pack("{s:s, s:s?, s:o, s:o, s:o, s:o, s:o}", "scene",
                       attribution->study->scenes[i].name, "why", scene->why, "seen",
                       scene->why ? json_null() : neph_json_number(sqrt(values->all)), "squared",
-                      scene->why ? json_null() : neph_json_number(values->all), "interaction",
+                      scene->why ? json_null() : neph_json_number(values->all), "blur_px",
+                      scene->why ? json_null() : neph_json_number(scene->blur_px), "interaction",
                       scene->why ? json_null() : neph_json_number(values->interaction), "explained",
                       scene->why ? json_null() : json_boolean(neph_attribution_explains(values))));
     }

@@ -19,17 +19,15 @@
 enum { GAP_PX = 4 };
 
 /* Adds `weight` times the squares of a map to `sum`. */
-static enum neph_status add_squares(const char *folder, const char *file, double weight,
-                                    const struct neph_image *frame, double *sum,
-                                    struct neph_diag *diag)
+static enum neph_status add_squares(const char *path, double weight, const struct neph_image *frame,
+                                    double *sum, struct neph_diag *diag)
 {
     struct neph_image *map = NULL;
-    enum neph_status status = neph_exr_read(neph_path_in(folder, file).text, &map, diag);
+    enum neph_status status = neph_exr_read(path, &map, diag);
     const float *values = status ? NULL : neph_image_channel(map, "Y");
     const size_t count = neph_image_pixel_count(frame);
     if (!status && (!values || neph_image_pixel_count(map) != count))
-        status = neph_fail(diag, NEPH_ERR_INTERNAL, "the map '%s' in '%s' is of another frame",
-                           file, folder);
+        status = neph_fail(diag, NEPH_ERR_INTERNAL, "the map '%s' is of another frame", path);
     for (size_t i = 0; i < count && !status; i++)
         sum[i] += weight * values[i] * values[i];
     neph_image_destroy(map);
@@ -43,17 +41,19 @@ static enum neph_status make_map(const struct neph_attribution_study *attributio
 {
     const struct neph_flicker_study *study = attribution->study;
     const int seed_count = study->params->seed_count;
-    const int without = neph_attribution_find_sequence(
-        attribution->plan,
-        neph_part_set_without(NEPH_PARTS_ALL, (enum neph_attribution_part_id)part));
-    const char *file = part == NEPH_PART_ANTI_ALIASING ? NEPH_STUDY_IDEAL_MAP : NEPH_STUDY_MAP;
+    const neph_part_set state = neph_part_set_without(NEPH_PARTS_ALL,
+                                                      (enum neph_attribution_part_id)part);
+    const int without = neph_attribution_find_sequence(attribution->plan, state);
+    const enum neph_ideal_kind against = neph_attribution_find_reference(state);
     enum neph_status status = NEPH_OK;
     for (int seed = 0; seed < seed_count && !status; seed++) {
-        status = add_squares(neph_study_cost_at(study, scene, 0, seed)->folder, NEPH_STUDY_MAP,
-                             1.0 / seed_count, frame, sum, diag);
+        const char *all = neph_study_cost_at(study, scene, 0, seed)->folder,
+                   *ideal = neph_study_cost_at(study, scene, without, seed)->folder;
+        status = add_squares(neph_study_map_path(all, NEPH_IDEALS).text, 1.0 / seed_count, frame,
+                             sum, diag);
         if (!status)
-            status = add_squares(neph_study_cost_at(study, scene, without, seed)->folder, file,
-                                 -1.0 / seed_count, frame, sum, diag);
+            status = add_squares(neph_study_map_path(ideal, against).text, -1.0 / seed_count, frame,
+                                 sum, diag);
     }
     return status;
 }

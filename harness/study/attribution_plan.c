@@ -7,10 +7,11 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Fails to compile when a part is added, as the table needs a row for it. */
-_Static_assert(NEPH_PARTS == 7, "a new kind");
+/* Fails to compile when a part or reference is added, as the tables need a row for it. */
+_Static_assert(NEPH_IDEALS == 3, "a new kind");
+_Static_assert(NEPH_PARTS == 8, "a new kind");
 
-static const neph_part_set anti_aliasing = 1U << NEPH_PART_ANTI_ALIASING;
+static const neph_part_set anti_aliasing = 1U << NEPH_PART_BLUR | 1U << NEPH_PART_ALIASING;
 
 const struct neph_attribution_part neph_attribution_parts[NEPH_PARTS] = {
     [NEPH_PART_RAYS] = {"rays", "one ray in four half-resolution texels, the others from history",
@@ -22,10 +23,10 @@ const struct neph_attribution_part neph_attribution_parts[NEPH_PARTS] = {
     [NEPH_PART_BOX] = {"box", "the neighbourhood clamp of history", "box=none"},
     [NEPH_PART_NOISE] = {"noise", "the shift of a ray's steps", "ray_dither=none"},
     [NEPH_PART_UPSCALE] = {"upscale", "from half-resolution texels to pixels", "oracle_upscale=on"},
-    [NEPH_PART_ANTI_ALIASING] = {"anti-aliasing",
-                                 "the mean of jittered frames in place of 16 rays "
-                                 "a pixel",
-                                 NULL},
+    [NEPH_PART_BLUR] = {"blur", "an anti-aliased frame that is less sharp than 16 rays a pixel",
+                        NULL},
+    [NEPH_PART_ALIASING] = {"aliasing",
+                            "other effects of anti-aliasing: edges that crawl, lag, ghosts", NULL},
 };
 
 /* ---- presets without an ideal ---------------------------------------------------------------- */
@@ -90,6 +91,14 @@ int neph_attribution_find_sequence(const struct neph_attribution_plan *plan, nep
     return index;
 }
 
+enum neph_ideal_kind neph_attribution_find_reference(neph_part_set state)
+{
+    static const enum neph_ideal_kind references[] = {NEPH_IDEAL_SEQUENCE, NEPH_IDEAL_ALIASED,
+                                                      NEPH_IDEAL_BLURRED, NEPH_IDEALS};
+    _Static_assert(NEPH_PART_ALIASING == NEPH_PART_BLUR + 1, "references");
+    return references[(state & anti_aliasing) >> NEPH_PART_BLUR];
+}
+
 const char *neph_attribution_find_ideal(const struct neph_attribution_plan *plan)
 {
     return plan->words[neph_attribution_find_sequence(plan, 0)];
@@ -105,7 +114,7 @@ enum neph_status neph_attribution_plan_make(const char *preset, int steps, struc
         return status;
     *plan = (struct neph_attribution_plan){.preset = preset};
     add_sequence(all, arena, plan);
-    for (int i = 0; i < NEPH_PART_ANTI_ALIASING; i++)
+    for (int i = 0; i < NEPH_PART_BLUR; i++)
         add_sequence(neph_part_set_without(all, (enum neph_attribution_part_id)i), arena, plan);
     for (neph_part_set state = all + 1; state-- > 0;)
         if (neph_part_set_is_state(state))

@@ -12,7 +12,7 @@ enum { WIDTH = 840, LEFT = 170, RIGHT = 90, TOP = 92, ROW = 24, BAR = 16, BOTTOM
 enum { LABEL_PX = 24 }; /* segments from this width on have their percents */
 
 /* Fails to compile when a part is added, as it needs a fill. */
-_Static_assert(NEPH_PARTS == 7, "a new kind");
+_Static_assert(NEPH_PARTS == 8, "a new kind");
 
 /* Differ in lightness or pattern, so that the chart is readable in grey. Colours after M. Okabe, K.
  * Ito, "Color Universal Design", 2008. */
@@ -20,14 +20,17 @@ static const struct {
     const char *fill, *text;
 } fills[NEPH_PARTS] = {
     {"#0072b2", "#fff"}, {"#f0e442", "#000"},    {"url(#stripes)", "#000"}, {"#ffffff", "#000"},
-    {"#e8894c", "#000"}, {"url(#dots)", "#000"}, {"#222222", "#fff"},
+    {"#e8894c", "#000"}, {"url(#dots)", "#000"}, {"url(#waves)", "#000"},   {"#222222", "#fff"},
 };
 static const char patterns[] =
     "<defs><pattern id=\"stripes\" width=\"5\" height=\"5\" patternUnits=\"userSpaceOnUse\" "
     "patternTransform=\"rotate(45)\"><rect width=\"5\" height=\"5\" fill=\"#b6e5d7\"/><rect "
     "width=\"2\" height=\"5\" fill=\"#009e73\"/></pattern><pattern id=\"dots\" width=\"5\" "
     "height=\"5\" patternUnits=\"userSpaceOnUse\"><rect width=\"5\" height=\"5\" "
-    "fill=\"#d3ebf8\"/><circle cx=\"2.5\" cy=\"2.5\" r=\"1\" fill=\"#3c93c2\"/></pattern></defs>\n";
+    "fill=\"#d3ebf8\"/><circle cx=\"2.5\" cy=\"2.5\" r=\"1\" fill=\"#3c93c2\"/></pattern><pattern "
+    "id=\"waves\" width=\"8\" height=\"4\" patternUnits=\"userSpaceOnUse\"><rect width=\"8\" "
+    "height=\"4\" fill=\"#f3dbe8\"/><path d=\"M0 3 L4 1 L8 3\" fill=\"none\" "
+    "stroke=\"#a24d7d\"/></pattern></defs>\n";
 
 /* An axis of percents. */
 struct axis {

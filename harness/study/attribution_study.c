@@ -26,7 +26,8 @@ double neph_attribution_seen(const struct neph_attribution_plan *plan,
     const struct neph_study_cell *cell = find_cell(plan, study, scene, seed, state);
     if (!cell->counts)
         return NAN;
-    return (state >> NEPH_PART_ANTI_ALIASING & 1U) != 0 ? cell->value : state ? cell->centre : 0.0;
+    const enum neph_ideal_kind against = neph_attribution_find_reference(state);
+    return against == NEPH_IDEALS ? cell->value : state ? cell->ideals[against] : 0.0;
 }
 
 /* The reason why a scene has no values; NULL: it has. */
@@ -57,6 +58,8 @@ static void attribute_scene(const struct neph_attribution_plan *plan,
     if (!scene->why && values[NEPH_PARTS_ALL] == 0.0)
         scene->why = "no flicker is seen";
     scene->values = neph_attribution_divide(values);
+    for (int seed = 0; seed < seed_count; seed++)
+        scene->blur_px += neph_study_cost_at(study, index, 0, seed)->blur_px / seed_count;
 }
 
 double neph_attribution_percent(const struct neph_attribution_scene *scene, int row)

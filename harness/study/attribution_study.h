@@ -14,6 +14,8 @@
 struct neph_attribution_scene {
     const char *why;                       /* the reason why it has no values; NULL: it has */
     struct neph_attribution_values values; /* squared thresholds, means over seeds */
+    double blur_px; /* of the sequence with all parts ideal but blur and aliasing, mean over seeds
+                     */
 };
 
 /* A part, or the interaction of all, over the scenes with values. */

@@ -4,7 +4,7 @@
 #include <math.h>
 
 /* Fails to compile when a part is added, as the children of rays are listed here. */
-_Static_assert(NEPH_PARTS == 7, "a new kind");
+_Static_assert(NEPH_PARTS == 8, "a new kind");
 
 static const neph_part_set rays = 1U << NEPH_PART_RAYS;
 static const neph_part_set children = 1U << NEPH_PART_REPROJECTION | 1U << NEPH_PART_DISOCCLUSION |

@@ -15,7 +15,8 @@ enum neph_attribution_part_id {
     NEPH_PART_BOX,
     NEPH_PART_NOISE,
     NEPH_PART_UPSCALE,
-    NEPH_PART_ANTI_ALIASING,
+    NEPH_PART_BLUR,
+    NEPH_PART_ALIASING,
     NEPH_PARTS,
 };
 
@@ -26,7 +27,7 @@ enum { NEPH_PART_SETS = 1 << NEPH_PARTS, NEPH_PARTS_ALL = NEPH_PART_SETS - 1 };
 
 bool neph_part_needs_rays(enum neph_attribution_part_id part);
 
-/* Whether no child is real without rays: 68 sets. */
+/* Whether no child is real without rays: 136 sets. */
 bool neph_part_set_is_state(neph_part_set set);
 
 /* The set with a part made ideal, and with rays its children. */
@@ -44,7 +45,7 @@ struct neph_attribution_values {
     double all; /* the value with all parts real */
     struct neph_part_values parts[NEPH_PARTS];
     double interaction; /* all - sum of `alone` */
-    int order_count;    /* 7!/5 = 1008 */
+    int order_count;    /* 8!/5 = 8064 */
 };
 
 /* The Shapley value under precedence constraints (U. Faigle, W. Kern, The Shapley value for

@@ -22,8 +22,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Fails to compile when a kind is added, as the sequences of this file depend on the variants. */
+/* Fails to compile when a kind is added, as the sequences of this file depend on the variants, and
+ * its measurement sets on the references. */
 _Static_assert(NEPH_VARIANT_KIND_COUNT == 3, "a new kind");
+_Static_assert(NEPH_IDEALS == 3, "a new kind");
 
 enum { KIND_REFERENCE, KIND_TAKE }; /* of progress steps */
 
@@ -101,7 +103,10 @@ static enum neph_status make_job(const struct work *work, const struct neph_scen
 
 /* ---- measurement sets ------------------------------------------------------------------------ */
 
-enum { READINGS_MAX = 2 + NEPH_STUDY_DISPLAYS, KEPT_MAX = 4 * NEPH_STUDY_METRICS_MAX + 1 };
+enum {
+    READINGS_MAX = 1 + NEPH_IDEALS + NEPH_STUDY_DISPLAYS,
+    KEPT_MAX = 4 * NEPH_STUDY_METRICS_MAX + 1,
+};
 
 static struct neph_viewing make_display_viewing(const struct neph_scene *scene,
                                                 const struct neph_flicker_study_params *params,
@@ -118,10 +123,23 @@ static struct neph_viewing make_display_viewing(const struct neph_scene *scene,
 static const char *const display_names[NEPH_STUDY_DISPLAYS] = {
     "averaged", "display_1", "display_2", "display_3", "display_4", "display_5"};
 
-/* The name of the measurement set against the second reference; NULL: there is none. */
-static const char *find_second_name(const struct neph_flicker_study_params *params)
+static const char centre_name[] = "centre", map_name[] = "seen_contrast";
+static const char *const ideal_names[NEPH_IDEALS] = {
+    [NEPH_IDEAL_SEQUENCE] = "ideal",
+    [NEPH_IDEAL_BLURRED] = "blurred",
+    [NEPH_IDEAL_ALIASED] = "aliased",
+};
+
+struct neph_path neph_study_map_path(const char *folder, enum neph_ideal_kind against)
 {
-    return params->ideal ? "ideal" : params->brief ? NULL : "centre";
+    return neph_path_format("%s/%s_%s.exr", folder,
+                            against == NEPH_IDEALS ? display_names[0] : ideal_names[against],
+                            map_name);
+}
+
+static bool has_centre(const struct neph_flicker_study_params *params)
+{
+    return !params->ideal && !params->brief;
 }
 
 /* Lists the metrics of the tables for a sequence, with the metrics that decide whether they count.
@@ -143,33 +161,46 @@ static void list_kept(enum neph_study_capture_id id, bool only_headline,
     kept[count] = (struct neph_meter_number){.metric = NULL};
 }
 
+/* Adds the measurement sets against references made of the ideal. The sequence with all parts real
+ * keeps their maps. */
+static int list_ideal_sets(const struct work *work, const struct study_cell_id *id,
+                           const struct neph_measurement_set *averaged,
+                           struct neph_measurement_set *readings)
+{
+    int count = 0;
+    for (; work->params->ideal && count < NEPH_IDEALS; count++) {
+        readings[count] = *averaged;
+        readings[count].name = ideal_names[count];
+        readings[count].reference = &work->ideal.references[count];
+        readings[count].map = id->preset == 0 ? averaged->map : NULL;
+    }
+    return count;
+}
+
 /* Lists the measurement sets of a sequence: all metrics against the averaged reference and the
- * second one, and unless `brief` the eye's metrics for the other displays. */
+ * others, and unless `brief` the eye's metrics for the other displays. */
 static int list_measurement_sets(const struct work *work, const struct neph_scene *scene,
                                  const struct study_cell_id *id,
                                  const struct neph_meter_number *kept,
                                  struct neph_measurement_set readings[READINGS_MAX])
 {
     const struct neph_study_capture *take = &neph_study_captures[id->take];
-    const bool has_ideal = work->params->ideal != NULL;
     const struct neph_viewing viewing = make_display_viewing(scene, work->params, 0);
     int count = 0;
     const struct neph_measurement_set averaged = {
         .name = display_names[0],
         .against = NEPH_REFERENCE_AVERAGED,
-        .map = id->preset < work->params->map_count ? "seen_contrast" : NULL,
-        .extractors = has_ideal ? neph_study_eye_extractors : take->extractors,
+        .map = id->preset < work->params->map_count ? map_name : NULL,
+        .extractors = work->params->ideal ? neph_study_eye_extractors : take->extractors,
         .settings = take->settings,
         .viewing = viewing,
         .kept = kept};
     readings[count++] = averaged;
+    count += list_ideal_sets(work, id, &averaged, readings + count);
     readings[count] = averaged;
-    readings[count].name = find_second_name(work->params);
-    if (has_ideal)
-        readings[count].reference = &work->ideal.reference;
-    else
-        readings[count].against = NEPH_REFERENCE_CENTRE;
-    count += readings[count].name != NULL;
+    readings[count].name = centre_name;
+    readings[count].against = NEPH_REFERENCE_CENTRE;
+    count += has_centre(work->params);
     const bool has_displays = id->take == NEPH_STUDY_FLICKER && !work->params->brief;
     const int display_count = has_displays ? neph_study_display_count(work->params->frame_rate_hz)
                                            : 1;
@@ -233,18 +264,36 @@ static struct neph_study_cell *cell_at(const struct work *work,
                               study_cell_id->seed, metric);
 }
 
+/* Reads the headline metric against references made of the ideal. */
+static enum neph_status read_ideals(const struct work *work, const char *folder,
+                                    const struct study_cell_id *study_cell_id,
+                                    struct neph_diag *diag)
+{
+    const int headline = neph_study_find_headline();
+    const struct neph_study_metric *metric = &neph_study_metrics[headline];
+    struct neph_study_cell *cell = cell_at(work, study_cell_id, headline);
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; work->params->ideal && i < NEPH_IDEALS && !status; i++) {
+        json_t *document = NULL;
+        status = neph_capture_document(folder, ideal_names[i], &document, diag);
+        cell->ideals[i] = read_metric_value(document, metric->metric, metric->mask);
+        json_decref(document);
+    }
+    return status;
+}
+
 static enum neph_status read_cells(const struct work *work, const char *folder,
                                    const struct study_cell_id *study_cell_id,
                                    struct neph_diag *diag)
 {
     json_t *documents[NEPH_STUDY_DISPLAYS] = {NULL}, *centre = NULL;
-    const char *second = find_second_name(work->params);
     const bool is_flicker = study_cell_id->take == NEPH_STUDY_FLICKER;
     const int display_count = is_flicker && !work->params->brief
                                   ? neph_study_display_count(work->params->frame_rate_hz)
                                   : 1;
-    enum neph_status status = second ? neph_capture_document(folder, second, &centre, diag)
-                                     : NEPH_OK;
+    enum neph_status status = read_ideals(work, folder, study_cell_id, diag);
+    if (!status && has_centre(work->params))
+        status = neph_capture_document(folder, centre_name, &centre, diag);
     for (int d = 0; d < display_count && !status; d++)
         status = neph_capture_document(folder, display_names[d], &documents[d], diag);
     for (int m = 0; neph_study_metrics[m].title && !status; m++) {
@@ -274,18 +323,21 @@ static void mark_cells(const struct work *work, const struct study_cell_id *stud
             set_cell_reason(cell_at(work, study_cell_id, m), why);
 }
 
-static void read_cost(const struct work *work, const char *folder, const json_t *record,
-                      const struct study_cell_id *study_cell_id)
+static enum neph_status read_cost(const struct work *work, const char *folder, const json_t *record,
+                                  const struct study_cell_id *study_cell_id, struct neph_diag *diag)
 {
     const double pixels = neph_json_real(record, "frames") * (double)work->params->width_px *
                           work->params->height_px;
-    *neph_study_cost_at(work->study, study_cell_id->scene, study_cell_id->preset,
-                        study_cell_id->seed) = (struct neph_study_cost){
+    struct neph_study_cost *cost = neph_study_cost_at(work->study, study_cell_id->scene,
+                                                      study_cell_id->preset, study_cell_id->seed);
+    *cost = (struct neph_study_cost){
+        .blur_px = NAN,
         .folder = neph_arena_copy_text(&work->study->arena, folder),
         .density_evaluations = neph_json_real(record, "density_evaluations") / pixels,
         .traffic_bytes = neph_json_real(record, "traffic_bytes") / pixels,
         .gpu_ms = neph_json_real(record, "gpu_ms_median"),
     };
+    return work->params->ideal ? neph_ideal_read_blur(folder, &cost->blur_px, diag) : NEPH_OK;
 }
 
 /* ---- one sequence ---------------------------------------------------------------------------- */
@@ -324,7 +376,9 @@ static enum neph_status measure_capture(struct work *work, const struct neph_job
 {
     enum neph_status status = NEPH_OK;
     if (work->params->ideal && !neph_capture_is_stored(take, work->store))
-        status = neph_ideal_render(&work->ideal, ideal, take->frame_count, work->store, diag);
+        status = neph_ideal_render(&work->ideal, ideal,
+                                   &work->reference.frames[NEPH_REFERENCE_AVERAGED],
+                                   take->frame_count, work->store, diag);
     return status ? status : neph_capture_run(take, work->store, folder, record, diag);
 }
 
@@ -361,7 +415,9 @@ static enum neph_status run_capture(struct work *work, const struct neph_job *jo
         .reference = &work->reference,
         .readings = readings,
         .plain = true, /* the scenes are the sample: no intervals within one */
-        .allow_frozen_frames = true};
+        .allow_frozen_frames = true,
+        .look = work->params->ideal ? neph_ideal_keep_blur : NULL,
+        .callback_context = &work->ideal};
     enum neph_status status = ensure_reference(work, job, take.frame_count, row, diag);
     if (!status)
         status = choose_ideal(work, job, &ideal, diag);
@@ -376,7 +432,7 @@ static enum neph_status run_capture(struct work *work, const struct neph_job *jo
     if (!status)
         row->takes_s += json_number_value(json_object_get(record, "cpu_s"));
     if (!status && study_cell_id->take == NEPH_STUDY_FLICKER)
-        read_cost(work, folder, record, study_cell_id);
+        status = read_cost(work, folder, record, study_cell_id, diag);
     json_decref(record);
     free(folder);
     return status;
@@ -561,9 +617,11 @@ static enum neph_status prepare(struct work *work, struct neph_diag *diag)
     const enum neph_status status = neph_flicker_study_begin(work->params, study, diag);
     const int rows = status ? 0 : compute_row_index(work->params, work->params->scene_count, 0, 0);
     for (int i = 0; i < rows; i++)
-        study->costs[i] = (struct neph_study_cost){NAN, NAN, NAN, NULL};
+        study->costs[i] = (struct neph_study_cost){NAN, NAN, NAN, NAN, NULL};
     for (int i = 0; i < rows * neph_study_metric_count(); i++) {
         study->cells[i] = (struct neph_study_cell){.value = NAN, .centre = NAN};
+        for (int k = 0; k < NEPH_IDEALS; k++)
+            study->cells[i].ideals[k] = NAN;
         for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
             study->cells[i].displays[d] = NAN;
         set_cell_reason(&study->cells[i], "not asked for");

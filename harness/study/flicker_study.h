@@ -8,8 +8,10 @@
 #define NEPH_HARNESS_STUDY_FLICKER_STUDY_H
 
 #include "base/arena.h"
+#include "base/path.h"
 #include "harness/run/job.h"
 #include "harness/study/flicker_metrics.h"
+#include "harness/study/ideal.h"
 
 enum {
     NEPH_STUDY_PRESETS_MAX = 128,
@@ -40,9 +42,9 @@ struct neph_flicker_study_params {
     int width_px, height_px;
     bool takes[NEPH_STUDY_CAPTURES];
     bool brief;        /* only the first display, and no comparison with centre rays */
-    const char *ideal; /* words of a configuration that replaces the centre rays as the second
-                          reference, with the same seed; only the headline metric is measured.
-                          NULL: none */
+    const char *ideal; /* words of a configuration of which further references are made (ideal.h),
+                          with the same seed, in place of the centre rays; only the headline metric
+                          is measured. NULL: none */
     int map_count;     /* with `ideal`: the first configurations, which keep maps of the metric */
     struct neph_shared_device *device; /* like neph_shot.device */
     bool quiet;
@@ -53,7 +55,8 @@ enum { NEPH_STUDY_WHY_SIZE = 160 };
 /* A metric of a preset in a scene with a seed. */
 struct neph_study_cell {
     double value;                         /* NaN: none; `because` has the reason */
-    double centre;                        /* against the second reference; NaN: none */
+    double centre;                        /* against the centre rays; NaN: none */
+    double ideals[NEPH_IDEALS];           /* against references made of the ideal; NaN: none */
     double displays[NEPH_STUDY_DISPLAYS]; /* the first is `value`; others are NaN except for the
                                              eye's metrics */
     bool is_bound;                        /* `value` is an upper bound: the metric could not be
@@ -62,13 +65,15 @@ struct neph_study_cell {
     char because[NEPH_STUDY_WHY_SIZE];    /* reason when it does not count */
 };
 
-/* Cost of the flicker sequence of a preset in a scene with a seed, without the warm-up. */
+/* Cost of the flicker sequence of a preset in a scene with a seed, without the warm-up, and its
+ * place in the store. */
 struct neph_study_cost {
     double density_evaluations; /* per pixel and frame, counted; NaN: not rendered */
     double traffic_bytes; /* per pixel and frame, over all passes (neph_realtime_stats); NaN: not
                              rendered, or no passes */
     double gpu_ms;        /* median of a frame; NaN: not rendered, or the device has no timestamps
                              */
+    double blur_px;       /* of the ideal sequence with this seed; NaN: not rendered, or no ideal */
     const char *folder;   /* of the sequence in the store; NULL: not rendered */
 };
 
@@ -107,9 +112,9 @@ enum neph_status neph_flicker_study_begin(const struct neph_flicker_study_params
                                           struct neph_flicker_study *study, struct neph_diag *diag);
 void neph_flicker_study_finish(struct neph_flicker_study *study);
 
-/* Maps of the headline metric in the folder of a sequence, against the reference and `ideal`. */
-#define NEPH_STUDY_MAP "averaged_seen_contrast.exr"
-#define NEPH_STUDY_IDEAL_MAP "ideal_seen_contrast.exr"
+/* The map of the headline metric in the folder of a sequence, against a reference made of the
+ * ideal; NEPH_IDEALS: against the reference. */
+struct neph_path neph_study_map_path(const char *folder, enum neph_ideal_kind against);
 
 /* The cell of a metric, and the cost, of a preset or floor in a scene with a seed. */
 struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *study, int scene,

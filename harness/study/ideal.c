@@ -3,7 +3,9 @@
 
 #include "base/exr.h"
 #include "base/files.h"
-#include "harness/study/take.h"
+#include "base/path.h"
+#include "harness/json_file.h"
+#include "harness/study/blurred.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -15,10 +17,11 @@ enum neph_status neph_ideal_choose(struct neph_ideal *ideal, const struct neph_j
 {
     char key[NEPH_HASH_HEX_SIZE];
     const enum neph_status status = neph_job_key(first, key, diag);
-    if (status || strcmp(key, ideal->reference.key) == 0)
+    if (status || strcmp(key, ideal->references[0].key) == 0)
         return status;
     neph_ideal_finish(ideal);
-    memcpy(ideal->reference.key, key, sizeof(key));
+    for (int i = 0; i < NEPH_IDEALS; i++)
+        memcpy(ideal->references[i].key, key, sizeof(key));
     return NEPH_OK;
 }
 
@@ -33,12 +36,17 @@ static enum neph_status keep_frame(const struct neph_capture_frames *frames, int
                : neph_fail(diag, NEPH_ERR_IO, "cannot write '%s': %s", path, strerror(errno));
 }
 
+static struct neph_sequence *find_frames(struct neph_ideal *ideal, enum neph_ideal_kind kind)
+{
+    return &ideal->references[kind].frames[NEPH_REFERENCE_AVERAGED];
+}
+
 static enum neph_status keep_frames(const struct neph_capture *take,
                                     const struct neph_capture_frames *frames, void *context,
                                     struct neph_diag *diag)
 {
     struct neph_ideal *ideal = context;
-    struct neph_sequence *kept = &ideal->reference.frames[NEPH_REFERENCE_AVERAGED];
+    struct neph_sequence *kept = find_frames(ideal, NEPH_IDEAL_SEQUENCE);
     const char *folder = neph_scratch_path(ideal->scratch);
     enum neph_status status = NEPH_OK;
     kept->paths = calloc((size_t)take->frame_count, sizeof(*kept->paths));
@@ -52,9 +60,10 @@ static enum neph_status keep_frames(const struct neph_capture *take,
 }
 
 enum neph_status neph_ideal_render(struct neph_ideal *ideal, const struct neph_job *first,
-                                   int frame_count, struct neph_store *store,
-                                   struct neph_diag *diag)
+                                   const struct neph_sequence *reference, int frame_count,
+                                   struct neph_store *store, struct neph_diag *diag)
 {
+    const struct neph_sequence *kept = find_frames(ideal, NEPH_IDEAL_SEQUENCE);
     const struct neph_capture take = {
         .job = *first, .frame_count = frame_count, .look = keep_frames, .callback_context = ideal};
     if (ideal->scratch)
@@ -62,14 +71,46 @@ enum neph_status neph_ideal_render(struct neph_ideal *ideal, const struct neph_j
     enum neph_status status = neph_store_begin(store, &ideal->scratch, diag);
     if (!status)
         status = neph_capture_replay(&take, store, diag);
+    if (!status)
+        status = neph_blurred_fit(reference, kept, &ideal->blur_px, diag);
+    if (!status)
+        status = neph_blurred_write(
+            reference, kept, ideal->blur_px, neph_scratch_path(ideal->scratch),
+            find_frames(ideal, NEPH_IDEAL_BLURRED), find_frames(ideal, NEPH_IDEAL_ALIASED), diag);
     if (status)
         neph_ideal_finish(ideal);
     return status;
 }
 
+static const char document[] = "blur", key_px[] = "sigma_px";
+
+enum neph_status neph_ideal_keep_blur(const struct neph_capture *take,
+                                      const struct neph_capture_frames *frames, void *context,
+                                      struct neph_diag *diag)
+{
+    (void)take;
+    const struct neph_ideal *ideal = context;
+    json_t *json = json_pack("{s:f}", key_px, ideal->blur_px);
+    const enum neph_status status = neph_json_write(
+        json, JSON_COMPACT, neph_path_format("%s/%s.json", frames->folder, document).text, diag);
+    json_decref(json);
+    return status;
+}
+
+enum neph_status neph_ideal_read_blur(const char *folder, double *blur_px, struct neph_diag *diag)
+{
+    json_t *json = NULL;
+    const enum neph_status status = neph_capture_document(folder, document, &json, diag);
+    if (!status)
+        *blur_px = neph_json_real(json, key_px);
+    json_decref(json);
+    return status;
+}
+
 void neph_ideal_finish(struct neph_ideal *ideal)
 {
-    neph_reference_finish(&ideal->reference);
+    for (int i = 0; i < NEPH_IDEALS; i++)
+        neph_reference_finish(&ideal->references[i]);
     neph_scratch_destroy(ideal->scratch);
     *ideal = (struct neph_ideal){.scratch = NULL};
 }

@@ -24,7 +24,7 @@ media:
   - gaussian: {center_m: [-2, 3, -30], width_m: 3, extinction_per_m: 0.3, albedo: [1, 1, 1]}
 """
 CHILDREN = ["reprojection", "disocclusion", "box", "noise"]
-PARTS = ["rays", *CHILDREN, "upscale", "anti-aliasing"]
+PARTS = ["rays", *CHILDREN, "upscale", "blur", "aliasing"]
 
 
 class StudyAttribution(StudyCase):
@@ -37,11 +37,11 @@ class StudyAttribution(StudyCase):
     def check_shares(self, found):
         """Shares are means over all orders."""
         values = {frozenset(row["real"]): row["seen"] ** 2 for row in found["values"]}
-        self.assertEqual((len(found["values"]), len(values)), (68, 68))
+        self.assertEqual((len(found["values"]), len(values)), (136, 136))
         self.assertEqual(values[frozenset()], 0.0)
         orders = [order for order in itertools.permutations(PARTS)
                   if all(order.index("rays") < order.index(child) for child in CHILDREN)]
-        self.assertEqual((len(orders), found["orders"]), (1008, 1008))
+        self.assertEqual((len(orders), found["orders"]), (8064, 8064))
         shares = dict.fromkeys(PARTS, 0.0)
         for order in orders:
             for i, part in enumerate(order):
@@ -51,7 +51,7 @@ class StudyAttribution(StudyCase):
         self.assertAlmostEqual(squared, values[frozenset(PARTS)], delta=1e-12 * squared)
         self.assertGreater(squared, 0.0)
         for part in PARTS:
-            self.assertAlmostEqual(rows[part]["share"], shares[part] / 1008, delta=1e-9 * squared)
+            self.assertAlmostEqual(rows[part]["share"], shares[part] / 8064, delta=1e-9 * squared)
             without = frozenset(PARTS) - {part} - set(CHILDREN if part == "rays" else ())
             self.assertAlmostEqual(rows[part]["seen_if_ideal"], math.sqrt(values[without]),
                                    delta=1e-9)
@@ -71,10 +71,13 @@ class StudyAttribution(StudyCase):
         self.assertEqual(len({row["settings"] for row in found["sequences"]}), 34)
         suite = [row["part"] for row in found["suite"]]
         self.assertEqual(suite[:3], found["worst"])
-        self.assertEqual(suite[:7], sorted(PARTS, key=lambda part: -rows[part]["percent"]))
+        self.assertEqual(suite[:8], sorted(PARTS, key=lambda part: -rows[part]["percent"]))
         with open(self.folder / "all.csv", newline="") as file:
             lines = list(csv.DictReader(file))
         self.assertEqual([line["part"] for line in lines], [*PARTS, "interaction"])
+        blur = found["scenes"][0]["blur_px"]
+        self.assertTrue(0.0 < blur <= 1.5, blur)
+        self.assertEqual({float(line["blur_px"]) for line in lines}, {blur})
         output = self.folder / "out/study"
         store = self.stamps(output / "store/frames")
         self.assertEqual(list((output / "store/tmp").glob("*")), [])
@@ -93,8 +96,9 @@ class StudyAttribution(StudyCase):
         self.assertRegex(done.stdout, r"\nthe parts explain [01] of 1 scenes within 15 %; ")
         text = self.neph(*self.command("--all")).stdout
         self.assertIn("\n| interaction | - | ", text)
+        self.assertIn(f"; blur {found['scenes'][0]['blur_px']:.2f} px; ", text)
         self.assertEqual(self.stamps(output / "store/frames").keys(), store.keys())
-        self.assertIn(">anti-aliasing</text>", (output / "attribution.svg").read_text())
+        self.assertIn(">aliasing</text>", (output / "attribution.svg").read_text())
 
     def test_refused_arguments(self):
         """Refused before anything is rendered."""

@@ -29,7 +29,7 @@ static int find_part(int option)
         [NEPH_PART_DISOCCLUSION] = RT_ORACLE_DEPTH, [NEPH_PART_BOX] = RT_BOX,
         [NEPH_PART_NOISE] = RT_RAY_DITHER,          [NEPH_PART_UPSCALE] = RT_ORACLE_UPSCALE,
     };
-    for (int part = 0; part < NEPH_PART_ANTI_ALIASING; part++)
+    for (int part = 0; part < NEPH_PART_BLUR; part++)
         if (options[part] == option)
             return part;
     return -1;
@@ -72,8 +72,8 @@ static void test_34_different_sequences(void **state)
     }
 }
 
-/* Anti-aliasing has no sequence of its own; the first sequences, which have maps, are those that
- * lack one part. */
+/* Blur and aliasing have references in place of sequences; the first sequences, which have maps,
+ * are those that lack one part. */
 static void test_sequences_of_states(void **state)
 {
     struct neph_arena arena = {.last = NULL};
@@ -84,11 +84,17 @@ static void test_sequences_of_states(void **state)
         const neph_part_set without = neph_part_set_without(NEPH_PARTS_ALL,
                                                             (enum neph_attribution_part_id)part);
         assert_int_equal(neph_attribution_find_sequence(&plan, without),
-                         part == NEPH_PART_ANTI_ALIASING ? 0 : part + 1);
+                         part >= NEPH_PART_BLUR ? 0 : part + 1);
     }
     for (neph_part_set set = 0; set < NEPH_PART_SETS; set++)
         assert_int_equal(neph_attribution_find_sequence(&plan, set) < plan.count,
                          neph_part_set_is_state(set));
+    assert_int_equal(neph_attribution_find_reference(NEPH_PARTS_ALL), NEPH_IDEALS);
+    assert_int_equal(neph_attribution_find_reference(0), NEPH_IDEAL_SEQUENCE);
+    assert_int_equal(neph_attribution_find_reference(NEPH_PARTS_ALL & ~(1U << NEPH_PART_BLUR)),
+                     NEPH_IDEAL_BLURRED);
+    assert_int_equal(neph_attribution_find_reference(NEPH_PARTS_ALL & ~(1U << NEPH_PART_ALIASING)),
+                     NEPH_IDEAL_ALIASED);
     assert_string_equal(neph_attribution_find_ideal(&plan),
                         "ours+oracle_rays=on+oracle_upscale=on");
     neph_arena_finish(&arena);

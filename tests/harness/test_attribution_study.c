@@ -13,8 +13,8 @@ enum { FIRST, SECOND, LEFT_OUT, FAILED, STILL, SCENES, SEEDS = 2 };
 
 /* Squared thresholds of each part; nothing interacts. */
 static const double sizes[SCENES][NEPH_PARTS] = {
-    [FIRST] = {10.0, 0.0, 0.0, 0.0, 0.0, 0.0, 30.0},
-    [SECOND] = {16.0, -6.0, 0.0, 0.0, 0.0, 2.0, 8.0},
+    [FIRST] = {10.0, 0.0, 0.0, 0.0, 0.0, 0.0, 28.0, 2.0},
+    [SECOND] = {16.0, -6.0, 0.0, 0.0, 0.0, 2.0, 8.0, 0.0},
 };
 
 struct fixture {
@@ -38,7 +38,7 @@ static void fill_study(struct fixture *fixture)
 {
     static const char *const names[SCENES] = {"first", "second", "left_out", "failed", "still"};
     struct neph_flicker_study *study = &fixture->study;
-    const neph_part_set anti_aliasing = 1U << NEPH_PART_ANTI_ALIASING;
+    const neph_part_set blur = 1U << NEPH_PART_BLUR, aliasing = 1U << NEPH_PART_ALIASING;
     for (int scene = 0; scene < SCENES; scene++) {
         study->scenes[scene].name = names[scene];
         for (int i = 0; i < fixture->plan.count; i++)
@@ -46,9 +46,12 @@ static void fill_study(struct fixture *fixture)
                 struct neph_study_cell *cell = neph_study_cell_at(study, scene, i, seed,
                                                                   neph_study_find_headline());
                 const neph_part_set real = fixture->plan.states[i];
-                cell->value = synthetic_seen(scene, seed, real | anti_aliasing);
-                cell->centre = synthetic_seen(scene, seed, real);
+                cell->value = synthetic_seen(scene, seed, real | blur | aliasing);
+                cell->ideals[NEPH_IDEAL_SEQUENCE] = synthetic_seen(scene, seed, real);
+                cell->ideals[NEPH_IDEAL_BLURRED] = synthetic_seen(scene, seed, real | aliasing);
+                cell->ideals[NEPH_IDEAL_ALIASED] = synthetic_seen(scene, seed, real | blur);
                 cell->counts = true;
+                neph_study_cost_at(study, scene, i, seed)->blur_px = 0.5 + 0.2 * seed;
             }
     }
     struct neph_study_cell *failed = neph_study_cell_at(study, FAILED, 20, 1,
@@ -90,6 +93,7 @@ static void test_squares_of_seeds_are_averaged(void **state)
         const struct neph_attribution_values *values = &fixture.attribution.scenes[scene].values;
         assert_null(fixture.attribution.scenes[scene].why);
         neph_assert_close(values->all, scene == FIRST ? 40.0 : 20.0, 1e-12, 0.0);
+        neph_assert_close(fixture.attribution.scenes[scene].blur_px, 0.6, 1e-12, 0.0);
         for (int i = 0; i < NEPH_PARTS; i++)
             neph_assert_close(values->parts[i].share, sizes[scene][i], 0.0, 1e-11);
     }
@@ -109,29 +113,29 @@ static void test_scenes_without_values_say_why(void **state)
     end(&fixture);
 }
 
-/* Percents 25 and 80, 75 and 40; the interval of two values is their mean +- t(1) times half of
+/* Percents 25 and 80, 70 and 40; the interval of two values is their mean +- t(1) times half of
  * their difference. */
 static void test_percents_over_scenes(void **state)
 {
     struct fixture fixture;
     begin(&fixture);
     const struct neph_attribution_row *rows = fixture.attribution.rows,
-                                      *rays = &rows[NEPH_PART_RAYS],
-                                      *aa = &rows[NEPH_PART_ANTI_ALIASING];
+                                      *rays = &rows[NEPH_PART_RAYS], *blur = &rows[NEPH_PART_BLUR];
     const double critical = neph_student_critical(0.05, 1.0);
     neph_assert_close(rays->percent, 52.5, 1e-12, 0.0);
     neph_assert_close(rays->low, 52.5 - critical * 27.5, 1e-9, 0.0);
     neph_assert_close(rays->high, 52.5 + critical * 27.5, 1e-9, 0.0);
     assert_true(rays->has_interval);
-    neph_assert_close(aa->percent, 57.5, 1e-12, 0.0);
+    neph_assert_close(blur->percent, 55.0, 1e-12, 0.0);
+    neph_assert_close(rows[NEPH_PART_ALIASING].percent, 2.5, 1e-11, 0.0);
     neph_assert_close(rows[NEPH_PART_REPROJECTION].percent, -15.0, 1e-11, 0.0);
     assert_int_equal(rays->worst_scene, SECOND);
-    assert_int_equal(aa->worst_scene, FIRST);
+    assert_int_equal(blur->worst_scene, FIRST);
     assert_int_equal(rows[NEPH_PART_REPROJECTION].worst_scene, -1);
-    /* ideal anti-aliasing: from 40 to 10 and from 20 to 12 */
-    neph_assert_close(aa->falls, 50.0 * (2.0 - sqrt(0.25) - sqrt(0.6)), 1e-12, 0.0);
+    /* ideal blur: from 40 to 12 and from 20 to 12 */
+    neph_assert_close(blur->falls, 50.0 * (2.0 - sqrt(0.3) - sqrt(0.6)), 1e-12, 0.0);
     const int *order = fixture.attribution.order;
-    assert_int_equal(order[0], NEPH_PART_ANTI_ALIASING);
+    assert_int_equal(order[0], NEPH_PART_BLUR);
     assert_int_equal(order[1], NEPH_PART_RAYS);
     assert_int_equal(order[2], NEPH_PART_UPSCALE);
     assert_int_equal(order[NEPH_PARTS - 1], NEPH_PART_REPROJECTION);
@@ -153,6 +157,8 @@ static void test_the_chart_has_negative_shares(void **state)
     assert_non_null(strstr(text, "width=\"840\""));
     assert_null(strstr(text, "nan"));
     assert_null(strstr(text, "failed"));
+    for (int i = 0; i < NEPH_PARTS; i++) /* the key */
+        assert_non_null(strstr(text, neph_attribution_parts[i].name));
     free(text);
     end(&fixture);
 }

@@ -18,16 +18,16 @@ static bool is_child(int part)
     return part >= NEPH_PART_REPROJECTION && part <= NEPH_PART_NOISE;
 }
 
-static void test_there_are_68_states(void **state)
+static void test_there_are_136_states(void **state)
 {
     int count = 0;
     for (neph_part_set set = 0; set < NEPH_PART_SETS; set++)
         count += neph_part_set_is_state(set);
-    assert_int_equal(count, 2 * (2 + 2 * 16));
+    assert_int_equal(count, 2 * 2 * 2 * (1 + 16));
     for (int part = 0; part < NEPH_PARTS; part++)
         assert_int_equal(neph_part_needs_rays((enum neph_attribution_part_id)part), is_child(part));
     assert_int_equal(neph_part_set_without(NEPH_PARTS_ALL, NEPH_PART_RAYS),
-                     1U << NEPH_PART_UPSCALE | 1U << NEPH_PART_ANTI_ALIASING);
+                     1U << NEPH_PART_UPSCALE | 1U << NEPH_PART_BLUR | 1U << NEPH_PART_ALIASING);
     assert_int_equal(neph_part_set_without(NEPH_PARTS_ALL, NEPH_PART_BOX),
                      NEPH_PARTS_ALL & ~(1U << NEPH_PART_BOX));
 }
@@ -35,7 +35,7 @@ static void test_there_are_68_states(void **state)
 /* Each part adds its own amount: that is its share. */
 static void test_parts_that_add_up_have_no_interaction(void **state)
 {
-    static const double sizes[NEPH_PARTS] = {8.0, 1.0, -0.5, 4.0, 2.0, 0.25, 16.0};
+    static const double sizes[NEPH_PARTS] = {8.0, 1.0, -0.5, 4.0, 2.0, 0.25, 12.0, 4.0};
     double game[NEPH_PART_SETS];
     for (neph_part_set set = 0; set < NEPH_PART_SETS; set++) {
         game[set] = neph_part_set_is_state(set) ? 0.0 : NAN; /* not to be read */
@@ -43,7 +43,7 @@ static void test_parts_that_add_up_have_no_interaction(void **state)
             game[set] += has(set, i) ? sizes[i] : 0.0;
     }
     const struct neph_attribution_values values = neph_attribution_divide(game);
-    assert_int_equal(values.order_count, 1008);
+    assert_int_equal(values.order_count, 8064);
     neph_assert_close(values.all, 30.75, 0.0, 0.0);
     neph_assert_close(values.interaction, 0.0, 0.0, 1e-12);
     assert_true(neph_attribution_explains(&values));
@@ -72,20 +72,20 @@ static void test_an_error_of_a_child_is_the_childs(void **state)
     }
 }
 
-/* (upscale + anti-aliasing)^2 with 2 and 3: by itself 4 and 9, together 25; the product, 12, is the
+/* (upscale + aliasing)^2 with 2 and 3: by itself 4 and 9, together 25; the product, 12, is the
  * interaction, and is divided in halves. */
 static void test_a_product_is_an_interaction(void **state)
 {
     double game[NEPH_PART_SETS];
     for (neph_part_set set = 0; set < NEPH_PART_SETS; set++) {
         const double sum = (has(set, NEPH_PART_UPSCALE) ? 2.0 : 0.0) +
-                           (has(set, NEPH_PART_ANTI_ALIASING) ? 3.0 : 0.0);
+                           (has(set, NEPH_PART_ALIASING) ? 3.0 : 0.0);
         game[set] = sum * sum;
     }
     const struct neph_attribution_values values = neph_attribution_divide(game);
     neph_assert_close(values.interaction, 12.0, 1e-12, 0.0);
     neph_assert_close(values.parts[NEPH_PART_UPSCALE].share, 10.0, 1e-12, 0.0);
-    neph_assert_close(values.parts[NEPH_PART_ANTI_ALIASING].share, 15.0, 1e-12, 0.0);
+    neph_assert_close(values.parts[NEPH_PART_ALIASING].share, 15.0, 1e-12, 0.0);
     assert_false(neph_attribution_explains(&values));
 }
 
@@ -141,9 +141,9 @@ static void test_random_games_order_by_order(void **state)
         for (neph_part_set set = 0; set < NEPH_PART_SETS; set++)
             game[set] = neph_test_uniform(&random, 0.0, 1.0);
         const struct neph_attribution_values values = neph_attribution_divide(game);
-        assert_int_equal(walk_orders(game, 0, path, shares), 1008);
+        assert_int_equal(walk_orders(game, 0, path, shares), 8064);
         for (int i = 0; i < NEPH_PARTS; i++) {
-            neph_assert_close(values.parts[i].share, shares[i] / 1008.0, 0.0, 1e-12);
+            neph_assert_close(values.parts[i].share, shares[i] / 8064.0, 0.0, 1e-12);
             sum += values.parts[i].share;
         }
         neph_assert_close(sum, game[NEPH_PARTS_ALL], 0.0, 1e-12);
