@@ -255,7 +255,7 @@ static void make_study(struct neph_ablation *ablation)
     for (int s = 0; s < SCENES; s++)
         study->scenes[s].name = names[s];
     for (int i = 0; i < rows; i++)
-        study->costs[i] = (struct neph_study_cost){2.0, 3.0, NAN, NULL};
+        study->costs[i] = (struct neph_study_cost){2.0, 3.0, NAN, NAN, NULL};
     for (int i = 0; i < rows * neph_study_metric_count(); i++)
         study->cells[i] = (struct neph_study_cell){.value = 1.0, .displays = {1.0}, .counts = true};
 }

@@ -109,7 +109,7 @@ static void test_levels_are_geometric_means(void **state)
                 *neph_study_cell_at(&study, scene, preset, 0, m) = (struct neph_study_cell){
                     .value = value, .displays = {value}, .counts = true};
             *neph_study_cost_at(&study, scene, preset, 0) = (struct neph_study_cost){
-                scene == 2 && preset ? NAN : value, 1.0, NAN, NULL};
+                scene == 2 && preset ? NAN : value, 1.0, NAN, NAN, NULL};
         }
     struct neph_choice choice = {.least = NEPH_CHOICE_FLICKER};
     struct neph_diag diag = {.line = 0};
