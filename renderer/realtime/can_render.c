@@ -40,12 +40,6 @@ static bool can_march_near_fog(const struct neph_scene *scene, struct neph_march
     return neph_march_can_render_with(scene, veils, lighting, reason, reason_size);
 }
 
-bool neph_rt_has_oracle(const struct neph_rt_settings *settings)
-{
-    return settings->oracle.rays || settings->oracle.motion || settings->oracle.depth ||
-           settings->oracle.upscale;
-}
-
 bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
                               char *reason, size_t reason_size)
 {

@@ -85,3 +85,9 @@ static const char *const gone[] = {
 };
 
 #include "settings/realtime_table.inc"
+
+bool neph_rt_has_oracle(const struct neph_rt_settings *settings)
+{
+    return settings->oracle.rays || settings->oracle.motion || settings->oracle.depth ||
+           settings->oracle.upscale;
+}

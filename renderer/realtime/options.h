@@ -19,7 +19,7 @@ extern const char *const neph_rt_option_groups[RT_SETTING_COUNT];
 /* Values of these options, grouped by pass. */
 struct neph_rt_settings neph_rt_group_settings(const struct neph_settings *settings);
 
-/* Whether a shortcut is replaced by what it approximates (realtime/oracle). */
+/* Whether a shortcut is replaced by what it approximates (oracle/settings.toml). */
 bool neph_rt_has_oracle(const struct neph_rt_settings *settings);
 
 /* Complete pipelines; presets.c names the source of each. */

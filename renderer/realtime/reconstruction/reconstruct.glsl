@@ -236,7 +236,7 @@ float adapt_history(Texel texel, inout History history)
 
 // --- the oracle -------------------------------------------------------------------------------
 
-// The texel's own ray (oracle/oracle_texels.comp), in place of which its result is written.
+// The texel's own ray (ray_march/ray_march.comp), in place of which its result is written.
 vec4 fetch_own_ray(ivec2 half_pixel) { return fetch_half(RT_HISTORY, half_pixel); }
 
 void put_own_ray(ivec2 half_pixel)
