@@ -251,17 +251,29 @@ static double chart_noise_floor(const struct neph_sweep *sweep,
     return chart->y == NEPH_SWEEP_ERROR ? sweep->floor : 0.0;
 }
 
-/* "floor of ours, fixed": the series with this floor; NULL: an earlier series has it, too. */
+/* The mark at whose floor the line of a mark's floor is drawn: the first one that is less than half
+ * a percent away, about the thickness of a line. */
+static int find_floor_line(const struct mark *marks, int index,
+                           const struct neph_sweep_chart *chart)
+{
+    const double floor = mark_floor(&marks[index], chart);
+    for (int i = 0; i < index; i++)
+        if (fabs(log(mark_floor(&marks[i], chart) / floor)) < 0.005 &&
+            find_floor_line(marks, i, chart) == i)
+            return i;
+    return index;
+}
+
+/* "floor of ours, fixed": the series of this line; NULL: it is the line of an earlier mark. */
 static const char *format_floor_name(const struct mark *marks, int count, int index,
                                      const struct neph_sweep_chart *chart, struct neph_arena *arena)
 {
-    const double floor = mark_floor(&marks[index], chart);
     const char *name = "floor of";
-    for (int i = 0; i < count; i++) {
-        if (mark_floor(&marks[i], chart) != floor)
+    if (find_floor_line(marks, index, chart) != index)
+        return NULL;
+    for (int i = index; i < count; i++) {
+        if (isnan(mark_floor(&marks[i], chart)) || find_floor_line(marks, i, chart) != index)
             continue;
-        if (i < index)
-            return NULL;
         name = neph_arena_format(arena, "%s%s %s", name, i > index ? "," : "",
                                  marks[i].point->series->name);
     }
