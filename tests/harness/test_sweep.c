@@ -398,7 +398,7 @@ static const json_t *make_floors(const struct made *made, json_t **spec)
     return json_object_get(json_object_get(*spec, "datasets"), "floor");
 }
 
-/* A line for each floor at the last point of a series, within the axis; floors that are equal within
+/* A line for each floor at the last point of a series, within the axis; floors that are equal to
  * half a percent share it. */
 static void test_charts_have_floors(void **state)
 {
