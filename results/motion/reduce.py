@@ -3,11 +3,11 @@
 """reduce.py FOLDER: from FOLDER/flicker_WIDTH_HZ.csv and FOLDER/causes.csv, which go:
 
 floor.csv: each preset over its floor, geometric means over scenes with Student's 95 % interval of
-the logarithm, for flicker seen and error, at each size and frame rate. seen.csv: flicker seen of
-each scene at 384x216 and 30 Hz, and the floor of `fixed` and of `ours`. pairs.csv: `ours` over each
-preset, at that size and rate. causes.csv: shares of the
-squared flicker seen [%]. causes_mean.csv: their means over scenes, and by how much flicker seen
-falls with a part ideal [%]."""
+the logarithm, for flicker seen and error, at each size and frame rate. times_seen.csv,
+times_error.csv: the same as text, a column for each size and rate. seen.csv: flicker seen of each
+scene at 384x216 and 30 Hz, and the floor of `fixed` and of `ours`. pairs.csv: `ours` over each
+preset, at that size and rate. causes.csv: shares of the squared flicker seen [%]. causes_mean.csv:
+their means over scenes, and by how much flicker seen falls with a part ideal [%]."""
 import csv
 import math
 import pathlib
@@ -59,6 +59,15 @@ def over_floor(rows, width, hz):
             line[f"{name}_most_in"] = max(times, key=times.get)
         found.append(line)
     return found
+
+
+def times_as_text(floors, name):
+    lines = {}
+    for row in floors:
+        line = lines.setdefault(row["preset"], {"preset": row["preset"]})
+        times, low, high = (float(row[f"{name}_{end}"]) for end in ("times", "low", "high"))
+        line[f"{row['width']}_{row['hz']}Hz"] = f"{times:.2f} ({low:.2f} to {high:.2f})"
+    return list(lines.values())
 
 
 def seen_by_scene(rows):
@@ -120,6 +129,8 @@ def main():
             write(folder / "seen.csv", seen_by_scene(rows))
             write(folder / "pairs.csv", pairs(rows))
     write(folder / "floor.csv", floors)
+    for name in METRICS:
+        write(folder / f"times_{name}.csv", times_as_text(floors, name))
     rows = read(folder / "causes.csv")
     write(folder / "causes.csv", causes(rows))
     write(folder / "causes_mean.csv", mean_causes(rows))
