@@ -40,6 +40,21 @@ static bool can_march_near_fog(const struct neph_scene *scene, struct neph_march
     return neph_march_can_render_with(scene, veils, lighting, reason, reason_size);
 }
 
+/* False, with the reason, where a change of the light would count fully before it counts at all.
+ * Shaders have both limits in float32. */
+static bool has_ordered_changes(const struct neph_rt_settings *settings, char *reason,
+                                size_t reason_size)
+{
+    const double least = settings->anti_aliasing.change, full = settings->anti_aliasing.change_full;
+    if (full == 0.0 || (float)full > (float)least)
+        return true;
+    snprintf(reason, reason_size,
+             "taa_change_full=%g, which is not above taa_change=%g: set taa_change_full above "
+             "taa_change, or 0 for twice taa_change",
+             full, least);
+    return false;
+}
+
 bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_settings *settings,
                               char *reason, size_t reason_size)
 {
@@ -64,6 +79,8 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
         snprintf(reason, reason_size, "%s", neph_emission_reason);
         return false;
     }
+    if (!has_ordered_changes(&of_passes, reason, reason_size))
+        return false;
     if (of_passes.atrous.is_on && of_passes.gradient.is_on) {
         snprintf(reason, reason_size,
                  "gradient=on and atrous=on, which share memory: switch one of them off");

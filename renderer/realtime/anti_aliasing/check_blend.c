@@ -4,6 +4,8 @@
  * light, media without motion vectors, exposure, rounding. */
 #include "renderer/realtime/anti_aliasing/check_taa.h"
 
+#include "renderer/realtime/pipeline.h"
+
 static void run(struct test_passes *test, const char *pass)
 {
     test_passes_run(test, pass);
@@ -147,6 +149,145 @@ static void test_change_and_motion_begin_a_new_mean(void **state)
                           2.0 - (1.0 - alpha) * (1.0 - part), 0.0, error);
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 3),
                           (1.0 - part) * (age + 1.0) + part, 0.0, 20.0 * error);
+    }
+}
+
+/* The light of a pixel changes fully in one frame and is then constant. The mean keeps the age of
+ * taa_age_least frames, of fewer where it had fewer, and the n-th frame after the change weighs
+ * 1 / (age + n). Pixels keep less with motion, in parts of 0.02 px, and 1 from twice this on. */
+static void test_mean_keeps_frames_after_a_change(void **state)
+{
+    static const struct {
+        const char *least;
+        float age, motion;
+        double kept;
+    } cases[] = {{"1", 40, 0, 1},    {"19", 40, 0, 19},      {"19", 19, 0, 19},
+                 {"19", 18, 0, 19},  {"19", 5, 0, 6},        {"19", 1, 0, 2},
+                 {"100", 70, 0, 64}, {"19", 40, 1.0f, 19},   {"19", 40, 1.5f, 10},
+                 {"19", 4, 1.5f, 5}, {"19", 40, 1.75f, 5.5}, {"19", 40, 2.0f, 1}};
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        OWNED(passes) struct test_passes test;
+        char text[256];
+        snprintf(text, sizeof(text),
+                 "taa_filter=off taa_hdr_weight=off taa_contrast=0 target_format=float "
+                 "taa_alpha=0.25 gradient=on taa_age_max=64 taa_change=0.2 taa_age_least=%s",
+                 cases[i].least);
+        open_wall(*state, text, &test);
+        test_fill(&test, RT_COLOR, 2, 2, 2, 0);
+        test_fill(&test, RT_TAA_BEFORE, 1, 1, 1, cases[i].age);
+        put_change(&test, RT_CHANGE, 1.0f, 0.4f);
+        put_change(&test, RT_CHANGE_BEHIND, 1.0f, 0.0f);
+        test.view.before.position_m[0] = 0.02f * cases[i].motion;
+        run(&test, "anti-aliasing");
+        /* a motion is exact to 1e-4 px, of which 0.02 px change the age by 18 */
+        const double error = cases[i].motion > 0.0f ? 18.0 * motion_error_px / 0.02 : 1e-5;
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0), 2.0, 0.0, 1e-5);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 3), cases[i].kept, 0.0, error);
+        put_change(&test, RT_CHANGE, 1.0f, 0.0f);
+        test.view.before.position_m[0] = 0.0f;
+        double mean = 2.0;
+        for (int n = 1; n <= 4; n++) {
+            const float frame = n % 2 ? 3.0f : 1.0f;
+            test_swap(&test, RT_TAA_BEFORE, RT_TAA_OUT);
+            test_fill(&test, RT_COLOR, frame, frame, frame, 0);
+            run(&test, "anti-aliasing");
+            mean += (frame - mean) / fmin(cases[i].kept + n, 65.0);
+            neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0), mean, 0.0, error);
+        }
+    }
+}
+
+/* A slow change limits the age to the frames that are alike, 4 for a change of taa_change in four
+ * frames. The limit is not below taa_age_least. */
+static void test_slow_changes_keep_frames(void **state)
+{
+    static const struct {
+        const char *least;
+        float age, residue;
+        double limited;
+    } cases[] = {{"1", 40, 0.2f, 4},   {"3", 40, 0.2f, 4}, {"19", 40, 0.2f, 19}, {"19", 7, 0.2f, 7},
+                 {"19", 40, 0.1f, 19}, {"6", 40, 0.1f, 8}, {"19", 40, 0.0f, 40}};
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        OWNED(passes) struct test_passes test;
+        char text[256];
+        snprintf(text, sizeof(text),
+                 "taa_filter=off taa_hdr_weight=off target_format=float gradient=on "
+                 "taa_age_max=64 taa_change=0.2 taa_age_least=%s",
+                 cases[i].least);
+        open_wall(*state, text, &test);
+        test_fill(&test, RT_COLOR, 2, 2, 2, 0);
+        test_fill(&test, RT_TAA_BEFORE, 1, 1, 1, cases[i].age);
+        put_change(&test, RT_CHANGE, 1.0f, cases[i].residue);
+        put_change(&test, RT_CHANGE_BEHIND, 1.0f, 0.0f);
+        run(&test, "anti-aliasing");
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0),
+                          1.0 + 1.0 / (cases[i].limited + 1.0), 0.0, 1e-5);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 3), cases[i].limited + 1.0, 0.0,
+                          1e-4);
+    }
+}
+
+/* A change counts in proportion between taa_change and taa_change_full: at the middle by half. The
+ * last two have no ramp between their limits; neph_realtime_can_render() refuses them. */
+static void test_changes_count_between_their_limits(void **state)
+{
+    static const struct {
+        const char *words;
+        float residue;
+        double part;
+    } cases[] = {{"taa_change=0.2 taa_change_full=0", 0.3f, 0.5},
+                 {"taa_change=0.2 taa_change_full=0.6", 0.2f, 0.0},
+                 {"taa_change=0.2 taa_change_full=0.6", 0.3f, 0.25},
+                 {"taa_change=0.2 taa_change_full=0.6", 0.4f, 0.5},
+                 {"taa_change=0.2 taa_change_full=0.6", 0.6f, 1.0},
+                 {"taa_change=0.2 taa_change_full=0.6", 0.9f, 1.0},
+                 {"taa_change=0.2 taa_change_full=0.25", 0.225f, 0.5},
+                 {"taa_change=0 taa_change_full=0.5", 0.0f, 0.0},
+                 {"taa_change=0 taa_change_full=0.5", 0.25f, 0.5},
+                 {"taa_change=0.2 taa_change_full=0.2", 0.2f, 0.0},
+                 {"taa_change=0.2 taa_change_full=0.1", 0.3f, 1.0}};
+    for (size_t i = 0; i < COUNT(cases); i++)
+        for (int medium = 0; medium < 2; medium++) {
+            OWNED(passes) struct test_passes test;
+            char text[256];
+            snprintf(text, sizeof(text),
+                     "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 "
+                     "target_format=float taa_alpha=0.75 gradient=on taa_age_max=64 %s",
+                     cases[i].words);
+            open_wall(*state, text, &test);
+            test_fill(&test, RT_COLOR, 2, 2, 2, 0);
+            test_fill(&test, RT_TAA_BEFORE, 1, 1, 1, 1);
+            put_change(&test, RT_CHANGE, 1.0f, medium ? cases[i].residue : 0.0f);
+            put_change(&test, RT_CHANGE_BEHIND, 1.0f, medium ? 0.0f : cases[i].residue);
+            run(&test, "anti-aliasing");
+            neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0),
+                              1.0 + 0.5 + 0.25 * cases[i].part, 0.0, 1e-5);
+            neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 3), 2.0 - cases[i].part, 0.0,
+                              1e-5);
+        }
+}
+
+static void test_limits_of_a_change_in_the_wrong_order_are_an_error(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *words;
+        bool is_fine;
+    } cases[] = {{"taa_change=0.1 taa_change_full=0", true},
+                 {"taa_change=0.1 taa_change_full=0.2", true},
+                 {"taa_change=0 taa_change_full=0.001", true},
+                 {"taa_change=0.1 taa_change_full=0.1", false},
+                 {"taa_change=0.1 taa_change_full=0.1000000001", false}, /* equal in float32 */
+                 {"taa_change=0.1 taa_change_full=0.05", false}};
+    struct test_scene test;
+    test_scene_init(&test);
+    test_add_medium(&test, 0.03, 0.05, 0.0);
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        char reason[256] = "";
+        const struct neph_settings settings = test_settings(cases[i].words);
+        assert_true(neph_realtime_can_render(&test.scene, &settings, reason, sizeof(reason)) ==
+                    cases[i].is_fine);
+        assert_true(cases[i].is_fine || strstr(reason, "set taa_change_full above taa_change"));
     }
 }
 

@@ -270,12 +270,21 @@ static double beyond(double value, double least)
     return least > 0.0 ? taa_clamp(value / least - 1.0, 0.0, 1.0) : 1.0;
 }
 
+/* 0 up to taa_change, 1 from taa_change_full on. */
+static double light_change(const struct reference *cpu, float changes[2][4])
+{
+    const double residue = fmax(changes[0][3], changes[1][3]);
+    const double least = setting(cpu, RT_TAA_CHANGE), full = setting(cpu, RT_TAA_CHANGE_FULL);
+    if (full == 0.0)
+        return beyond(residue, least);
+    return taa_clamp((residue - least) / fmax(full - least, 1e-6), 0.0, 1.0);
+}
+
 /* Whether the light changes by more than taa_change; always true without a gradient. */
 static bool is_changing(const struct reference *cpu, int x, int y)
 {
     float changes[2][4];
-    return !find_change(cpu, x, y, changes) ||
-           beyond(fmax(changes[0][3], changes[1][3]), setting(cpu, RT_TAA_CHANGE)) > 0.0;
+    return !find_change(cpu, x, y, changes) || light_change(cpu, changes) > 0.0;
 }
 
 float taa_dot(const float a[3], const float b[3])
@@ -484,8 +493,7 @@ static double find_change_share(const struct reference *cpu, int x, int y, doubl
     float changes[2][4];
     if (!find_change(cpu, x, y, changes))
         return 1.0;
-    return fmax(beyond(speed_px, static_px),
-                beyond(fmax(changes[0][3], changes[1][3]), setting(cpu, RT_TAA_CHANGE)));
+    return fmax(beyond(speed_px, static_px), light_change(cpu, changes));
 }
 
 static double frame_weight(const struct reference *cpu, double part, double luma,
@@ -513,6 +521,26 @@ static double frames_alike(const struct reference *cpu, int x, int y)
         if (changes[c][3] > 0.0f)
             least = fmin(least, frames[c] * limit / changes[c][3]);
     return least;
+}
+
+/* The frame's weight, and the age after this frame. A full change of the light limits the age of a
+ * static pixel to taa_age_least, and the age of a moving pixel to 1. */
+static double weight_with_age(const struct reference *cpu, struct place at, double speed_px,
+                              double alpha, double *age)
+{
+    const int x = at.source_x, y = at.source_y;
+    const double age_max = setting(cpu, RT_TAA_AGE_MAX);
+    if (age_max == 0.0)
+        return alpha;
+    const double change_share = find_change_share(cpu, x, y, speed_px);
+    const double least = 1.0 + (1.0 - beyond(speed_px, static_px)) *
+                                   ((double)setting(cpu, RT_TAA_AGE_LEAST) - 1.0);
+    if (choice(cpu, RT_GRADIENT))
+        *age = fmax(fmin(*age, frames_alike(cpu, x, y)), fmin(*age, least));
+    alpha = (1.0 - change_share) / (*age + 1.0) + change_share * alpha;
+    *age = fmin((1.0 - change_share) * (*age + 1.0) + change_share * fmin(*age + 1.0, least),
+                age_max);
+    return alpha;
 }
 
 /* Whether the medium hides more than half. */
@@ -559,19 +587,13 @@ static struct colour resolve(const struct reference *cpu, struct place at, doubl
     if (!has_history)
         return filtered;
     history = relight(cpu, x, y, history, &around, speed_px);
-    const double change_share = find_change_share(cpu, x, y, speed_px),
-                 age_max = setting(cpu, RT_TAA_AGE_MAX);
     double alpha = frame_weight(cpu, taa_coverage(cpu, &around), taa_luma_4(filtered),
                                 taa_luma_4(history), speed_px);
-    if (age_max > 0.0 && choice(cpu, RT_GRADIENT))
-        *age = fmax(fmin(*age, frames_alike(cpu, x, y)), 1.0);
-    if (age_max > 0.0) {
-        alpha = (1.0 - change_share) / (*age + 1.0) + change_share * alpha;
-        *age = fmin((1.0 - change_share) * (*age + 1.0) + change_share, age_max);
-    }
+    alpha = weight_with_age(cpu, at, speed_px, alpha, age);
     if (is_responsive(cpu, x, y))
         alpha = fmax(alpha, 0.25);
     const struct colour clamped = taa_clamp_history(cpu, history, around, filtered, 1.0);
+    const double change_share = find_change_share(cpu, x, y, speed_px);
     return taa_blend(cpu, filtered, between(history, clamped, change_share), alpha);
 }
 

@@ -28,10 +28,17 @@ void find_change(ivec2 tile)
     behind_change = load_change(RT_CHANGE_BEHIND, tile);
 }
 
-// 0: same light as in the frame before, 1: different light.
+const float LEAST_CHANGE_WIDTH = 1e-6; // of the ramp, which is divided by its width
+
+// 0: same light as in the frame before, 1: different light. A ramp from taa_change to
+// taa_change_full.
 float light_change()
 {
-    return beyond(max(medium_change.residue, behind_change.residue), setting(RT_TAA_CHANGE));
+    float residue = max(medium_change.residue, behind_change.residue);
+    if (!is_set(RT_TAA_CHANGE_FULL))
+        return beyond(residue, setting(RT_TAA_CHANGE));
+    float width = setting(RT_TAA_CHANGE_FULL) - setting(RT_TAA_CHANGE);
+    return clamp((residue - setting(RT_TAA_CHANGE)) / max(width, LEAST_CHANGE_WIDTH), 0.0, 1.0);
 }
 
 bool follows_solids() { return choice(RT_SOLID_MOTION) != 0; }

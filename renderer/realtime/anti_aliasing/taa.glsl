@@ -66,8 +66,8 @@ float find_change_share(float speed_px)
 // No clamp where the share is known to be 0 when the kernel is compiled: a static view without
 // changes for many frames (is_unchanged()). Without the guard the clamp stays, because it may turn
 // a NaN into a number.
-bool is_unclamped = is_static && uses_gradient() && is_unchanged() && is_set(RT_TAA_CHANGE) &&
-                    is_guarded();
+bool is_unclamped = is_static && uses_gradient() && is_unchanged() && is_guarded() &&
+                    (is_set(RT_TAA_CHANGE) || is_set(RT_TAA_CHANGE_FULL));
 
 // --- the blend -----------------------------------------------------------------------------------
 
@@ -100,16 +100,28 @@ float frames_alike()
                setting(RT_TAA_JITTER_LENGTH) * compute_change_time(behind_change.residue, limit));
 }
 
+// The age of the mean after a full change of the light: at most taa_age_least frames for a static
+// pixel, 1 for a moving pixel. After an age of 1 the next frame weighs 1/2, and edges blink. While
+// the light changes, the pixel is an exponential mean of weight a = taa_alpha. Its variance is the
+// variance of a mean of (2 - a) / a frames.
+float limit_changed_age(float age, float speed_px)
+{
+    if (choice(RT_TAA_AGE_LEAST) <= 1)
+        return 1.0;
+    return min(age, mix(setting(RT_TAA_AGE_LEAST), 1.0, beyond(speed_px, STATIC_PX)));
+}
+
 // A static pixel is the mean of its frames since its last change: one more frame weighs
 // 1 / (age + 1).
-float weight_with_age(float alpha, float change_share, inout float age)
+float weight_with_age(float alpha, float change_share, float speed_px, inout float age)
 {
     if (!keeps_age())
         return alpha;
     if (choice(RT_GRADIENT) != 0)
-        age = max(min(age, frames_alike()), 1.0);
+        age = max(min(age, frames_alike()), limit_changed_age(age, speed_px));
     alpha = mix(1.0 / (age + 1.0), alpha, change_share);
-    age = min(mix(age + 1.0, 1.0, change_share), setting(RT_TAA_AGE_MAX));
+    float changed_age = limit_changed_age(age + 1.0, speed_px);
+    age = min(mix(age + 1.0, changed_age, change_share), setting(RT_TAA_AGE_MAX));
     return alpha;
 }
 
@@ -159,7 +171,7 @@ vec4 resolve(ivec2 pixel, ivec2 source, Frame frame)
             change_share = find_change_share(speed_px);
             clamped = clamp_history(history, frame.box);
         }
-        alpha = weight_with_age(alpha, change_share, age);
+        alpha = weight_with_age(alpha, change_share, speed_px, age);
         if (is_responsive(source))
             alpha = max(alpha, RESPONSIVE_ALPHA);
         history = change_share == 1.0 ? clamped : mix(history, clamped, change_share);
