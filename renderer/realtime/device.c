@@ -156,7 +156,7 @@ static uint32_t encode_digit(int setting, float value)
 {
     if (setting >= RT_SETTING_COUNT || neph_rt_options[setting].kind == NEPH_OPTION_CHOICE)
         return (uint32_t)value;
-    if (setting == RT_TAA_JITTER_LENGTH || setting == RT_TAA_AGE_LEAST)
+    if (setting == RT_TAA_JITTER_LENGTH)
         return value < 15.0f ? (uint32_t)value : 15;
     return value != 0.0f;
 }

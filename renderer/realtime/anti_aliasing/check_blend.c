@@ -152,19 +152,19 @@ static void test_change_and_motion_begin_a_new_mean(void **state)
     }
 }
 
-/* The light of a pixel changes fully in one frame and is then constant. The mean keeps the age of
- * taa_age_least frames, of fewer where it had fewer, and the n-th frame after the change weighs
- * 1 / (age + n). Pixels keep less with motion, in parts of 0.02 px, and 1 from twice this on. */
+/* The light of a pixel changes fully in one frame, or the pixel moves by `motion` px in it; then
+ * both are constant. The mean keeps the age of taa_age_least frames, of fewer where it had fewer,
+ * and the n-th frame after the change weighs 1 / (age + n). */
 static void test_mean_keeps_frames_after_a_change(void **state)
 {
     static const struct {
         const char *least;
-        float age, motion;
+        float age, residue, motion_px;
         double kept;
-    } cases[] = {{"1", 40, 0, 1},    {"19", 40, 0, 19},      {"19", 19, 0, 19},
-                 {"19", 18, 0, 19},  {"19", 5, 0, 6},        {"19", 1, 0, 2},
-                 {"100", 70, 0, 64}, {"19", 40, 1.0f, 19},   {"19", 40, 1.5f, 10},
-                 {"19", 4, 1.5f, 5}, {"19", 40, 1.75f, 5.5}, {"19", 40, 2.0f, 1}};
+    } cases[] = {{"0", 40, 0.4f, 0, 1},   {"1", 40, 0.4f, 0, 1},    {"19", 40, 0.4f, 0, 19},
+                 {"19", 19, 0.4f, 0, 19}, {"19", 18, 0.4f, 0, 19},  {"19", 5, 0.4f, 0, 6},
+                 {"19", 1, 0.4f, 0, 2},   {"100", 70, 0.4f, 0, 64}, {"19", 40, 0, 0.05f, 19},
+                 {"19", 40, 0, 1, 19},    {"19", 5, 0, 1, 6},       {"0", 40, 0, 1, 1}};
     for (size_t i = 0; i < COUNT(cases); i++) {
         OWNED(passes) struct test_passes test;
         char text[256];
@@ -175,14 +175,12 @@ static void test_mean_keeps_frames_after_a_change(void **state)
         open_wall(*state, text, &test);
         test_fill(&test, RT_COLOR, 2, 2, 2, 0);
         test_fill(&test, RT_TAA_BEFORE, 1, 1, 1, cases[i].age);
-        put_change(&test, RT_CHANGE, 1.0f, 0.4f);
+        put_change(&test, RT_CHANGE, 1.0f, cases[i].residue);
         put_change(&test, RT_CHANGE_BEHIND, 1.0f, 0.0f);
-        test.view.before.position_m[0] = 0.02f * cases[i].motion;
+        test.view.before.position_m[0] = cases[i].motion_px;
         run(&test, "anti-aliasing");
-        /* a motion is exact to 1e-4 px, of which 0.02 px change the age by 18 */
-        const double error = cases[i].motion > 0.0f ? 18.0 * motion_error_px / 0.02 : 1e-5;
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0), 2.0, 0.0, 1e-5);
-        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 3), cases[i].kept, 0.0, error);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 3), cases[i].kept, 0.0, 1e-5);
         put_change(&test, RT_CHANGE, 1.0f, 0.0f);
         test.view.before.position_m[0] = 0.0f;
         double mean = 2.0;
@@ -192,7 +190,7 @@ static void test_mean_keeps_frames_after_a_change(void **state)
             test_fill(&test, RT_COLOR, frame, frame, frame, 0);
             run(&test, "anti-aliasing");
             mean += (frame - mean) / fmin(cases[i].kept + n, 65.0);
-            neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0), mean, 0.0, error);
+            neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0), mean, 0.0, 1e-5);
         }
     }
 }
@@ -205,7 +203,7 @@ static void test_slow_changes_keep_frames(void **state)
         const char *least;
         float age, residue;
         double limited;
-    } cases[] = {{"1", 40, 0.2f, 4},   {"3", 40, 0.2f, 4}, {"19", 40, 0.2f, 19}, {"19", 7, 0.2f, 7},
+    } cases[] = {{"0", 40, 0.2f, 4},   {"3", 40, 0.2f, 4}, {"19", 40, 0.2f, 19}, {"19", 7, 0.2f, 7},
                  {"19", 40, 0.1f, 19}, {"6", 40, 0.1f, 8}, {"19", 40, 0.0f, 40}};
     for (size_t i = 0; i < COUNT(cases); i++) {
         OWNED(passes) struct test_passes test;

@@ -523,8 +523,8 @@ static double frames_alike(const struct reference *cpu, int x, int y)
     return least;
 }
 
-/* The frame's weight, and the age after this frame. A full change of the light limits the age of a
- * static pixel to taa_age_least, and the age of a moving pixel to 1. */
+/* The frame's weight, and the age after this frame. Motion or a full change of the light limits the
+ * age to taa_age_least, at least 1. */
 static double weight_with_age(const struct reference *cpu, struct place at, double speed_px,
                               double alpha, double *age)
 {
@@ -533,8 +533,7 @@ static double weight_with_age(const struct reference *cpu, struct place at, doub
     if (age_max == 0.0)
         return alpha;
     const double change_share = find_change_share(cpu, x, y, speed_px);
-    const double least = 1.0 + (1.0 - beyond(speed_px, static_px)) *
-                                   ((double)setting(cpu, RT_TAA_AGE_LEAST) - 1.0);
+    const double least = fmax(setting(cpu, RT_TAA_AGE_LEAST), 1.0);
     if (choice(cpu, RT_GRADIENT))
         *age = fmax(fmin(*age, frames_alike(cpu, x, y)), fmin(*age, least));
     alpha = (1.0 - change_share) / (*age + 1.0) + change_share * alpha;

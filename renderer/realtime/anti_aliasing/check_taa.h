@@ -171,7 +171,7 @@ static inline struct neph_settings random_settings(uint64_t *seed, char *text, s
         text, text_size, "relight=%s taa_responsive=%s taa_pre_exposure=%s ",
         neph_test_random(&own) % 2 ? "0.1" : "0", neph_test_random(&own) % 3 ? "off" : "medium",
         neph_test_random(&own) % 2 ? "on" : "off");
-    static const char *const ages[] = {"1", "3", "19"}, *const full_changes[] = {"0", "0.2", "0.6"};
+    static const char *const ages[] = {"0", "3", "19"}, *const full_changes[] = {"0", "0.2", "0.6"};
     length += (size_t)snprintf(text + length, text_size - length, "taa_age_least=%s ",
                                ages[neph_test_random(&own) % 3]);
     length += (size_t)snprintf(text + length, text_size - length, "taa_change_full=%s ",

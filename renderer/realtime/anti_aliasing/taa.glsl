@@ -100,28 +100,25 @@ float frames_alike()
                setting(RT_TAA_JITTER_LENGTH) * compute_change_time(behind_change.residue, limit));
 }
 
-// The age of the mean after a full change of the light: at most taa_age_least frames for a static
-// pixel, 1 for a moving pixel. After an age of 1 the next frame weighs 1/2, and edges blink. While
-// the light changes, the pixel is an exponential mean of weight a = taa_alpha. Its variance is the
-// variance of a mean of (2 - a) / a frames.
-float limit_changed_age(float age, float speed_px)
+// The age of the mean while the pixel moves or its light changes fully: at most taa_age_least
+// frames. After an age of 1 the next static frame weighs 1/2, and edges blink. Until then the pixel
+// is an exponential mean of weight a = taa_alpha. Its variance is the variance of a mean of
+// (2 - a) / a frames.
+float limit_changed_age(float age)
 {
-    if (choice(RT_TAA_AGE_LEAST) <= 1)
-        return 1.0;
-    return min(age, mix(setting(RT_TAA_AGE_LEAST), 1.0, beyond(speed_px, STATIC_PX)));
+    return is_set(RT_TAA_AGE_LEAST) ? min(age, setting(RT_TAA_AGE_LEAST)) : 1.0;
 }
 
 // A static pixel is the mean of its frames since its last change: one more frame weighs
 // 1 / (age + 1).
-float weight_with_age(float alpha, float change_share, float speed_px, inout float age)
+float weight_with_age(float alpha, float change_share, inout float age)
 {
     if (!keeps_age())
         return alpha;
     if (choice(RT_GRADIENT) != 0)
-        age = max(min(age, frames_alike()), limit_changed_age(age, speed_px));
+        age = max(min(age, frames_alike()), limit_changed_age(age));
     alpha = mix(1.0 / (age + 1.0), alpha, change_share);
-    float changed_age = limit_changed_age(age + 1.0, speed_px);
-    age = min(mix(age + 1.0, changed_age, change_share), setting(RT_TAA_AGE_MAX));
+    age = min(mix(age + 1.0, limit_changed_age(age + 1.0), change_share), setting(RT_TAA_AGE_MAX));
     return alpha;
 }
 
@@ -171,7 +168,7 @@ vec4 resolve(ivec2 pixel, ivec2 source, Frame frame)
             change_share = find_change_share(speed_px);
             clamped = clamp_history(history, frame.box);
         }
-        alpha = weight_with_age(alpha, change_share, speed_px, age);
+        alpha = weight_with_age(alpha, change_share, age);
         if (is_responsive(source))
             alpha = max(alpha, RESPONSIVE_ALPHA);
         history = change_share == 1.0 ? clamped : mix(history, clamped, change_share);

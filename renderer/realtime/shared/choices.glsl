@@ -12,9 +12,9 @@
 layout(constant_id = RT_SPECIALISED_CONSTANT) const bool SPECIALISED = false;
 
 // A hexadecimal digit for each number of the view, eight to a constant, the lowest first. The digit
-// is the choice; for a number whether it differs from 0; for taa_jitter_length and taa_age_least
-// its value, up to 15. DIGITS_OF(s) is the constant with the digit of a constant index s. It is
-// known before functions are inlined, so that excluded code is never inlined.
+// is the choice; for a number whether it differs from 0; for taa_jitter_length its value, up to 15.
+// DIGITS_OF(s) is the constant with the digit of a constant index s. It is known before functions
+// are inlined, so that excluded code is never inlined.
 #include "settings/realtime_digits.glsl"
 #define known_choice(s) int(DIGITS_OF(s) >> (4 * ((s) & 7)) & 15u)
 
