@@ -60,9 +60,15 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Sorted names of the channels that all frames must have, one on each line. Mask channels are
- * exempt: a frame without one has no pixel in that mask, for example when the sun is not
- * visible. */
+/* Mask channels may be absent: a frame without one has no pixel in that mask, for example when the
+ * sun is not visible. So may the distance of the medium, which is infinite without a medium. */
+static bool must_be_in_all_frames(const char *name)
+{
+    return neph_validity_has_rule(name) && strncmp(name, "mask.", strlen("mask.")) != 0 &&
+           strcmp(name, "volume.distance") != 0;
+}
+
+/* Sorted names of the channels that all frames must have, one on each line. */
 static const char *list_channels(const struct neph_image *image, struct neph_arena *arena)
 {
     const size_t count = (size_t)image->channel_count;
@@ -73,7 +79,7 @@ static const char *list_channels(const struct neph_image *image, struct neph_are
         return "";
     for (size_t i = 0; i < count; i++) {
         const char *name = image->channels[i].name;
-        if (neph_validity_has_rule(name) && strncmp(name, "mask.", strlen("mask.")) != 0)
+        if (must_be_in_all_frames(name))
             names[known++] = name;
     }
     qsort(names, known, sizeof(*names), by_text);

@@ -174,11 +174,50 @@ static void test_one_unreadable_file_ends_all(void **state)
     neph_sequence_finish(&test);
 }
 
+/* Writes a frame of a sequence again, with one more channel. */
+static void add_channel(const char *path, int frame, const char *name)
+{
+    struct neph_image *image = make_frame(frame, true);
+    float *values = NULL;
+    neph_assert_ok(neph_image_add_channel(image, name, &values, NULL), NULL);
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        values[i] = 10.0f;
+    neph_assert_ok(neph_exr_write_plain(path, image, NULL), NULL);
+    neph_image_destroy(image);
+}
+
+/* Channels that must be in all frames of a sequence. The distance of the medium is not in a frame
+ * without a medium (stress scene `clouds_away`). */
+static void test_channels_that_some_frames_lack(void **state)
+{
+    static const struct {
+        const char *name;
+        enum neph_status status;
+    } cases[] = {{"volume.distance", NEPH_OK}, {"volume.R", NEPH_ERR_INPUT}};
+    struct neph_sequence moving = make_files(state, "moving", FRAMES, false);
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct neph_sequence test = make_files(state, cases[i].name, FRAMES, true);
+        struct neph_comparison comparison = {
+            .reference = moving, .test = test, .viewing = NEPH_VIEWING_DEFAULTS, .quiet = true};
+        struct neph_compared compared = {.asked = NULL};
+        struct neph_diag diag = {.line = 0};
+        choose(&comparison);
+        add_channel(test.paths[5], 5, cases[i].name);
+        assert_int_equal(neph_comparisons_run(&comparison, 1, false, &compared, &diag),
+                         cases[i].status);
+        assert_true(!cases[i].status || strstr(diag.message, cases[i].name));
+        neph_compared_finish(&compared);
+        neph_sequence_finish(&test);
+    }
+    neph_sequence_finish(&moving);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         scratch_test(test_joint_and_separate_runs_are_equal),
         scratch_test(test_one_unreadable_file_ends_all),
+        scratch_test(test_channels_that_some_frames_lack),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
