@@ -270,10 +270,15 @@ static double beyond(double value, double least)
     return least > 0.0 ? taa_clamp(value / least - 1.0, 0.0, 1.0) : 1.0;
 }
 
+static double largest_residue(float changes[2][4])
+{
+    return fmax(changes[0][3], changes[1][3]);
+}
+
 /* 0 up to taa_change, 1 from taa_change_full on. */
 static double light_change(const struct reference *cpu, float changes[2][4])
 {
-    const double residue = fmax(changes[0][3], changes[1][3]);
+    const double residue = largest_residue(changes);
     const double least = setting(cpu, RT_TAA_CHANGE), full = setting(cpu, RT_TAA_CHANGE_FULL);
     if (full == 0.0)
         return beyond(residue, least);
@@ -523,8 +528,8 @@ static double frames_alike(const struct reference *cpu, int x, int y)
     return least;
 }
 
-/* The frame's weight, and the age after this frame. Motion or a full change of the light limits the
- * age to taa_age_least, at least 1. */
+/* The frame's weight, and the age after this frame. Motion or a change of the light limits the age
+ * to taa_age_least, at least 1; a change of all light to 1. */
 static double weight_with_age(const struct reference *cpu, struct place at, double speed_px,
                               double alpha, double *age)
 {
@@ -533,7 +538,9 @@ static double weight_with_age(const struct reference *cpu, struct place at, doub
     if (age_max == 0.0)
         return alpha;
     const double change_share = find_change_share(cpu, x, y, speed_px);
-    const double least = fmax(setting(cpu, RT_TAA_AGE_LEAST), 1.0);
+    float changes[2][4];
+    const bool is_other = find_change(cpu, x, y, changes) && largest_residue(changes) >= 1.0;
+    const double least = is_other ? 1.0 : fmax(setting(cpu, RT_TAA_AGE_LEAST), 1.0);
     if (choice(cpu, RT_GRADIENT))
         *age = fmax(fmin(*age, frames_alike(cpu, x, y)), fmin(*age, least));
     alpha = (1.0 - change_share) / (*age + 1.0) + change_share * alpha;

@@ -28,13 +28,15 @@ void find_change(ivec2 tile)
     behind_change = load_change(RT_CHANGE_BEHIND, tile);
 }
 
+float largest_residue() { return max(medium_change.residue, behind_change.residue); }
+
 const float LEAST_CHANGE_WIDTH = 1e-6; // of the ramp, which is divided by its width
 
 // 0: same light as in the frame before, 1: different light. A ramp from taa_change to
 // taa_change_full.
 float light_change()
 {
-    float residue = max(medium_change.residue, behind_change.residue);
+    float residue = largest_residue();
     if (!is_set(RT_TAA_CHANGE_FULL))
         return beyond(residue, setting(RT_TAA_CHANGE));
     float width = setting(RT_TAA_CHANGE_FULL) - setting(RT_TAA_CHANGE);

@@ -103,10 +103,12 @@ float frames_alike()
 // The age of the mean while the pixel moves or its light changes fully: at most taa_age_least
 // frames. After an age of 1 the next static frame weighs 1/2, and edges blink. Until then the pixel
 // is an exponential mean of weight a = taa_alpha. Its variance is the variance of a mean of
-// (2 - a) / a frames.
+// (2 - a) / a frames. Where another scene has come into view, or all light has changed (a residue
+// of 1), a mean starts anew.
 float limit_changed_age(float age)
 {
-    return is_set(RT_TAA_AGE_LEAST) ? min(age, setting(RT_TAA_AGE_LEAST)) : 1.0;
+    bool is_other = uses_gradient() && largest_residue() >= 1.0;
+    return is_set(RT_TAA_AGE_LEAST) && !is_other ? min(age, setting(RT_TAA_AGE_LEAST)) : 1.0;
 }
 
 // A static pixel is the mean of its frames since its last change: one more frame weighs
