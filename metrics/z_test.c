@@ -11,6 +11,7 @@
 
 enum {
     CARRIERS_MIN = 8,        /* pixels that carry the noise of a mean whose p-value is right */
+    FEW_DOF = 32,            /* below: a pixel's variance is at least the mean around it */
     SCATTER_PIXELS_MIN = 64, /* tiles with fewer pixels use the scatter of the whole frame */
 };
 
@@ -43,7 +44,8 @@ struct work {
     struct neph_z_plane *plane;
     struct neph_tiling tiling;
     struct sums frame, *tiles;
-    double ratio; /* variance of the test / variance of the reference; 0: one has none */
+    double ratio;   /* variance of the test / variance of the reference; 0: one has none */
+    double *raised; /* variance of each pixel's difference, see raise_variances() */
     double *z, *scores, *sizes;
     bool *has_noise;
 };
@@ -163,38 +165,75 @@ static void add_up(struct work *work)
 
 /* ---- pixels ---------------------------------------------------------------------------------- */
 
-/* Whether the pixel and its eight neighbours have no noise. */
-static bool is_inside_calm(const struct work *work, size_t i)
+/* The pixel and its up to eight neighbours: the mean of their variances, and whether none of
+ * them has noise. */
+struct surroundings {
+    double mean_variance;
+    bool are_calm;
+};
+
+static struct surroundings look_around(const struct work *work, size_t i)
 {
     const int width = work->plane->width_px, height = work->plane->height_px;
     const int x = (int)(i % (size_t)width), y = (int)(i / (size_t)width);
+    struct surroundings found = {.are_calm = true};
+    int count = 0;
     for (int ny = y > 0 ? y - 1 : 0; ny <= y + 1 && ny < height; ny++)
-        for (int nx = x > 0 ? x - 1 : 0; nx <= x + 1 && nx < width; nx++)
-            if (work->has_noise[(size_t)ny * (size_t)width + (size_t)nx])
-                return false;
-    return true;
+        for (int nx = x > 0 ? x - 1 : 0; nx <= x + 1 && nx < width; nx++) {
+            const size_t at = (size_t)ny * (size_t)width + (size_t)nx;
+            found.mean_variance += work->raised[at];
+            found.are_calm &= !work->has_noise[at];
+            count++;
+        }
+    found.mean_variance /= count;
+    return found;
 }
 
+static bool is_contrary(const struct work *work, size_t i)
+{
+    return !work->has_noise[i] && !is_within_rounding(work, i);
+}
+
+/* A single pixel may be an edge that few samples hit all or none of the times. */
 static void judge_calm(struct work *work, size_t i)
 {
-    if (is_within_rounding(work, i))
+    const size_t width = (size_t)work->plane->width_px, x = i % width;
+    const bool has_like = (x > 0 && is_contrary(work, i - 1)) ||
+                          (x + 1 < width && is_contrary(work, i + 1)) ||
+                          (i >= width && is_contrary(work, i - width)) ||
+                          (i + width < count_pixels(work->plane) && is_contrary(work, i + width));
+    if (!is_contrary(work, i))
         return;
-    if (is_inside_calm(work, i))
+    if (has_like && look_around(work, i).are_calm)
         work->plane->contrary++;
     else
         work->plane->unjudged++;
 }
 
+/* Score a pixel with noise. On an edge, a few samples may all be on one side in one render, and on
+ * the other side in the other render: then both variances are too low, and those around it are
+ * not. */
 static double score_pixel(struct work *work, size_t i, double dof)
 {
-    const double variance[2] = {work->side[0]->variance[i], work->side[1]->variance[i]};
-    double raised[2];
-    raise_variances(variance, work->ratio, raised);
-    const double error = sqrt(raised[0] + raised[1]), difference = get_difference(work, i);
+    const double variance = dof < FEW_DOF
+                                ? fmax(work->raised[i], look_around(work, i).mean_variance)
+                                : work->raised[i];
+    const double error = sqrt(variance), difference = get_difference(work, i);
     work->sizes[work->plane->noisy++] = error;
     work->plane->identical += difference == 0.0;
     work->z[i] = difference / error;
     return neph_z_from_student(work->z[i], dof);
+}
+
+static void raise_pixels(struct work *work)
+{
+    const size_t count = count_pixels(work->plane);
+    for (size_t i = 0; i < count; i++) {
+        const double variance[2] = {work->side[0]->variance[i], work->side[1]->variance[i]};
+        double raised[2];
+        raise_variances(variance, work->ratio, raised);
+        work->raised[i] = raised[0] + raised[1];
+    }
 }
 
 static void score_pixels(struct work *work)
@@ -402,11 +441,12 @@ static enum neph_status allocate(struct work *work, size_t pixels, struct neph_d
 {
     const size_t tiles = (size_t)work->tiling.columns * (size_t)work->tiling.rows;
     work->tiles = calloc(tiles, sizeof(*work->tiles));
+    work->raised = malloc(pixels * sizeof(*work->raised));
     work->z = malloc(pixels * sizeof(*work->z));
     work->scores = malloc(pixels * sizeof(*work->scores));
     work->sizes = malloc(pixels * sizeof(*work->sizes));
     work->has_noise = malloc(pixels * sizeof(*work->has_noise));
-    return work->tiles && work->z && work->scores && work->sizes && work->has_noise
+    return work->tiles && work->raised && work->z && work->scores && work->sizes && work->has_noise
                ? NEPH_OK
                : neph_fail_memory(diag);
 }
@@ -427,6 +467,7 @@ enum neph_status neph_z_test(const struct neph_z_side *reference, const struct n
     if (!status) {
         find_noise(&work);
         add_up(&work);
+        raise_pixels(&work);
         score_pixels(&work);
         judge_pixels(&work);
         correlate_neighbours(&work);
@@ -439,6 +480,7 @@ enum neph_status neph_z_test(const struct neph_z_side *reference, const struct n
     if (!status)
         *plane = found;
     free(work.tiles);
+    free(work.raised);
     free(work.z);
     free(work.scores);
     free(work.sizes);

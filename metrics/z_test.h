@@ -9,14 +9,16 @@
  * - The variance of a pixel that missed a rare bright path is too low, together with its mean. So
  *   for a pixel or tile each variance is at least the variance of the other render, times the ratio
  *   of both over the frame. This is conservative where methods differ by more than that ratio.
+ * - With few samples the variance of a pixel is also at least the mean over the 3x3 pixels around
+ *   it: all samples of a pixel on an edge may be on one side of it.
  * - A variance counts as many degrees of freedom as its scatter between both renders has
  *   (Satterthwaite, Biometrics Bulletin 2, 1946), at most as many as its repeats have (Welch,
  *   Biometrika 34, 1947). Scores are the normal deviates of Student's t.
  * - Sums of squares are taken over statistics tiles (metrics/interval.h), whose means are closer to
  *   normal, and whose variances are more certain, than those of pixels.
  *
- * A pixel without noise in both renders, as are its eight neighbours, must be equal within
- * rounding. Other pixels without noise have no score.
+ * Pixels without noise in both renders have no score. Two neighbours that differ by more than
+ * rounding, and have no noise around them, are a certain bias.
  */
 #ifndef NEPH_METRICS_Z_TEST_H
 #define NEPH_METRICS_Z_TEST_H
