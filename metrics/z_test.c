@@ -7,9 +7,9 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum {
+    LAG_PX = 3,              /* pixels over which the noise of repeats may correlate */
     CARRIERS_MIN = 8,        /* pixels that carry the noise of a mean whose p-value is right */
     FEW_DOF = 32,            /* below: a pixel's variance is at least the mean around it */
     SCATTER_PIXELS_MIN = 64, /* tiles with fewer pixels use the scatter of the whole frame */
@@ -548,33 +548,54 @@ double neph_z_combine(struct neph_z_plane *planes, int count)
 
 /* ---- repeats --------------------------------------------------------------------------------- */
 
-/* Over all repeats and tiles: the sum of the squared deviation of a tile's sum from its mean over
- * repeats, per repeat - 1. */
-static double compute_tile_squares(const float *const *repeats, int count, int width_px,
-                                   int height_px, const double *mean, double *tile_sums)
+/* Replace each value by the sum over the values at most LAG_PX away along a line. */
+static void sum_line(double *values, size_t count, size_t stride, double *line)
 {
-    const struct neph_tiling tiling = neph_tiling_make(width_px, height_px);
-    const int tiles = tiling.columns * tiling.rows;
-    double squares = 0.0;
-    for (int r = 0; r < count; r++) {
-        memset(tile_sums, 0, (size_t)tiles * sizeof(*tile_sums));
-        for (int y = 0; y < height_px; y++)
-            for (int x = 0; x < width_px; x++) {
-                const size_t i = (size_t)y * (size_t)width_px + (size_t)x;
-                tile_sums[y / tiling.side_px * tiling.columns + x / tiling.side_px] +=
-                    (double)repeats[r][i] - mean[i];
-            }
-        for (int t = 0; t < tiles; t++)
-            squares += tile_sums[t] * tile_sums[t] / (count - 1);
+    for (size_t i = 0; i < count; i++)
+        line[i] = values[i * stride];
+    for (size_t i = 0; i < count; i++) {
+        const size_t first = i > LAG_PX ? i - LAG_PX : 0;
+        double sum = 0.0;
+        for (size_t k = first; k <= i + LAG_PX && k < count; k++)
+            sum += line[k];
+        values[i * stride] = sum;
     }
-    return squares;
 }
 
-/* 1 unless the ratio is three of its standard errors above 1. */
-static double find_correlation(double ratio, struct neph_tiling tiling, int repeats)
+/* The sum over pixels of a deviation times those around it, and of its square. */
+static void add_products(const float *repeat, const double *mean, int width_px, int height_px,
+                         double *around, double *line, double sums[2])
 {
-    const double samples = (double)tiling.columns * tiling.rows * (repeats - 1);
-    return ratio > 1.0 + 3.0 * sqrt(2.0 / samples) ? ratio : 1.0;
+    const size_t width = (size_t)width_px, height = (size_t)height_px;
+    for (size_t i = 0; i < width * height; i++)
+        around[i] = (double)repeat[i] - mean[i];
+    for (size_t y = 0; y < height; y++)
+        sum_line(around + y * width, width, 1, line);
+    for (size_t x = 0; x < width; x++)
+        sum_line(around + x, height, width, line);
+    for (size_t i = 0; i < width * height; i++) {
+        const double deviation = (double)repeat[i] - mean[i];
+        sums[0] += deviation * around[i];
+        sums[1] += deviation * deviation;
+    }
+}
+
+/* 1 unless the ratio is three of its standard errors above 1: each of the n lags on one side adds
+ * twice a correlation, whose variance is the inverse of the number of independent pixels. */
+static double find_correlation(const double sums[2], const double *variance, size_t pixels,
+                               int repeats)
+{
+    const double lags = 0.5 * ((2.0 * LAG_PX + 1.0) * (2.0 * LAG_PX + 1.0) - 1.0);
+    double total = 0.0, squares = 0.0;
+    for (size_t i = 0; i < pixels; i++) {
+        total += variance[i];
+        squares += variance[i] * variance[i];
+    }
+    if (!(sums[1] > 0.0) || !(total > 0.0))
+        return 1.0;
+    const double error = sqrt(4.0 * lags * squares / (total * total) / (repeats - 1.0));
+    const double ratio = sums[0] / sums[1];
+    return ratio > 1.0 + 3.0 * error ? ratio : 1.0;
 }
 
 enum neph_status neph_z_from_repeats(const float *const *repeats, int count, int width_px,
@@ -582,10 +603,10 @@ enum neph_status neph_z_from_repeats(const float *const *repeats, int count, int
                                      struct neph_z_side *side, struct neph_diag *diag)
 {
     const size_t pixels = (size_t)width_px * (size_t)height_px;
-    double *tile_sums = malloc(pixels * sizeof(*tile_sums)), total = 0.0;
-    if (!tile_sums)
-        return neph_fail_memory(diag);
-    for (size_t i = 0; i < pixels; i++) {
+    double *around = malloc(pixels * sizeof(*around)), sums[2] = {0.0, 0.0};
+    double *line = malloc((size_t)(width_px > height_px ? width_px : height_px) * sizeof(*line));
+    const enum neph_status status = around && line ? NEPH_OK : neph_fail_memory(diag);
+    for (size_t i = 0; i < pixels && !status; i++) {
         double sum = 0.0, squares = 0.0;
         for (int r = 0; r < count; r++)
             sum += (double)repeats[r][i];
@@ -593,15 +614,16 @@ enum neph_status neph_z_from_repeats(const float *const *repeats, int count, int
         for (int r = 0; r < count; r++)
             squares += ((double)repeats[r][i] - mean[i]) * ((double)repeats[r][i] - mean[i]);
         variance[i] = squares / (count - 1.0) / count;
-        total += variance[i] * count;
     }
-    const double of_tiles = compute_tile_squares(repeats, count, width_px, height_px, mean,
-                                                 tile_sums);
-    free(tile_sums);
-    side->mean = mean;
-    side->variance = variance;
-    side->dof = count - 1.0;
-    side->correlation = find_correlation(total > 0.0 ? of_tiles / total : 1.0,
-                                         neph_tiling_make(width_px, height_px), count);
-    return NEPH_OK;
+    for (int r = 0; r < count && !status; r++)
+        add_products(repeats[r], mean, width_px, height_px, around, line, sums);
+    if (!status) {
+        side->mean = mean;
+        side->variance = variance;
+        side->dof = count - 1.0;
+        side->correlation = find_correlation(sums, variance, pixels, count);
+    }
+    free(around);
+    free(line);
+    return status;
 }

@@ -38,8 +38,8 @@ enum {
 struct neph_z_side {
     const double *mean, *variance; /* by pixel; finite, the variance >= 0; borrowed */
     double dof;         /* degrees of freedom of the variance: repeats - 1; 0: not known */
-    double correlation; /* variance of a tile's sum / sum of its variances: 1 for independent
-                           pixels, above 1 with a wide pixel filter */
+    double correlation; /* variance of the sum of many pixels / sum of their variances: 1 for
+                           independent pixels, above 1 with a pixel filter that overlaps */
     double rounding;    /* relative error of a stored value */
 };
 
@@ -96,8 +96,8 @@ enum neph_status neph_z_test(const struct neph_z_side *reference, const struct n
  * standard errors. Returns the smallest adjusted value; 0 when a pixel is contrary. */
 double neph_z_combine(struct neph_z_plane *planes, int count);
 
-/* Mean and variance of the mean of `count` >= 2 repeats of a plane, and the correlation for
- * `side`. NEPH_ERR_MEMORY. */
+/* Mean and variance of the mean of `count` >= 2 repeats of a plane, and the correlation of pixels
+ * at most 3 px apart when it is significant; fills `side` but its rounding. NEPH_ERR_MEMORY. */
 enum neph_status neph_z_from_repeats(const float *const *repeats, int count, int width_px,
                                      int height_px, double *mean, double *variance,
                                      struct neph_z_side *side, struct neph_diag *diag);

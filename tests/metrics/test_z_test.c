@@ -168,7 +168,7 @@ static void test_repeats(void **state)
     neph_assert_close(mean[1], 1.5, 1e-12, 0.0);
     neph_assert_close(variance[1], 5.0 / 3.0 / 4.0, 1e-12, 0.0); /* of 0 1 2 3, by 4 */
     neph_assert_close(side.dof, 3.0, 0.0, 0.0);
-    assert_true(side.correlation > 5.0); /* half of each tile's 16 pixels move together */
+    assert_true(side.correlation > 5.0); /* every second pixel moves with the others */
     for (int r = 0; r < 4; r++)
         for (int i = 0; i < P; i++)
             planes[r][i] = (float)neph_test_uniform(&random, 0.0, 1.0);
@@ -220,17 +220,25 @@ static double sample_edge(uint64_t *random)
 struct noise {
     const char *name;
     double (*sample)(uint64_t *random);
-    int samples[2]; /* of the reference and of the test */
-    int repeats;    /* 0: variance layers */
+    int samples[2];  /* of the reference and of the test */
+    int repeats;     /* 0: variance layers */
+    bool is_blurred; /* by a pixel filter of 3x3 pixels */
 };
 
 static const struct noise noises[] = {
-    {"normal", sample_normal, {4, 4}, 0},        {"gamma", draw_exponential, {16, 16}, 0},
-    {"gamma", draw_exponential, {32, 2}, 0},     {"lognormal", sample_lognormal, {8, 8}, 0},
-    {"lognormal", sample_lognormal, {32, 4}, 0}, {"shadow", sample_shadow, {8, 8}, 0},
-    {"shadow", sample_shadow, {4, 32}, 0},       {"fireflies", sample_fireflies, {8, 8}, 0},
-    {"fireflies", sample_fireflies, {64, 4}, 0}, {"edges", sample_edge, {6, 6}, 0},
-    {"edges", sample_edge, {40, 4}, 0},          {"two seeds", draw_exponential, {4, 4}, 2},
+    {"normal", sample_normal, {4, 4}, 0, false},
+    {"gamma", draw_exponential, {16, 16}, 0, false},
+    {"gamma", draw_exponential, {32, 2}, 0, false},
+    {"lognormal", sample_lognormal, {8, 8}, 0, false},
+    {"lognormal", sample_lognormal, {32, 4}, 0, false},
+    {"shadow", sample_shadow, {8, 8}, 0, false},
+    {"shadow", sample_shadow, {4, 32}, 0, false},
+    {"fireflies", sample_fireflies, {8, 8}, 0, false},
+    {"fireflies", sample_fireflies, {64, 4}, 0, false},
+    {"edges", sample_edge, {6, 6}, 0, false},
+    {"edges", sample_edge, {40, 4}, 0, false},
+    {"two seeds", draw_exponential, {4, 4}, 2, false},
+    {"filtered", sample_normal, {4, 4}, 4, true},
 };
 
 /* A scene with a sky without noise above objects of different brightness. */
@@ -257,6 +265,19 @@ static void render(const struct noise *noise, int samples, uint64_t *random, dou
     }
 }
 
+static double blur(const double *mean, int i)
+{
+    double sum = 0.0;
+    int count = 0;
+    for (int y = i / W - 1; y <= i / W + 1; y++)
+        for (int x = i % W - 1; x <= i % W + 1; x++)
+            if (x >= 0 && y >= 0 && x < W && y < H) {
+                sum += mean[y * W + x];
+                count++;
+            }
+    return sum / count;
+}
+
 static void render_side(const struct noise *noise, int which, uint64_t *random, struct pair *pair)
 {
     static float planes[4][P];
@@ -265,7 +286,7 @@ static void render_side(const struct noise *noise, int which, uint64_t *random, 
     for (int r = 0; r < noise->repeats; r++) {
         render(noise, noise->samples[which], random, mean, variance);
         for (int i = 0; i < P; i++)
-            planes[r][i] = (float)mean[i];
+            planes[r][i] = (float)(noise->is_blurred ? blur(mean, i) : mean[i]);
     }
     if (noise->repeats == 0)
         render(noise, noise->samples[which], random, mean, variance);
