@@ -138,6 +138,26 @@ static void test_pixels_without_noise(void **state)
     assert_int_equal(plane.noisy, 1);
 }
 
+/* Frames down to a pixel, at whose sides nothing is read. */
+static void test_small_frames(void **state)
+{
+    const double mean[9] = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0};
+    const double other[9] = {9.0, 2.5, 3.5, 4.0, 4.0, 6.5, 7.5, 7.0, 9.0};
+    const double variance[9] = {0.1, 0.1, 0.0, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
+    const struct neph_z_side sides[2] = {
+        {.mean = mean, .variance = variance, .correlation = 1.0, .rounding = 1e-6},
+        {.mean = other, .variance = variance, .correlation = 1.0, .rounding = 1e-6}};
+    for (int w = 1; w <= 3; w++)
+        for (int h = 1; h <= 3; h++) {
+            struct neph_z_plane plane;
+            neph_assert_ok(neph_z_test(&sides[0], &sides[1], w, h, SEED, NULL, &plane, NULL), NULL);
+            const double p = neph_z_combine(&plane, 1);
+            assert_true(p >= 0.0 && p <= 1.0);
+            assert_int_equal(plane.pixel_px[0] + plane.pixel_px[1], 0);
+            assert_true(isfinite(plane.least_mean) && isfinite(plane.least_pixel));
+        }
+}
+
 /* Weighted Holm by hand: weights 0.8, 0.05, 0.05, 0.05, 0.05. */
 static void test_combination(void **state)
 {
