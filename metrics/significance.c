@@ -100,6 +100,43 @@ double neph_student_critical(double alpha, double dof)
     return t;
 }
 
+/* P(a, x) without its factor: 1 + x/(a+1) + ..., for x < a + 1. */
+static double gamma_series(double a, double x)
+{
+    double term = 1.0, sum = 1.0;
+    for (double n = a + 1.0; term > sum * 1e-17; n += 1.0)
+        sum += term *= x / n;
+    return sum;
+}
+
+/* Q(a, x) without its factor, by modified Lentz as in beta_fraction(), for x >= a + 1. */
+static double gamma_fraction(double a, double x)
+{
+    double b = x + 1.0 - a, c = 1e300, d = 1.0 / b, fraction = d;
+    for (int n = 1; n < 1000000; n++) {
+        const double step = -n * (n - a);
+        b += 2.0;
+        d = 1.0 / (step * d + b);
+        c = b + step / c;
+        fraction *= c * d;
+        if (fabs(c * d - 1.0) < 1e-16)
+            break;
+    }
+    return fraction;
+}
+
+double neph_chi_squared_p(double value, double dof)
+{
+    const double a = 0.5 * dof, x = 0.5 * value;
+    if (!(x > 0.0))
+        return 1.0;
+    int sign;
+    const double logarithm = a * log(x) - x - lgamma_r(a, &sign);
+    if (x < a + 1.0)
+        return fmax(0.0, 1.0 - exp(logarithm) / a * gamma_series(a, x));
+    return exp(logarithm) * gamma_fraction(a, x);
+}
+
 double neph_sign_p(int positive, int negative)
 {
     const int few = positive < negative ? positive : negative;

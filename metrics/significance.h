@@ -29,6 +29,12 @@ double neph_student_p(double t, double dof);
  * below 1e-11 for results below 1e8. */
 double neph_student_critical(double alpha, double dof);
 
+/* Probability that chi-squared with `dof` > 0 degrees of freedom is at least `value` >= 0:
+ * Q(dof/2, value/2), the incomplete gamma function by its series or its continued fraction
+ * (Abramowitz and Stegun 26.4.2, 6.5.29, 6.5.31). Relative error below 1e-9 for dof up to 1e6 and
+ * results above 1e-100. */
+double neph_chi_squared_p(double value, double dof);
+
 /* Two-sided exact sign test: the probability that a fair coin falls at least as unevenly as
  * `positive` against `negative`; 1 if both are 0. (Dixon and Mood, JASA 41, 1946.) */
 double neph_sign_p(int positive, int negative);

@@ -9,6 +9,7 @@
 #include "harness/cli/compare_choice.h"
 #include "harness/cli/compare_page.h"
 #include "harness/cli/compare_sides.h"
+#include "harness/cli/compare_z.h"
 #include "harness/compare/alone.h"
 #include "harness/compare/comparison.h"
 #include "harness/compare/limits.h"
@@ -32,8 +33,9 @@ struct request {
     const char *second; /* words of the second reference */
     const char *versus; /* words of the other test */
     double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: the default */
-    int warm_up_frames;
-    bool rings, by_position, allow_frozen_frames, negative_is_fine, all;
+    const char *variance; /* name of the layer of variances, for --z */
+    int warm_up_frames, samples;
+    bool z, rings, by_position, allow_frozen_frames, negative_is_fine, all;
 };
 
 enum { MEASURING, VIEWING, JUDGING, WRITING }; /* groups of the help */
@@ -84,6 +86,15 @@ static const struct neph_cli_option options[] = {
     {"fail-below", 0, "[QUANTITY:]METRIC[@MASK]=LIMIT",
      "The same for numbers that should be large: ssim_mean=0.98", NEPH_CLI_WORDS, AT(below),
      .group = JUDGING},
+    {"z", 0, NULL,
+     "Noise or bias: exit with 1 when two renders of path tracers differ by more than the noise of "
+     "both, at the level 0.05. The noise is from variance.R G B, from second moments (m2_*, "
+     "Mitsuba), or from several files of each with different seeds",
+     NEPH_CLI_FLAG, AT(z), .group = JUDGING},
+    {"variance", 0, "LAYER", "With --z: channels LAYER.R G B are the variance of the mean R G B",
+     NEPH_CLI_WORD, AT(variance), "variance", .group = JUDGING},
+    {"samples", 0, NULL, "With --z and second moments: samples a pixel of both renders",
+     NEPH_CLI_INTEGER, AT(samples), NULL, 2, 1e9, .group = JUDGING},
     {"frozen-ok", 0, NULL, "Frames that are bit for bit the one before are meant to be so",
      NEPH_CLI_FLAG, AT(allow_frozen_frames), .group = JUDGING},
     {"negative-ok", 0, NULL,
@@ -128,7 +139,8 @@ static const struct neph_cli_syntax compare_syntax = {
            "  neph compare -r full/ before/ after/ --page out/compare\n"
            "  neph compare exact.exr march.exr --json --mask depth_edge\n"
            "  neph compare old.png new.png -m flip --maps out/maps --fail-above flip_mean=0.05\n"
-           "  neph compare -r reference.exr 'night/frame.*.exr' --csv errors.csv",
+           "  neph compare -r reference.exr 'night/frame.*.exr' --csv errors.csv\n"
+           "  neph compare --z -r 'old/seed_*.exr' 'new/seed_*.exr'",
 };
 
 static const struct neph_cli_syntax flicker_syntax = {
@@ -601,11 +613,76 @@ static enum neph_status write_junit(const struct request *request, enum neph_sta
     return status ? status : written;
 }
 
+/* ---- noise or bias --------------------------------------------------------------------------- */
+
+/* Refuse options that --z would ignore, and --z where it says nothing. */
+static enum neph_status check_z(const struct request *request, const struct neph_sides *sides,
+                                struct neph_diag *diag)
+{
+    const struct {
+        bool is_given;
+        const char *name;
+    } others[] = {
+        {request->metrics.count > 0, "metric"},
+        {request->shared.settings.count > 0, "set"},
+        {request->mask, "mask"},
+        {request->rings, "rings"},
+        {request->second, "second-reference"},
+        {request->versus, "versus"},
+        {request->warm_up_frames > 0, "warm-up"},
+        {request->above.count > 0, "fail-above"},
+        {request->below.count > 0, "fail-below"},
+        {request->csv, "csv"},
+        {request->page, "page"},
+    };
+    if (request->temporal)
+        return neph_fail(diag, NEPH_ERR_USAGE, "--z compares renders: use `neph compare --z`");
+    for (size_t i = 0; i < sizeof(others) / sizeof(others[0]); i++)
+        if (others[i].is_given)
+            return neph_fail(diag, NEPH_ERR_USAGE, "--z takes no --%s", others[i].name);
+    if (sides->other.count == 0)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "--z compares one test with the reference");
+    neph_hint(diag, "name the seeds of a render by a folder or by a pattern in quotes");
+    return NEPH_ERR_USAGE;
+}
+
+static enum neph_status run_z(const struct request *request, const struct neph_sides *sides,
+                              struct neph_junit *junit, struct neph_diag *diag)
+{
+    const struct neph_cli_z z = {
+        .reference = &sides->reference,
+        .test = &sides->test,
+        .reading = {.layer = request->layer,
+                    .variance = request->variance,
+                    .samples = request->samples,
+                    .negative_allowed = request->negative_is_fine ? SIZE_MAX : 0},
+        .maps = request->maps,
+        .group = junit_group(request, junit),
+        .json = request->shared.json,
+        .quiet = request->shared.quiet,
+        .all = request->all,
+    };
+    const enum neph_status status = check_z(request, sides, diag);
+    return status ? status : neph_cli_z_run(&z, junit, diag);
+}
+
+/* Without --z. */
+static enum neph_status run_metrics(const struct request *request, struct neph_sides *sides,
+                                    struct neph_junit *junit, struct neph_diag *diag)
+{
+    struct neph_comparison comparison = {.choice_count = 0};
+    enum neph_status status = prepare(request, sides, &comparison, diag);
+    if (!status)
+        status = measure(request, &comparison, sides, junit, diag);
+    neph_comparison_finish(&comparison);
+    return status;
+}
+
 static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal, int argc,
                             char **argv, struct neph_diag *diag)
 {
     struct request request = {.temporal = temporal};
-    struct neph_comparison comparison = {.choice_count = 0};
     struct neph_sides sides = {.without_reference = false};
     struct neph_junit junit = {.name = temporal ? "neph flicker" : "neph compare"};
     neph_cli_parse(syntax, argc, argv, &request);
@@ -616,18 +693,16 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
         .operands = request.shared.operands,
         .operand_count = request.shared.operand_count,
         .versus = request.versus,
-        .by_position = request.by_position,
+        .by_position = request.by_position || request.z, /* seeds are no frame numbers */
         .is_flicker = temporal,
     };
     enum neph_status status = neph_sides_find(&words, request.warm_up_frames, &sides, diag);
     if (!status)
-        status = prepare(&request, &sides, &comparison, diag);
-    if (!status)
-        status = measure(&request, &comparison, &sides, &junit, diag);
+        status = request.z ? run_z(&request, &sides, &junit, diag)
+                           : run_metrics(&request, &sides, &junit, diag);
     junit.seconds = neph_wall_s() - start_s;
     status = write_junit(&request, status, &junit, diag);
     neph_junit_finish(&junit);
-    neph_comparison_finish(&comparison);
     neph_sides_finish(&sides);
     return status;
 }

@@ -166,6 +166,10 @@ def make_frames(folder):
         for frame in range(LENGTH):
             frames.grey_exr(folder / name / f"{stem}.{frame:04}.exr", WIDTH, HEIGHT,
                             values(seed + frame), Z=depths)
+    for seed in range(8):
+        name = folder / ("old", "new")[seed % 2]
+        name.mkdir(exist_ok=True)
+        frames.grey_exr(name / f"seed_{seed}.exr", WIDTH, HEIGHT, values(seed))
     (folder / "game").mkdir()
     for frame in range(16):
         picture(folder / f"game/frame{frame:04}.png", frame)

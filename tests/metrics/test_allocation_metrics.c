@@ -9,6 +9,7 @@
 #include "metrics/meter.h"
 #include "metrics/pair.h"
 #include "metrics/validity.h"
+#include "metrics/z_test.h"
 
 enum { WIDTH = 17, HEIGHT = 4, FRAMES_MAX = 20 };
 
@@ -108,6 +109,36 @@ static enum neph_status check_validity(void *context, struct neph_diag *diag)
     const enum neph_status status = neph_validity_count(job->test[0], &validity, diag);
     neph_validity_finish(&validity);
     return status;
+}
+
+/* Noise of two repeats on one side, of a constant variance on the other; some z are beyond 2. */
+static enum neph_status test_noise(void *context, struct neph_diag *diag)
+{
+    enum { PIXELS = WIDTH * HEIGHT };
+    (void)context;
+    float first[PIXELS], second[PIXELS];
+    double means[2][PIXELS], variances[2][PIXELS];
+    const float *const repeats[2] = {first, second};
+    struct neph_z_plane plane;
+    struct neph_z_side sides[2] = {
+        {.rounding = 1e-6},
+        {.mean = means[1], .variance = variances[1], .correlation = 1.0, .rounding = 1e-6}};
+    for (int i = 0; i < PIXELS; i++) {
+        first[i] = 1.0f + 0.1f * (float)(i % 3);
+        second[i] = 1.0f + 0.1f * (float)(i % 5);
+        means[1][i] = i < 8 ? 5.0 : 1.0;
+        variances[1][i] = 0.01;
+    }
+    enum neph_status status = neph_z_from_repeats(repeats, 2, WIDTH, HEIGHT, means[0], variances[0],
+                                                  &sides[0], diag);
+    if (!status)
+        status = neph_z_test(&sides[0], &sides[1], WIDTH, HEIGHT, 1, NULL, &plane, diag);
+    return status;
+}
+
+static void test_noise_or_bias(void **state)
+{
+    assert_every_failure_is_reported("z_test", test_noise, NULL);
 }
 
 static void test_masks_and_validity(void **state)
