@@ -8,6 +8,7 @@
 #include "base/exr_header.h"
 #include "base/exr_labels.h"
 #include "base/exr_library.h"
+#include "base/exr_pixels.h"
 #include "base/files.h"
 #include "base/text.h"
 
@@ -24,13 +25,9 @@ enum {
     /* The first eight bytes of every file: magic number, version and feature flags. See "Magic
      * Number" and "Version Field" in https://openexr.com/en/latest/OpenEXRFileLayout.html */
     EXR_MAGIC = 20000630,
-    EXR_FLAG_TILED = 0x200,
     EXR_FLAG_DEEP = 0x800,
     EXR_FLAG_MULTIPART = 0x1000,
     CHANNEL_COUNT_MAX = 1024,
-    /* Upper bound of the compression ratio of all readable compressions: zeros by PXR24 reach
-     * 1376:1 (deflate's 1032:1 on three of four bytes), all others less. */
-    COMPRESSION_RATIO_MAX = 2048,
 };
 
 /* User data of the library's callbacks. */
@@ -89,9 +86,9 @@ static enum neph_status fail_read(const char *path, const struct stream *stream,
 
 static enum neph_status refuse_kind(const char *path, const char *kind, struct neph_diag *diag)
 {
-    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a %s OpenEXR file; only flat scanlines are read", path,
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a %s OpenEXR file; only flat images are read", path,
               kind);
-    neph_hint(diag, "write it as a single-part scanline image");
+    neph_hint(diag, "write it as a flat image of one part");
     return NEPH_ERR_INPUT;
 }
 
@@ -144,8 +141,6 @@ static enum neph_status check_prefix(const char *path, struct stream *stream,
         return refuse_kind(path, "multi-part", diag);
     if (flags & EXR_FLAG_DEEP)
         return refuse_kind(path, "deep", diag);
-    if (flags & EXR_FLAG_TILED)
-        return refuse_kind(path, "tiled", diag);
     return NEPH_OK;
 }
 
@@ -169,34 +164,46 @@ static enum neph_status open_stream(const char *path, struct stream *stream, str
     return status ? status : read_header(path, stream, diag);
 }
 
-/* Layout of the pixels, from the header. */
-struct layout {
-    exr_attr_box2i_t window;  /* data window */
-    exr_attr_box2i_t display; /* display window */
-    int width_px, height_px;
-    int32_t rows_per_chunk;
-    uint64_t row_bytes; /* of all channels, uncompressed */
-    exr_compression_t compression;
-    const exr_attr_chlist_t *channels;
-};
-
-static exr_result_t query_layout(exr_const_context_t context, struct layout *layout)
+static exr_result_t query_blocks(exr_const_context_t context, struct neph_exr_layout *layout)
 {
-    exr_result_t result = exr_get_data_window(context, NEPH_EXR_ONLY_PART, &layout->window);
-    if (!result)
-        result = exr_get_display_window(context, NEPH_EXR_ONLY_PART, &layout->display);
-    if (!result)
-        result = exr_get_scanlines_per_chunk(context, NEPH_EXR_ONLY_PART, &layout->rows_per_chunk);
-    if (!result)
-        result = exr_get_compression(context, NEPH_EXR_ONLY_PART, &layout->compression);
-    if (!result)
-        result = exr_get_channels(context, NEPH_EXR_ONLY_PART, &layout->channels);
-    if (!result && layout->rows_per_chunk < 1)
-        result = EXR_ERR_INVALID_ATTR;
+    exr_result_t result;
+    if (layout->is_tiled) {
+        uint32_t width_px = 0, height_px = 0;
+        exr_tile_level_mode_t levels;
+        exr_tile_round_mode_t rounding;
+        result = exr_get_tile_descriptor(context, layout->part, &width_px, &height_px, &levels,
+                                         &rounding);
+        if (!result && (width_px < 1 || height_px < 1))
+            result = EXR_ERR_INVALID_ATTR;
+        layout->block_width_px = (int)(width_px < INT_MAX ? width_px : INT_MAX);
+        layout->block_height_px = (int)(height_px < INT_MAX ? height_px : INT_MAX);
+    } else {
+        int32_t rows = 0;
+        result = exr_get_scanlines_per_chunk(context, layout->part, &rows);
+        if (!result && rows < 1)
+            result = EXR_ERR_INVALID_ATTR;
+        layout->block_width_px = INT_MAX;
+        layout->block_height_px = rows;
+    }
     return result;
 }
 
-static enum neph_status check_size(const char *path, struct layout *layout, struct neph_diag *diag)
+static exr_result_t query_layout(exr_const_context_t context, struct neph_exr_layout *layout)
+{
+    exr_result_t result = exr_get_data_window(context, layout->part, &layout->window);
+    if (!result)
+        result = exr_get_display_window(context, layout->part, &layout->display);
+    if (!result)
+        result = query_blocks(context, layout);
+    if (!result)
+        result = exr_get_compression(context, layout->part, &layout->compression);
+    if (!result)
+        result = exr_get_channels(context, layout->part, &layout->channels);
+    return result;
+}
+
+static enum neph_status check_size(const char *path, struct neph_exr_layout *layout,
+                                   struct neph_diag *diag)
 {
     int64_t width_px = (int64_t)layout->window.max.x - layout->window.min.x + 1;
     int64_t height_px = (int64_t)layout->window.max.y - layout->window.min.y + 1;
@@ -210,7 +217,7 @@ static enum neph_status check_size(const char *path, struct layout *layout, stru
     return NEPH_OK;
 }
 
-static enum neph_status check_channels(const char *path, struct layout *layout,
+static enum neph_status check_channels(const char *path, struct neph_exr_layout *layout,
                                        struct neph_diag *diag)
 {
     int count = layout->channels->num_channels;
@@ -225,23 +232,43 @@ static enum neph_status check_channels(const char *path, struct layout *layout,
             neph_hint(diag, "write luminance and chroma (Y, RY, BY) as R, G, B");
             return NEPH_ERR_INPUT;
         }
-        size_t sample_bytes = channel->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
-        layout->row_bytes += sample_bytes * (uint64_t)layout->width_px;
+        layout->pixel_bytes += channel->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
     }
     return NEPH_OK;
 }
 
+/* Refuse an image that the machine has no memory for: allocations succeed until their pages are
+ * used. */
+static enum neph_status check_memory(const char *path, const struct neph_exr_layout *layout,
+                                     struct neph_diag *diag)
+{
+    static const double gib = 1024.0 * 1024.0 * 1024.0;
+    const double needed_gib = (double)layout->channels->num_channels * layout->width_px *
+                              layout->height_px * sizeof(float) / gib;
+    const double memory_gib = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE) / gib;
+    if (needed_gib <= memory_gib)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_MEMORY,
+              "'%s' needs %.0f GiB of memory (%dx%d pixels, %d channels); this machine has %.0f "
+              "GiB",
+              path, needed_gib, layout->width_px, layout->height_px, layout->channels->num_channels,
+              memory_gib);
+    neph_hint(diag, "write fewer channels or fewer pixels");
+    return NEPH_ERR_MEMORY;
+}
+
 static enum neph_status read_layout(exr_const_context_t context, const char *path,
-                                    const struct stream *stream, struct layout *layout,
+                                    const struct stream *stream, struct neph_exr_layout *layout,
                                     struct neph_diag *diag)
 {
-    *layout = (struct layout){0};
+    *layout = (struct neph_exr_layout){.part = NEPH_EXR_ONLY_PART};
     exr_storage_t storage = EXR_STORAGE_LAST_TYPE;
     exr_result_t result = exr_get_storage(context, NEPH_EXR_ONLY_PART, &storage);
     if (result)
         return fail_read(path, stream, result, diag);
-    if (storage != EXR_STORAGE_SCANLINE) /* the flags of the prefix did not say so */
-        return refuse_kind(path, storage == EXR_STORAGE_TILED ? "tiled" : "deep", diag);
+    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
+        return refuse_kind(path, "deep", diag); /* the flags of the prefix did not say so */
+    layout->is_tiled = storage == EXR_STORAGE_TILED;
     result = query_layout(context, layout);
     if (result)
         return fail_read(path, stream, result, diag);
@@ -252,43 +279,12 @@ static enum neph_status read_layout(exr_const_context_t context, const char *pat
         return NEPH_ERR_INPUT;
     }
     enum neph_status status = check_size(path, layout, diag);
-    return status ? status : check_channels(path, layout, diag);
+    if (!status)
+        status = check_channels(path, layout, diag);
+    return status ? status : check_memory(path, layout, diag);
 }
 
-/* Find the chunk that starts `row` rows below the top and compare its sizes with the header: the
- * decoders trust these sizes and allocate memory by them. */
-static exr_result_t find_chunk(exr_const_context_t context, const struct layout *layout, int row,
-                               exr_chunk_info_t *chunk)
-{
-    int y = layout->window.min.y + row;
-    exr_result_t result = exr_read_scanline_chunk_info(context, NEPH_EXR_ONLY_PART, y, chunk);
-    if (result)
-        return result;
-    int rows_left = layout->height_px - row;
-    int rows = rows_left < layout->rows_per_chunk ? rows_left : layout->rows_per_chunk;
-    uint64_t expected_bytes = layout->row_bytes * (uint64_t)rows;
-    bool packed = layout->compression != EXR_COMPRESSION_NONE;
-    if (chunk->start_y != y || chunk->width != layout->width_px || chunk->height != rows ||
-        chunk->unpacked_size != expected_bytes || chunk->packed_size < 1 ||
-        chunk->packed_size > expected_bytes ||
-        chunk->packed_size < expected_bytes / COMPRESSION_RATIO_MAX ||
-        (!packed && chunk->packed_size != expected_bytes))
-        return EXR_ERR_CORRUPT_CHUNK;
-    return EXR_ERR_SUCCESS;
-}
-
-/* Runs before pixel memory is allocated: a small damaged file may claim gigabytes. */
-static exr_result_t check_chunks(exr_const_context_t context, const struct layout *layout)
-{
-    exr_result_t result = EXR_ERR_SUCCESS;
-    for (int row = 0; row < layout->height_px && !result; row += layout->rows_per_chunk) {
-        exr_chunk_info_t chunk;
-        result = find_chunk(context, layout, row, &chunk);
-    }
-    return result;
-}
-
-static enum neph_status add_channels(struct neph_image *image, const struct layout *layout,
+static enum neph_status add_channels(struct neph_image *image, const struct neph_exr_layout *layout,
                                      struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
@@ -333,81 +329,8 @@ static enum neph_status add_attributes(struct neph_image *image, const char *pat
     return result ? fail_read(path, stream, result, diag) : status;
 }
 
-/* Set the output pointers; the image's channels are in the order of the file (add_channels()). */
-static void set_targets(exr_decode_pipeline_t *decoder, const struct neph_image *image, int row)
-{
-    for (int c = 0; c < decoder->channel_count; c++) {
-        exr_coding_channel_info_t *channel = &decoder->channels[c];
-        float *samples = image->channels[c].samples;
-        channel->decode_to_ptr = (uint8_t *)(samples + (size_t)row * (size_t)image->width_px);
-        neph_exr_float_rows(channel, image->width_px);
-    }
-}
-
-/* The library's own decompression function; lives as long as the decoder. */
-struct decompressor {
-    exr_result_t (*run)(exr_decode_pipeline_t *decoder);
-};
-
-/* A chunk that compression would not shrink is stored uncompressed. OpenEXRCore 3.1.5 decompresses
- * it all the same for B44 and B44A: floats and integers, which these do not compress, are then
- * returned channel by channel although they are stored line by line, without an error. */
-static exr_result_t decompress_or_copy(exr_decode_pipeline_t *decoder)
-{
-    const struct decompressor *decompressor = decoder->decoding_user_data;
-    if (decoder->chunk.packed_size != decoder->chunk.unpacked_size)
-        return decompressor->run(decoder);
-    if (decoder->unpacked_buffer != decoder->packed_buffer)
-        memcpy(decoder->unpacked_buffer, decoder->packed_buffer, decoder->chunk.packed_size);
-    return EXR_ERR_SUCCESS;
-}
-
-static exr_result_t choose_decoding(exr_const_context_t context, exr_decode_pipeline_t *decoder,
-                                    struct decompressor *decompressor)
-{
-    exr_result_t result = exr_decoding_choose_default_routines(context, NEPH_EXR_ONLY_PART,
-                                                               decoder);
-    if (result || !decoder->decompress_fn)
-        return result;
-    decompressor->run = decoder->decompress_fn;
-    decoder->decoding_user_data = decompressor;
-    decoder->decompress_fn = decompress_or_copy;
-    return EXR_ERR_SUCCESS;
-}
-
-static exr_result_t read_chunk(exr_const_context_t context, const struct layout *layout,
-                               exr_decode_pipeline_t *decoder, struct decompressor *decompressor,
-                               const struct neph_image *image, int row)
-{
-    exr_chunk_info_t chunk;
-    exr_result_t result = find_chunk(context, layout, row, &chunk);
-    if (result)
-        return result;
-    bool first = row == 0;
-    result = first ? exr_decoding_initialize(context, NEPH_EXR_ONLY_PART, &chunk, decoder)
-                   : exr_decoding_update(context, NEPH_EXR_ONLY_PART, &chunk, decoder);
-    if (result)
-        return result;
-    set_targets(decoder, image, row);
-    if (first)
-        result = choose_decoding(context, decoder, decompressor);
-    return result ? result : exr_decoding_run(context, NEPH_EXR_ONLY_PART, decoder);
-}
-
-static exr_result_t read_pixels(exr_const_context_t context, const struct layout *layout,
-                                const struct neph_image *image)
-{
-    exr_decode_pipeline_t decoder = EXR_DECODE_PIPELINE_INITIALIZER;
-    struct decompressor decompressor = {NULL};
-    exr_result_t result = EXR_ERR_SUCCESS;
-    for (int row = 0; row < layout->height_px && !result; row += layout->rows_per_chunk)
-        result = read_chunk(context, layout, &decoder, &decompressor, image, row);
-    exr_decoding_destroy(context, &decoder);
-    return result;
-}
-
 /* Record the position of a crop: two crops of equal size may show different places. */
-static enum neph_status add_crop(struct neph_image *image, const struct layout *layout,
+static enum neph_status add_crop(struct neph_image *image, const struct neph_exr_layout *layout,
                                  struct neph_diag *diag)
 {
     const exr_attr_box2i_t *data = &layout->window, *display = &layout->display;
@@ -457,7 +380,8 @@ static enum neph_status add_pixel_aspect(struct neph_image *image, exr_const_con
     return neph_image_set_attribute(image, "pixel_aspect", diag, "%.9g", (double)aspect);
 }
 
-static bool has_default_header(const struct neph_file_header *header, const struct layout *layout)
+static bool has_default_header(const struct neph_file_header *header,
+                               const struct neph_exr_layout *layout)
 {
     const int32_t *data = header->data_min_px, *display = header->display_min_px;
     return data[0] == 0 && data[1] == 0 && display[0] == 0 && display[1] == 0 &&
@@ -484,7 +408,7 @@ static bool has_same_attributes(exr_const_context_t context, const struct stream
 }
 
 /* Keep the parts of the header needed to write the image again. Most files have none. */
-static enum neph_status add_header(struct neph_image *image, const struct layout *layout,
+static enum neph_status add_header(struct neph_image *image, const struct neph_exr_layout *layout,
                                    exr_const_context_t context, const struct stream *stream,
                                    struct neph_diag *diag)
 {
@@ -530,10 +454,10 @@ static enum neph_status read_part(exr_const_context_t context, const char *path,
                                   struct neph_diag *diag)
 {
     struct neph_image *created = NULL;
-    struct layout layout;
+    struct neph_exr_layout layout;
     exr_result_t result = EXR_ERR_SUCCESS;
     enum neph_status status = read_layout(context, path, stream, &layout, diag);
-    if (!status && (result = check_chunks(context, &layout)) != EXR_ERR_SUCCESS)
+    if (!status && (result = neph_exr_check_chunks(context, &layout)) != EXR_ERR_SUCCESS)
         status = fail_read(path, stream, result, diag);
     if (!status)
         status = neph_image_create(layout.width_px, layout.height_px, &created, diag);
@@ -551,7 +475,7 @@ static enum neph_status read_part(exr_const_context_t context, const char *path,
         status = neph_exr_interpret_attributes(stream->header, stream->header_bytes, created, diag);
     if (!status)
         status = add_header(created, &layout, context, stream, diag);
-    if (!status && (result = read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
+    if (!status && (result = neph_exr_read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
         status = fail_read(path, stream, result, diag);
     if (status)
         neph_image_destroy(created);

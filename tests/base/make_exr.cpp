@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The program make_exr FOLDER writes OpenEXR files of all kinds for test_exr_library.c with the
- * OpenEXR library. Each NAME.exr of flat scanlines has a NAME.raw: its samples as 32-bit floats,
+ * OpenEXR library. Each NAME.exr of a flat image has a NAME.raw: its samples as 32-bit floats,
  * channel after channel in the order of their names, as the library's own reader returns them. With
  * lossless compression the program fails if they differ from the written samples.
  */
@@ -281,6 +281,65 @@ void write_windows(const std::string &folder)
     }
 }
 
+/* ---- tiles ----------------------------------------------------------------------------------- */
+
+void write_level(TiledOutputFile &file, Picture &picture, int x, int y)
+{
+    /* Smaller levels have the first samples of the full size: only their number matters. */
+    file.setFrameBuffer(make_frame_buffer(picture));
+    file.writeTiles(0, file.numXTiles(x) - 1, 0, file.numYTiles(y) - 1, x, y);
+}
+
+void write_tiled(const std::string &stem, Picture picture, const TileDescription &tiles)
+{
+    const std::string path = stem + ".exr";
+    {
+        Header header = make_header(picture);
+        header.setTileDescription(tiles);
+        TiledOutputFile file(path.c_str(), header);
+        for (int y = 0; y < file.numYLevels(); y++)
+            for (int x = 0; x < file.numXLevels(); x++)
+                if (tiles.mode == RIPMAP_LEVELS || x == y)
+                    write_level(file, picture, x, y);
+    }
+    const Picture read = read_back(path, picture);
+    check_lossless(path, picture, read);
+    write_raw(stem + ".raw", read);
+}
+
+const struct {
+    const char *name;
+    LevelMode mode;
+    LevelRoundingMode rounding;
+} levels[] = {
+    {"one", ONE_LEVEL, ROUND_DOWN},
+    {"mipmap", MIPMAP_LEVELS, ROUND_DOWN},
+    {"mipmap_up", MIPMAP_LEVELS, ROUND_UP},
+    {"ripmap", RIPMAP_LEVELS, ROUND_UP},
+};
+
+const unsigned tile_sizes[][2] = {{16, 16}, {7, 3}, {64, 128}};
+
+void write_all_tiles(const std::string &folder)
+{
+    char name[96];
+    for (const auto &kind : compressions)
+        for (const auto &type : types)
+            for (const auto &size : tile_sizes) {
+                std::snprintf(name, sizeof(name), "/%s_tiles_%s_%ux%u", kind.name, type.name,
+                              size[0], size[1]);
+                write_tiled(folder + name, make(33, 31, kind.compression, {type.of, type.of + 5}),
+                            TileDescription(size[0], size[1], ONE_LEVEL));
+            }
+    for (const auto &level : levels) {
+        std::snprintf(name, sizeof(name), "/zip_levels_%s", level.name);
+        Picture picture = make(33, 31, ZIP_COMPRESSION, {HALF, HALF, HALF});
+        picture.window = Box2i(V2i(-5, 13), V2i(27, 43));
+        picture.order = RANDOM_Y;
+        write_tiled(folder + name, picture, TileDescription(8, 4, level.mode, level.rounding));
+    }
+}
+
 /* ---- attributes: only .exr ------------------------------------------------------------------- */
 
 void write_header_alone(const std::string &path, const Header &header)
@@ -309,16 +368,6 @@ void write_attributes(const std::string &folder)
 }
 
 /* ---- other kinds: only .exr ------------------------------------------------------------------ */
-
-void write_tiled(const std::string &folder, const char *name, LevelMode mode)
-{
-    Picture picture = make(33, 31, ZIP_COMPRESSION, {HALF, HALF, HALF});
-    Header header = make_header(picture);
-    header.setTileDescription(TileDescription(16, 16, mode));
-    TiledOutputFile file((folder + name).c_str(), header);
-    file.setFrameBuffer(make_frame_buffer(picture));
-    file.writeTiles(0, file.numXTiles(0) - 1, 0, file.numYTiles(0) - 1, 0);
-}
 
 void write_parts(const std::string &folder)
 {
@@ -377,9 +426,8 @@ int main(int argc, char **argv)
         write_linear(folder);
         write_upwards(folder);
         write_windows(folder);
+        write_all_tiles(folder);
         write_attributes(folder);
-        write_tiled(folder, "/tiled.exr", ONE_LEVEL);
-        write_tiled(folder, "/mipmap.exr", MIPMAP_LEVELS);
         write_parts(folder);
         write_deep(folder);
         write_luminance_chroma(folder);
