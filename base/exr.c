@@ -8,6 +8,7 @@
 #include "base/exr_header.h"
 #include "base/exr_labels.h"
 #include "base/exr_library.h"
+#include "base/exr_parts.h"
 #include "base/exr_pixels.h"
 #include "base/files.h"
 #include "base/text.h"
@@ -22,11 +23,7 @@
 #include <unistd.h>
 
 enum {
-    /* The first eight bytes of every file: magic number, version and feature flags. See "Magic
-     * Number" and "Version Field" in https://openexr.com/en/latest/OpenEXRFileLayout.html */
-    EXR_MAGIC = 20000630,
-    EXR_FLAG_DEEP = 0x800,
-    EXR_FLAG_MULTIPART = 0x1000,
+    EXR_MAGIC = 20000630, /* the first four bytes of every file */
     CHANNEL_COUNT_MAX = 1024,
 };
 
@@ -35,8 +32,10 @@ struct stream {
     struct neph_exr_error trouble;
     int fd;
     uint64_t size_bytes; /* of the file */
-    char *header;        /* the bytes of the attributes; owned */
-    size_t header_bytes;
+    char *headers;       /* of all parts; owned */
+    size_t headers_bytes;
+    bool has_deep;             /* one of the parts is deep */
+    struct neph_exr_part part; /* the part that is read */
 };
 
 static int64_t read_bytes(exr_const_context_t context, void *userdata, void *buffer, uint64_t size,
@@ -137,31 +136,47 @@ static enum neph_status check_prefix(const char *path, struct stream *stream,
     if (got < NEPH_EXR_PREFIX_BYTES || neph_exr_u32(prefix) != EXR_MAGIC)
         return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not an OpenEXR file", path);
     uint32_t flags = neph_exr_u32(prefix + 4);
-    if (flags & EXR_FLAG_MULTIPART)
-        return refuse_kind(path, "multi-part", diag);
-    if (flags & EXR_FLAG_DEEP)
+    stream->has_deep = flags & NEPH_EXR_FLAG_DEEP;
+    if (stream->has_deep && !(flags & NEPH_EXR_FLAG_MULTIPART))
         return refuse_kind(path, "deep", diag);
     return NEPH_OK;
 }
 
-static enum neph_status read_header(const char *path, struct stream *stream, struct neph_diag *diag)
+static enum neph_status read_headers(const char *path, struct stream *stream,
+                                     struct neph_diag *diag)
 {
-    const enum neph_status status = neph_exr_read_header(
-        stream->fd, stream->size_bytes, &stream->header, &stream->header_bytes, diag);
+    const enum neph_status status = neph_exr_read_headers(
+        stream->fd, stream->size_bytes, &stream->headers, &stream->headers_bytes, diag);
     if (status == NEPH_ERR_IO) {
         stream->trouble.io_error = errno;
         return fail_read(path, stream, EXR_ERR_READ_IO, diag);
     }
-    return status ? status : check_compression(path, stream->header, stream->header_bytes, diag);
+    return status;
 }
 
-static enum neph_status open_stream(const char *path, struct stream *stream, struct neph_diag *diag)
+static enum neph_status choose_part(const char *path, const char *wanted, struct stream *stream,
+                                    struct neph_diag *diag)
+{
+    struct neph_exr_part *part = &stream->part;
+    const enum neph_status status = neph_exr_choose_part(path, stream->headers,
+                                                         stream->headers_bytes, wanted, part, diag);
+    if (status)
+        return status;
+    if (part->is_deep)
+        return refuse_kind(path, "deep", diag);
+    return check_compression(path, part->header, part->header_bytes, diag);
+}
+
+static enum neph_status open_stream(const char *path, const char *part, struct stream *stream,
+                                    struct neph_diag *diag)
 {
     *stream = (struct stream){.fd = -1};
     enum neph_status status = neph_file_open(path, &stream->fd, &stream->size_bytes, diag);
     if (!status)
         status = check_prefix(path, stream, diag);
-    return status ? status : read_header(path, stream, diag);
+    if (!status)
+        status = read_headers(path, stream, diag);
+    return status ? status : choose_part(path, part, stream, diag);
 }
 
 static exr_result_t query_blocks(exr_const_context_t context, struct neph_exr_layout *layout)
@@ -261,9 +276,9 @@ static enum neph_status read_layout(exr_const_context_t context, const char *pat
                                     const struct stream *stream, struct neph_exr_layout *layout,
                                     struct neph_diag *diag)
 {
-    *layout = (struct neph_exr_layout){.part = NEPH_EXR_ONLY_PART};
+    *layout = (struct neph_exr_layout){.part = stream->part.index};
     exr_storage_t storage = EXR_STORAGE_LAST_TYPE;
-    exr_result_t result = exr_get_storage(context, NEPH_EXR_ONLY_PART, &storage);
+    exr_result_t result = exr_get_storage(context, layout->part, &storage);
     if (result)
         return fail_read(path, stream, result, diag);
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
@@ -317,11 +332,11 @@ static enum neph_status add_attributes(struct neph_image *image, const char *pat
                                        struct neph_diag *diag)
 {
     int32_t count = 0;
-    exr_result_t result = exr_get_attribute_count(context, NEPH_EXR_ONLY_PART, &count);
+    exr_result_t result = exr_get_attribute_count(context, stream->part.index, &count);
     enum neph_status status = NEPH_OK;
     for (int32_t i = 0; i < count && !result && !status; i++) {
         const exr_attribute_t *attribute = NULL;
-        result = exr_get_attribute_by_index(context, NEPH_EXR_ONLY_PART, EXR_ATTR_LIST_FILE_ORDER,
+        result = exr_get_attribute_by_index(context, stream->part.index, EXR_ATTR_LIST_FILE_ORDER,
                                             i, &attribute);
         if (!result)
             status = add_attribute(image, path, attribute, diag);
@@ -347,13 +362,12 @@ static enum neph_status add_crop(struct neph_image *image, const struct neph_exr
  * https://openexr.com/en/latest/TechnicalIntroduction.html. Writers round the numbers to three
  * digits. */
 static enum neph_status add_primaries(struct neph_image *image, exr_const_context_t context,
-                                      struct neph_diag *diag)
+                                      int part, struct neph_diag *diag)
 {
     static const float rec709[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
     static const float rounding = 1e-3f;
     exr_attr_chromaticities_t found;
-    if (exr_attr_get_chromaticities(context, NEPH_EXR_ONLY_PART, "chromaticities", &found) !=
-        EXR_ERR_SUCCESS)
+    if (exr_attr_get_chromaticities(context, part, "chromaticities", &found) != EXR_ERR_SUCCESS)
         return NEPH_OK;
     const float given[8] = {found.red_x,  found.red_y,  found.green_x, found.green_y,
                             found.blue_x, found.blue_y, found.white_x, found.white_y};
@@ -371,11 +385,10 @@ static enum neph_status add_primaries(struct neph_image *image, exr_const_contex
 }
 
 static enum neph_status add_pixel_aspect(struct neph_image *image, exr_const_context_t context,
-                                         struct neph_diag *diag)
+                                         int part, struct neph_diag *diag)
 {
     float aspect = 1.0f;
-    if (exr_get_pixel_aspect_ratio(context, NEPH_EXR_ONLY_PART, &aspect) != EXR_ERR_SUCCESS ||
-        aspect == 1.0f)
+    if (exr_get_pixel_aspect_ratio(context, part, &aspect) != EXR_ERR_SUCCESS || aspect == 1.0f)
         return NEPH_OK;
     return neph_image_set_attribute(image, "pixel_aspect", diag, "%.9g", (double)aspect);
 }
@@ -398,10 +411,11 @@ static bool has_same_attributes(exr_const_context_t context, const struct stream
     struct neph_exr_attribute attribute;
     const exr_attribute_t *found = NULL;
     int32_t expected = -1, count = 0;
-    exr_get_attribute_count(context, NEPH_EXR_ONLY_PART, &expected);
+    exr_get_attribute_count(context, stream->part.index, &expected);
     for (size_t at = 0;
-         neph_exr_next_attribute(stream->header, stream->header_bytes, &at, &attribute); count++)
-        if (exr_get_attribute_by_name(context, NEPH_EXR_ONLY_PART, attribute.name, &found) !=
+         neph_exr_next_attribute(stream->part.header, stream->part.header_bytes, &at, &attribute);
+         count++)
+        if (exr_get_attribute_by_name(context, stream->part.index, attribute.name, &found) !=
             EXR_ERR_SUCCESS)
             return false;
     return count == expected;
@@ -423,13 +437,13 @@ static enum neph_status add_header(struct neph_image *image, const struct neph_e
                                       .screen_width = 1.0f};
     if (width_px > INT32_MAX || height_px > INT32_MAX)
         return NEPH_OK; /* larger than any valid display window */
-    exr_get_pixel_aspect_ratio(context, NEPH_EXR_ONLY_PART, &header.pixel_aspect);
-    exr_get_screen_window_width(context, NEPH_EXR_ONLY_PART, &header.screen_width);
-    if (exr_get_screen_window_center(context, NEPH_EXR_ONLY_PART, &center) == EXR_ERR_SUCCESS) {
+    exr_get_pixel_aspect_ratio(context, layout->part, &header.pixel_aspect);
+    exr_get_screen_window_width(context, layout->part, &header.screen_width);
+    if (exr_get_screen_window_center(context, layout->part, &center) == EXR_ERR_SUCCESS) {
         header.screen_center[0] = center.x;
         header.screen_center[1] = center.y;
     }
-    header.attributes = malloc(stream->header_bytes + 1);
+    header.attributes = malloc(stream->part.header_bytes + 1);
     image->header = malloc(sizeof(header));
     if (!header.attributes || !image->header) {
         free(header.attributes);
@@ -438,8 +452,8 @@ static enum neph_status add_header(struct neph_image *image, const struct neph_e
         return neph_fail_memory(diag);
     }
     if (has_same_attributes(context, stream))
-        header.attribute_bytes = neph_exr_copy_preserved(stream->header, stream->header_bytes,
-                                                         header.attributes);
+        header.attribute_bytes = neph_exr_copy_preserved(
+            stream->part.header, stream->part.header_bytes, header.attributes);
     *image->header = header;
     if (has_default_header(&header, layout)) {
         free(header.attributes);
@@ -449,9 +463,9 @@ static enum neph_status add_header(struct neph_image *image, const struct neph_e
     return NEPH_OK;
 }
 
-static enum neph_status read_part(exr_const_context_t context, const char *path,
-                                  const struct stream *stream, struct neph_image **image,
-                                  struct neph_diag *diag)
+static enum neph_status read_chosen_part(exr_const_context_t context, const char *path,
+                                         const struct stream *stream, struct neph_image **image,
+                                         struct neph_diag *diag)
 {
     struct neph_image *created = NULL;
     struct neph_exr_layout layout;
@@ -468,11 +482,12 @@ static enum neph_status read_part(exr_const_context_t context, const char *path,
     if (!status)
         status = add_crop(created, &layout, diag);
     if (!status)
-        status = add_primaries(created, context, diag);
+        status = add_primaries(created, context, layout.part, diag);
     if (!status)
-        status = add_pixel_aspect(created, context, diag);
+        status = add_pixel_aspect(created, context, layout.part, diag);
     if (!status)
-        status = neph_exr_interpret_attributes(stream->header, stream->header_bytes, created, diag);
+        status = neph_exr_interpret_attributes(stream->part.header, stream->part.header_bytes,
+                                               created, diag);
     if (!status)
         status = add_header(created, &layout, context, stream, diag);
     if (!status && (result = neph_exr_read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
@@ -486,9 +501,15 @@ static enum neph_status read_part(exr_const_context_t context, const char *path,
 
 enum neph_status neph_exr_read(const char *path, struct neph_image **image, struct neph_diag *diag)
 {
+    return neph_exr_read_part(path, NULL, image, diag);
+}
+
+enum neph_status neph_exr_read_part(const char *path, const char *part, struct neph_image **image,
+                                    struct neph_diag *diag)
+{
     exr_context_t context = NULL;
     struct stream stream;
-    enum neph_status status = open_stream(path, &stream, diag);
+    enum neph_status status = open_stream(path, part, &stream, diag);
     if (status)
         goto done;
 
@@ -501,12 +522,15 @@ enum neph_status neph_exr_read(const char *path, struct neph_image **image, stru
      * zeros. */
     setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     exr_result_t result = exr_start_read(&context, path, &setup);
-    status = result ? fail_read(path, &stream, result, diag)
-                    : read_part(context, path, &stream, image, diag);
+    if (result && stream.has_deep) /* OpenEXRCore 3.1.5 does not find the deep part's version */
+        status = refuse_kind(path, "partly deep", diag);
+    else
+        status = result ? fail_read(path, &stream, result, diag)
+                        : read_chosen_part(context, path, &stream, image, diag);
 done:
     if (context)
         exr_finish(&context); /* also after a failure; else the context leaks */
-    free(stream.header);
+    free(stream.headers);
     if (stream.fd >= 0)
         close(stream.fd);
     return status;

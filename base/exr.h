@@ -35,10 +35,17 @@ enum neph_status neph_exr_write_plain(const char *path, const struct neph_image 
  *   white_luminance    whiteLuminance, if present [cd/m^2]
  *   frames_per_second  framesPerSecond, if present [Hz]
  *
- * NEPH_ERR_INPUT, with a message that names the cause: deep, multi-part, subsampled, oversized,
+ * NEPH_ERR_INPUT, with a message that names the cause: deep, subsampled, oversized,
  * truncated or damaged files, and files with DWA or an unknown compression.
  * NEPH_ERR_MEMORY, also before pixels are read: they need more memory than the machine has.
  * NEPH_ERR_NOT_FOUND: no such file. NEPH_ERR_IO: the file exists but cannot be read. */
 enum neph_status neph_exr_read(const char *path, struct neph_image **image, struct neph_diag *diag);
+
+/* As neph_exr_read(), of a file with several parts the one whose name, or whose number from 0, is
+ * `part`. NULL: the only flat part with colour channels (base/colour_names.h), as neph_exr_read()
+ * reads it. NEPH_ERR_INPUT also: there is no such part, or more than one; the message lists the
+ * parts. `part` has no effect on a file with one part. */
+enum neph_status neph_exr_read_part(const char *path, const char *part, struct neph_image **image,
+                                    struct neph_diag *diag);
 
 #endif

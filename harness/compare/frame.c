@@ -13,13 +13,22 @@
 #include <string.h>
 #include <unistd.h>
 
+/* A PNG has no parts. */
+static enum neph_status read_png(const char *path, const char *part, struct neph_image **image,
+                                 struct neph_diag *diag)
+{
+    (void)part;
+    return neph_png_read_image(path, image, diag);
+}
+
 static const struct format {
     const char *name;
     unsigned char magic[4]; /* first bytes of every file */
-    enum neph_status (*read)(const char *path, struct neph_image **image, struct neph_diag *diag);
+    enum neph_status (*read)(const char *path, const char *part, struct neph_image **image,
+                             struct neph_diag *diag);
 } formats[] = {
-    {"OpenEXR", {0x76, 0x2f, 0x31, 0x01}, neph_exr_read},
-    {"PNG", {0x89, 'P', 'N', 'G'}, neph_png_read_image},
+    {"OpenEXR", {0x76, 0x2f, 0x31, 0x01}, neph_exr_read_part},
+    {"PNG", {0x89, 'P', 'N', 'G'}, read_png},
 };
 
 static enum neph_status find_format(const char *path, const struct format **format,
@@ -185,7 +194,8 @@ double neph_frame_rate_hz(const struct neph_image *image)
     return NAN;
 }
 
-enum neph_status neph_frame_read_as_written(const char *path, const char *layer,
+enum neph_status neph_frame_read_as_written(const char *path,
+                                            const struct neph_frame_choice *choice,
                                             size_t negative_allowed, struct neph_image **image,
                                             struct neph_diag *diag)
 {
@@ -193,9 +203,9 @@ enum neph_status neph_frame_read_as_written(const char *path, const char *layer,
     struct neph_image *frame = NULL;
     enum neph_status status = find_format(path, &format, diag);
     if (!status)
-        status = format->read(path, &frame, diag);
-    if (!status && layer)
-        status = take_layer(path, frame, layer, diag);
+        status = format->read(path, choice ? choice->part : NULL, &frame, diag);
+    if (!status && choice && choice->layer)
+        status = take_layer(path, frame, choice->layer, diag);
     if (!status)
         status = set_vector_aside(path, frame, diag);
     if (!status)
@@ -214,11 +224,12 @@ enum neph_status neph_frame_read_as_written(const char *path, const char *layer,
     return status;
 }
 
-enum neph_status neph_frame_read(const char *path, const char *layer, size_t negative_allowed,
-                                 struct neph_image **image, struct neph_diag *diag)
+enum neph_status neph_frame_read(const char *path, const struct neph_frame_choice *choice,
+                                 size_t negative_allowed, struct neph_image **image,
+                                 struct neph_diag *diag)
 {
-    const enum neph_status status = neph_frame_read_as_written(path, layer, negative_allowed, image,
-                                                               diag);
+    const enum neph_status status = neph_frame_read_as_written(path, choice, negative_allowed,
+                                                               image, diag);
     if (!status) {
         remove_nonfinite_channels(*image);
         mark_sky(*image);

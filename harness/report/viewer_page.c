@@ -218,9 +218,10 @@ static enum neph_status ship_file(struct page_state *page_state, int set, int fr
                                   const char *path, unsigned *found, struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
-    enum neph_status status =
-        neph_interrupted() ? neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted")
-                           : neph_frame_read(path, page_state->view->layer, SIZE_MAX, &image, diag);
+    enum neph_status status = neph_interrupted()
+                                  ? neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted")
+                                  : neph_frame_read(path, &page_state->view->frame_choice, SIZE_MAX,
+                                                    &image, diag);
     if (!status)
         status = check_frame(page_state, path, image, diag);
     if (!status)

@@ -17,6 +17,7 @@
 #include <ImfChannelList.h>
 #include <ImfDeepFrameBuffer.h>
 #include <ImfDeepScanLineOutputFile.h>
+#include <ImfDeepScanLineOutputPart.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
@@ -28,6 +29,7 @@
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfTiledOutputFile.h>
+#include <ImfTiledOutputPart.h>
 #include <half.h>
 
 namespace
@@ -369,27 +371,50 @@ void write_attributes(const std::string &folder)
 
 /* ---- other kinds: only .exr ------------------------------------------------------------------ */
 
-void write_parts(const std::string &folder)
+Header make_part_header(const Picture &picture, const char *name, const std::string &type)
 {
-    Picture picture = make(33, 31, ZIP_COMPRESSION, {HALF, HALF, HALF});
-    std::vector<Header> headers(2, make_header(picture));
-    for (int i = 0; i < 2; i++) {
-        headers[static_cast<size_t>(i)].setName(i ? "right" : "left");
-        headers[static_cast<size_t>(i)].setType(SCANLINEIMAGE);
-    }
-    MultiPartOutputFile file((folder + "/parts.exr").c_str(), headers.data(), 2);
-    for (int i = 0; i < 2; i++) {
-        OutputPart part(file, i);
-        part.setFrameBuffer(make_frame_buffer(picture));
-        part.writePixels(picture.height());
-    }
+    Header header = make_header(picture);
+    header.setName(name);
+    header.setType(type);
+    return header;
 }
 
-void write_deep(const std::string &folder)
+void write_scanline_part(MultiPartOutputFile &file, int number, Picture picture)
 {
-    Picture picture = make(2, 2, ZIPS_COMPRESSION, {FLOAT});
-    Header header = make_header(picture);
-    header.setType(DEEPSCANLINE);
+    OutputPart part(file, number);
+    part.setFrameBuffer(make_frame_buffer(picture));
+    part.writePixels(picture.height());
+}
+
+void write_tiled_part(MultiPartOutputFile &file, int number, Picture picture)
+{
+    TiledOutputPart part(file, number);
+    part.setFrameBuffer(make_frame_buffer(picture));
+    part.writeTiles(0, part.numXTiles(0) - 1, 0, part.numYTiles(0) - 1, 0);
+}
+
+/* Two parts with colour, a tiled one without. */
+void write_parts(const std::string &folder)
+{
+    const Picture left = make(33, 31, ZIP_COMPRESSION, {HALF, HALF, HALF, HALF}),
+                  right = make(33, 31, PIZ_COMPRESSION, {FLOAT, FLOAT, FLOAT, FLOAT, FLOAT}),
+                  tiles = make(33, 31, NO_COMPRESSION, {HALF});
+    std::vector<Header> headers = {make_part_header(left, "left", SCANLINEIMAGE),
+                                   make_part_header(right, "right", SCANLINEIMAGE),
+                                   make_part_header(tiles, "0", TILEDIMAGE)};
+    headers[2].setTileDescription(TileDescription(16, 16, ONE_LEVEL));
+    MultiPartOutputFile file((folder + "/parts.exr").c_str(), headers.data(), 3);
+    write_scanline_part(file, 0, left);
+    write_scanline_part(file, 1, right);
+    write_tiled_part(file, 2, tiles);
+    write_raw(folder + "/parts_left.raw", left);
+    write_raw(folder + "/parts_right.raw", right);
+    write_raw(folder + "/parts_0.raw", tiles);
+}
+
+/* One deep sample of 0.5 at each of 2x2 pixels. */
+template <typename File> void write_deep_samples(File &file)
+{
     std::vector<unsigned> counts(4, 1);
     std::vector<float> samples(4, 0.5f);
     std::vector<float *> pointers;
@@ -400,9 +425,31 @@ void write_deep(const std::string &folder)
                                         sizeof(unsigned), 2 * sizeof(unsigned)));
     buffer.insert("A", DeepSlice(FLOAT, reinterpret_cast<char *>(pointers.data()), sizeof(float *),
                                  2 * sizeof(float *), sizeof(float)));
-    DeepScanLineOutputFile file((folder + "/deep.exr").c_str(), header);
     file.setFrameBuffer(buffer);
     file.writePixels(2);
+}
+
+void write_deep(const std::string &folder)
+{
+    Header header = make_header(make(2, 2, ZIPS_COMPRESSION, {FLOAT}));
+    header.setType(DEEPSCANLINE);
+    DeepScanLineOutputFile file((folder + "/deep.exr").c_str(), header);
+    write_deep_samples(file);
+}
+
+/* One flat part with colour behind a deep part. */
+void write_deep_part(const std::string &folder)
+{
+    const Picture flat = make(2, 2, ZIP_COMPRESSION, {HALF, HALF, HALF, HALF}),
+                  deep = make(2, 2, ZIPS_COMPRESSION, {FLOAT});
+    std::vector<Header> headers = {make_part_header(deep, "deep", DEEPSCANLINE),
+                                   make_part_header(flat, "flat", SCANLINEIMAGE)};
+    headers[0].setVersion(1);
+    MultiPartOutputFile file((folder + "/deep_part.exr").c_str(), headers.data(), 2);
+    DeepScanLineOutputPart part(file, 0);
+    write_deep_samples(part);
+    write_scanline_part(file, 1, flat);
+    write_raw(folder + "/deep_part.raw", flat);
 }
 
 /* Y at every pixel, RY and BY at every second one. */
@@ -430,6 +477,7 @@ int main(int argc, char **argv)
         write_attributes(folder);
         write_parts(folder);
         write_deep(folder);
+        write_deep_part(folder);
         write_luminance_chroma(folder);
     } catch (const std::exception &error) {
         std::fprintf(stderr, "make_exr: %s\n", error.what());

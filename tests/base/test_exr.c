@@ -503,7 +503,7 @@ static void test_other_kinds_are_refused_by_name(void **state)
     char path[SCRATCH_PATH_MAX];
     scratch_path(state, path, "kind.exr");
     write_other(path, (struct other_file){.part_count = 2, .type = EXR_PIXEL_FLOAT});
-    assert_refused(path, NEPH_ERR_INPUT, "multi-part");
+    assert_refused(path, NEPH_ERR_INPUT, "more than one flat part with colour");
     write_other(path, (struct other_file){.type = EXR_PIXEL_FLOAT});
     patch(path, "channels", "chlist", 2 + 8, 2); /* after "Y", its type and flags: x_sampling */
     assert_refused(path, NEPH_ERR_INPUT, "is subsampled");

@@ -41,6 +41,24 @@ def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1, corner=(0,
     return header + offsets + b"".join(rows)
 
 
+def multipart_exr_bytes(width, height, parts):
+    """parts: {name: channels} of parts of one size, see exr_bytes()."""
+    headers, chunks = [], []
+    for channels in parts.values():
+        chunk_bytes = 8 + 4 * width * len(channels)
+        name = list(parts)[len(headers)].encode()
+        data = exr_bytes(width, height, channels, [
+            ("name", "string", name), ("type", "string", b"scanlineimage"),
+            ("chunkCount", "int", struct.pack("<i", height))])
+        first = len(data) - height * chunk_bytes
+        chunks += [struct.pack("<i", len(headers)) + data[i:i + chunk_bytes]
+                   for i in range(first, len(data), chunk_bytes)]
+        headers.append(data[8:first - 8 * height])
+    head = struct.pack("<ii", 20000630, 2 | 0x1000) + b"".join(headers) + b"\0"
+    places = itertools.accumulate(map(len, chunks), initial=len(head) + 8 * len(chunks))
+    return head + struct.pack(f"<{len(chunks)}Q", *list(places)[:-1]) + b"".join(chunks)
+
+
 def _cut(data, at):
     """The text up to the next zero byte, and the position after it."""
     end = data.index(b"\0", at)

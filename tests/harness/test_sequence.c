@@ -544,7 +544,8 @@ static void test_colours_that_are_none_of_ours(void **state)
         struct neph_image *image = NULL;
         struct neph_diag diag = {0};
         write_channels(scratch_path(state, path, "frame.exr"), cases[i].channels);
-        const enum neph_status status = neph_frame_read(path, cases[i].layer, 0, &image, &diag);
+        const enum neph_status status = neph_frame_read(
+            path, &(struct neph_frame_choice){.layer = cases[i].layer}, 0, &image, &diag);
         if (status != (cases[i].refused ? NEPH_ERR_INPUT : NEPH_OK) ||
             (status && !strstr(diag.message, cases[i].refused)))
             fail_msg("case %zu: %s: %s", i, neph_status_name(status), diag.message);
