@@ -28,7 +28,7 @@ const struct neph_colour_names *neph_colour_names_at(int index)
 static bool has_other_colour(const char *grey, bool (*has)(const void *context, const char *name),
                              const void *context)
 {
-    static const char *const colours[] = {"R", "G", "B", "RY", "BY"};
+    static const char *const colours[] = {"R", "G", "B", "Y", "L", "RY", "BY"};
     for (size_t i = 0; i < sizeof(colours) / sizeof(colours[0]); i++)
         if (strcmp(colours[i], grey) != 0 && has(context, colours[i]))
             return true;

@@ -17,7 +17,7 @@ struct neph_colour_names {
 const struct neph_colour_names *neph_colour_names_at(int index);
 
 /* Whether `has(context, name)` is true for all three of these names. Of a grey image also: no
- * channel of another colour exists (chroma, or red, green and blue without the others). */
+ * other colour channel exists (R, G, B, Y, L, or the chroma RY, BY). */
 bool neph_colour_names_fit(const struct neph_colour_names *names,
                            bool (*has)(const void *context, const char *name), const void *context);
 

@@ -48,14 +48,14 @@ static bool has_channel(const void *context, const char *wanted)
     return false;
 }
 
-static bool has_colour(const struct neph_exr_part *part)
+static bool has_colour(const struct neph_exr_part *part, bool is_grey)
 {
     const struct text channels = find_value(part, "channels", "chlist");
     const struct neph_colour_names *names;
-    if (has_channel(&channels, "Y") && has_channel(&channels, "RY"))
+    if (!is_grey && has_channel(&channels, "Y") && has_channel(&channels, "RY"))
         return true;
     for (int i = 0; (names = neph_colour_names_at(i)) != NULL; i++)
-        if (neph_colour_names_fit(names, has_channel, &channels))
+        if (names->is_grey == is_grey && neph_colour_names_fit(names, has_channel, &channels))
             return true;
     return false;
 }
@@ -89,7 +89,13 @@ static bool has_number(const struct neph_exr_part *part, const char *wanted)
 static bool is_flat_colour(const struct neph_exr_part *part, const char *unused)
 {
     (void)unused;
-    return !part->is_deep && has_colour(part);
+    return !part->is_deep && has_colour(part, false);
+}
+
+static bool is_flat_grey(const struct neph_exr_part *part, const char *unused)
+{
+    (void)unused;
+    return !part->is_deep && has_colour(part, true);
 }
 
 /* Find the parts of which `is_wanted` is true: returns their number, and the first one. */
@@ -177,9 +183,11 @@ enum neph_status neph_exr_choose_part(const char *path, const char *headers, siz
         *part = first;
         return NEPH_OK;
     }
-    if (!wanted)
+    if (!wanted) {
         count = find_parts(headers, size, is_flat_colour, NULL, &found);
-    else if (find_parts(headers, size, has_name, wanted, &found) == 0)
+        if (count == 0)
+            count = find_parts(headers, size, is_flat_grey, NULL, &found);
+    } else if (find_parts(headers, size, has_name, wanted, &found) == 0)
         count = find_parts(headers, size, has_number, wanted, &found);
     if (count != 1)
         return fail_choice(path, headers, size, wanted, count, diag);

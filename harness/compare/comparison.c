@@ -229,8 +229,9 @@ static enum neph_status check_channels(const struct neph_image *reference,
     neph_fail(diag, NEPH_ERR_INPUT, "%s: the channels of the reference are%s, of the test%s",
               both_or_none ? "nothing can be compared" : "only one of the two has radiance",
               in_reference, in_test);
-    neph_hint(diag, "radiance is in channels R G B, or in Y if it is grey; --layer NAME reads "
-                    "NAME.R NAME.G NAME.B");
+    neph_hint(diag,
+              "radiance is in channels R G B (r g b, red green blue, rgba.R ...), or in Y, L or "
+              "R alone; --layer NAME reads NAME.R NAME.G NAME.B");
     return NEPH_ERR_INPUT;
 }
 

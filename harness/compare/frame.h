@@ -33,7 +33,8 @@ struct neph_frame_choice {
  * - Display images have the attribute "encoding": "sRGB" for a PNG, else the value of
  *   NEPH_DISPLAY_ATTRIBUTE.
  * - `choice` NULL: no part, no layer.
- * - Y without R G B is a grey image. X, Y and Z beside R G B are a vector and become vector.X, ...
+ * - Other names of colours (base/colour_names.h) become R, G and B; one channel Y, L or R without
+ *   other colours is a grey image. X, Y and Z beside R G B are a vector and become vector.X, ...
  * - A depth of 0, 65504, 65535, 1e9, or at least 1e10 is the sky and becomes +inf.
  * - Unknown channels with NaN or infinite values (identifiers) are removed.
  * - `negative_allowed`: accepted number of negative values, as for neph_validity_gate().

@@ -95,8 +95,9 @@ static enum neph_status check_radiance(const char *path, const struct neph_image
         snprintf(names + strlen(names), sizeof(names) - strlen(names), " %s",
                  image->channels[c].name);
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' has no radiance: its channels are%s", path, names);
-    neph_hint(diag, "radiance is in channels R G B, or in Y if it is grey; --layer NAME reads "
-                    "NAME.R NAME.G NAME.B");
+    neph_hint(diag,
+              "radiance is in channels R G B (r g b, red green blue, rgba.R ...), or in Y, L or "
+              "R alone; --layer NAME reads NAME.R NAME.G NAME.B");
     return NEPH_ERR_INPUT;
 }
 

@@ -135,7 +135,7 @@ static void test_reads_as_the_library_does(void **state)
         if (!strstr(name, ".exr") || has_no_samples_beside_it(name))
             continue;
         if (strncmp(name, "dwa", 3) == 0) {
-            assert_refused(state, name, NULL, "has DWA compression");
+            assert_refused(state, name, NULL, "has the compression DWA");
             refused_count++;
         } else {
             wrong_count += !reads_right(state, name);
