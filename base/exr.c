@@ -91,9 +91,9 @@ static enum neph_status refuse_kind(const char *path, const char *kind, struct n
     return NEPH_ERR_INPUT;
 }
 
-/* Codes of the attribute `compression` that OpenEXRCore 3.1 does not decode: of DWA it has no
- * decoder (3.1.5 and 3.1.13 return EXR_ERR_FEATURE_NOT_IMPLEMENTED; the C++ library has one), and a
- * code beyond DWAB it reads as ZIP. Names: https://openexr.com/en/latest/OpenEXRFileLayout.html. */
+/* Codes of the attribute `compression` that are refused. OpenEXRCore 3.1.5 has no decoder of DWA
+ * (EXR_ERR_FEATURE_NOT_IMPLEMENTED: only the C++ library has one), and reads a code beyond DWAB as
+ * ZIP. Names: https://openexr.com/en/latest/OpenEXRFileLayout.html. */
 static const struct {
     int code;
     const char *name, *why;
@@ -300,8 +300,8 @@ static enum neph_status read_layout(exr_const_context_t context, const char *pat
     return status ? status : check_memory(path, layout, diag);
 }
 
-static enum neph_status add_channels(struct neph_image *image, const struct neph_exr_layout *layout,
-                                     struct neph_diag *diag)
+static enum neph_status add_channels(struct neph_image *image, const char *path,
+                                     const struct neph_exr_layout *layout, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < layout->channels->num_channels && !status; i++) {
@@ -310,6 +310,8 @@ static enum neph_status add_channels(struct neph_image *image, const struct neph
         status = name ? neph_image_add_channel(image, name, NULL, diag) : neph_fail_memory(diag);
         free(name);
     }
+    if (status == NEPH_ERR_INPUT) /* duplicate, or too long with its escapes */
+        neph_prefix(diag, "'%s': ", path);
     return status;
 }
 
@@ -477,7 +479,7 @@ static enum neph_status read_chosen_part(exr_const_context_t context, const char
     if (!status)
         status = neph_image_create(layout.width_px, layout.height_px, &created, diag);
     if (!status)
-        status = add_channels(created, &layout, diag);
+        status = add_channels(created, path, &layout, diag);
     if (!status)
         status = add_attributes(created, path, context, stream, diag);
     if (!status)

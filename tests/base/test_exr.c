@@ -200,6 +200,10 @@ static void test_long_channel_names(void **state)
     neph_assert_ok(
         neph_image_add_rgb(image, "a_layer_with_a_name_of_more_than_31_bytes", rgb, NULL), NULL);
     rgb[1][4] = 42.0f;
+    char name[NEPH_IMAGE_NAME_MAX];
+    memset(name, 'n', sizeof(name) - 1);
+    name[sizeof(name) - 1] = '\0';
+    neph_assert_ok(neph_image_add_channel(image, name, NULL, NULL), NULL);
     assert_round_trip(scratch_path(state, path, "names.exr"), image);
     neph_image_destroy(image);
 }
@@ -674,13 +678,14 @@ static size_t count_finite(const struct neph_image *image)
     return count;
 }
 
-/* Reads arbitrary bytes: no crash, and either an image or an error, never both or neither. */
+/* Reads arbitrary bytes, of several parts the second: no crash, and either an image or an error,
+ * never both or neither. */
 static void read_anything(const char *path, const char *data, size_t size)
 {
     scratch_write(path, data, size);
     struct neph_image *image = NULL;
     struct neph_diag diag = {0};
-    enum neph_status status = neph_exr_read(path, &image, &diag);
+    enum neph_status status = neph_exr_read_part(path, "second", &image, &diag);
     assert_true((status == NEPH_OK) == (image != NULL));
     assert_true(status == NEPH_OK || diag.message[0] != '\0');
     if (image)
@@ -770,6 +775,17 @@ static void test_flipped_bytes_of_tiles(void **state)
                &random);
 }
 
+static void test_flipped_bytes_of_parts(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    uint64_t random = test_seed();
+    print_message("NEPH_TEST_SEED=%llu\n", (unsigned long long)random);
+    flip_other(scratch_path(state, path, "flipped.exr"),
+               (struct other_file){
+                   .type = EXR_PIXEL_HALF, .part_count = 2, .compression = EXR_COMPRESSION_ZIP},
+               &random);
+}
+
 /* The writer of a file chooses channel names, and messages display them. */
 static void test_names_of_channels_are_fit_to_be_shown(void **state)
 {
@@ -786,6 +802,11 @@ static void test_names_of_channels_are_fit_to_be_shown(void **state)
     const float *found = neph_image_channel(read, "mask.a\\x1b[2J\\u009b\\xff");
     assert_non_null(found);
     assert_true(found[1] == 3.0f);
+    char controls[NEPH_IMAGE_NAME_MAX] = {0}; /* four times as long with escapes */
+    memset(controls, '\x01', sizeof(controls) - 1);
+    neph_assert_ok(neph_image_add_channel(written, controls, NULL, &diag), &diag);
+    neph_assert_ok(neph_exr_write(path, written, &diag), &diag);
+    assert_refused(path, NEPH_ERR_INPUT, "named.exr': channel name '\\x01");
     neph_image_destroy(written);
     neph_image_destroy(read);
 }
@@ -819,6 +840,7 @@ int main(void)
         scratch_test(test_names_of_channels_are_fit_to_be_shown),
         scratch_test(test_flipped_bytes_in_every_compression),
         scratch_test(test_flipped_bytes_of_tiles),
+        scratch_test(test_flipped_bytes_of_parts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -313,6 +313,18 @@ class Metrics(neph_case.NephCase):
         self.assertEqual(values_of(found)["mae", "all"], 0.5)
         self.neph("compare", *pair, "--layer", "Combined", code=65, said="ViewLayer.Combined")
 
+    def test_other_names_of_channels(self):
+        def write(name, value, names, *further):
+            (self.folder / name).write_bytes(frames.exr_bytes(
+                8, 8, {channel: [value] * 64 for channel in (*names, *further)}, long_names=True))
+            return self.folder / name
+        plain, long_name = write("plain.exr", 1.0, "RGB"), "light_path_" * 23 + "A"
+        for names in ("rgb", ("red", "green", "blue"), ("rgba.R", "rgba.G", "rgba.B"), "L", "R"):
+            test = write("test.exr", 1.25, names, long_name)
+            found = self.json("compare", "-r", plain, test, "-m", "mae")
+            self.assertEqual(values_of(found)["mae", "all"], 0.25, names)
+        self.assertIn(long_name, self.neph("compare", "-r", plain, test, "--all").stdout)
+
     def test_parts_of_a_file(self):
         def grey(value, *further):
             return {name: [value] * (8 * 8) for name in ("R", "G", "B", *further)}
