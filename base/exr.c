@@ -5,6 +5,7 @@
  */
 #include "base/exr.h"
 
+#include "base/exr_chroma.h"
 #include "base/exr_header.h"
 #include "base/exr_labels.h"
 #include "base/exr_library.h"
@@ -237,6 +238,19 @@ static enum neph_status check_size(const char *path, struct neph_exr_layout *lay
     return NEPH_OK;
 }
 
+/* Whether the samples of a channel can be read: at each pixel, or at every second one. */
+static bool is_sampled(const struct neph_exr_layout *layout, const exr_attr_chlist_entry_t *channel)
+{
+    const int step[2] = {channel->x_sampling, channel->y_sampling},
+              corner[2] = {layout->window.min.x, layout->window.min.y},
+              size[2] = {layout->width_px, layout->height_px};
+    bool fits = true;
+    for (int axis = 0; axis < 2; axis++)
+        fits &= step[axis] == 1 || (step[axis] == 2 && !layout->is_tiled && corner[axis] % 2 == 0 &&
+                                    size[axis] % 2 == 0);
+    return fits;
+}
+
 static enum neph_status check_channels(const char *path, struct neph_exr_layout *layout,
                                        struct neph_diag *diag)
 {
@@ -246,13 +260,16 @@ static enum neph_status check_channels(const char *path, struct neph_exr_layout 
                          count, CHANNEL_COUNT_MAX);
     for (int i = 0; i < count; i++) {
         const exr_attr_chlist_entry_t *channel = &layout->channels->entries[i];
-        if (channel->x_sampling != 1 || channel->y_sampling != 1) {
-            neph_fail(diag, NEPH_ERR_INPUT, "'%s': channel '%s' is subsampled", path,
-                      channel->name.str);
-            neph_hint(diag, "write luminance and chroma (Y, RY, BY) as R, G, B");
+        layout->is_subsampled |= channel->x_sampling != 1 || channel->y_sampling != 1;
+        if (!is_sampled(layout, channel)) {
+            neph_fail(
+                diag, NEPH_ERR_INPUT,
+                "'%s': channel '%s' is subsampled by %dx%d; in scanlines 1 or 2 is allowed, of "
+                "which corner and size of the data window are multiples",
+                path, channel->name.str, channel->x_sampling, channel->y_sampling);
+            neph_hint(diag, "write the channel at full size");
             return NEPH_ERR_INPUT;
         }
-        layout->pixel_bytes += channel->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
     }
     return NEPH_OK;
 }
@@ -361,19 +378,53 @@ static enum neph_status add_crop(struct neph_image *image, const struct neph_exr
         (long long)display->max.y - display->min.y + 1);
 }
 
-/* Record primaries other than Rec.709. Without the attribute they are Rec.709: "chromaticities" in
- * https://openexr.com/en/latest/TechnicalIntroduction.html. Writers round the numbers to three
- * digits. */
+/* Give subsampled channels all pixels. */
+static enum neph_status upsample(struct neph_image *image, const struct neph_exr_layout *layout,
+                                 struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int c = 0; c < image->channel_count && !status; c++) {
+        const exr_attr_chlist_entry_t *entry = &layout->channels->entries[c];
+        const int step[2] = {entry->x_sampling, entry->y_sampling};
+        status = neph_exr_upsample(image, &image->channels[c], step, diag);
+    }
+    return status;
+}
+
+/* Primaries without the attribute: "chromaticities" in
+ * https://openexr.com/en/latest/TechnicalIntroduction.html. */
+static const float rec709[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
+
+static void read_primaries(exr_const_context_t context, int part, float primaries[8])
+{
+    exr_attr_chromaticities_t found;
+    memcpy(primaries, rec709, sizeof(rec709));
+    if (exr_attr_get_chromaticities(context, part, "chromaticities", &found) != EXR_ERR_SUCCESS)
+        return;
+    const float given[8] = {found.red_x,  found.red_y,  found.green_x, found.green_y,
+                            found.blue_x, found.blue_y, found.white_x, found.white_y};
+    memcpy(primaries, given, sizeof(given));
+}
+
+static enum neph_status convert_chroma(struct neph_image *image, const char *path,
+                                       exr_const_context_t context, int part,
+                                       struct neph_diag *diag)
+{
+    float primaries[8];
+    read_primaries(context, part, primaries);
+    const enum neph_status status = neph_exr_convert_chroma(image, primaries, diag);
+    if (status)
+        neph_prefix(diag, "'%s': ", path);
+    return status;
+}
+
+/* Record primaries other than Rec.709. Writers round the numbers to three digits. */
 static enum neph_status add_primaries(struct neph_image *image, exr_const_context_t context,
                                       int part, struct neph_diag *diag)
 {
-    static const float rec709[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
     static const float rounding = 1e-3f;
-    exr_attr_chromaticities_t found;
-    if (exr_attr_get_chromaticities(context, part, "chromaticities", &found) != EXR_ERR_SUCCESS)
-        return NEPH_OK;
-    const float given[8] = {found.red_x,  found.red_y,  found.green_x, found.green_y,
-                            found.blue_x, found.blue_y, found.white_x, found.white_y};
+    float given[8];
+    read_primaries(context, part, given);
     bool is_rec709 = true;
     for (int i = 0; i < 8; i++)
         is_rec709 &= fabsf(given[i] - rec709[i]) <= rounding; /* false for NaN */
@@ -495,6 +546,10 @@ static enum neph_status read_chosen_part(exr_const_context_t context, const char
         status = add_header(created, &layout, context, stream, diag);
     if (!status && (result = neph_exr_read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
         status = fail_read(path, stream, result, diag);
+    if (!status)
+        status = upsample(created, &layout, diag);
+    if (!status)
+        status = convert_chroma(created, path, context, layout.part, diag);
     if (status)
         neph_image_destroy(created);
     else

@@ -22,9 +22,10 @@ enum neph_status neph_exr_write_plain(const char *path, const struct neph_image 
 
 /* Read all channels (converted to float; uint above 2^24 is rounded) and all string attributes
  * except the reserved ones. Channels are in the order of the file, which is alphabetical. Of a file
- * with several levels (mipmap, ripmap) the first one, which has the full size, is read. Unusual
- * properties of the file become attributes of the image; texts of these names in the file are
- * ignored:
+ * with several levels (mipmap, ripmap) the first one, which has the full size, is read. Subsampled
+ * channels get all pixels, and luminance with chroma (Y, RY, BY) becomes R, G, B
+ * (base/exr_chroma.h). Unusual properties of the file become attributes of the image; texts of
+ * these names in the file are ignored:
  *
  *   crop          the image is the data window; if the display window is another one, the position
  *                 in it, as "(10, 5) of 100x60"
@@ -35,7 +36,7 @@ enum neph_status neph_exr_write_plain(const char *path, const struct neph_image 
  *   white_luminance    whiteLuminance, if present [cd/m^2]
  *   frames_per_second  framesPerSecond, if present [Hz]
  *
- * NEPH_ERR_INPUT, with a message that names the cause: deep, subsampled, oversized,
+ * NEPH_ERR_INPUT, with a message that names the cause: deep, oversized,
  * truncated or damaged files, and files with DWA or an unknown compression.
  * NEPH_ERR_MEMORY, also before pixels are read: they need more memory than the machine has.
  * NEPH_ERR_NOT_FOUND: no such file. NEPH_ERR_IO: the file exists but cannot be read. */

@@ -18,8 +18,9 @@ struct neph_exr_part {
 };
 
 /* Choose a part of the headers (neph_exr_read_headers()): the only one; else the one whose name, or
- * whose number from 0, is `wanted`; for NULL the only flat part with three colour
- * channels (base/colour_names.h), else the only grey one. NEPH_ERR_INPUT lists the parts with their types and channels. */
+ * whose number from 0, is `wanted`; for NULL the only flat part with three colour channels
+ * (base/colour_names.h), else the only grey one. NEPH_ERR_INPUT lists the parts with their types
+ * and channels. */
 enum neph_status neph_exr_choose_part(const char *path, const char *headers, size_t size,
                                       const char *wanted, struct neph_exr_part *part,
                                       struct neph_diag *diag);

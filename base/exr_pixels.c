@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/exr_pixels.h"
 
+#include "base/exr_header.h"
+
+#include <math.h>
 #include <string.h>
 
 enum {
@@ -39,6 +42,26 @@ static bool next_block(const struct neph_exr_layout *layout, struct block *block
     return block->row < layout->height_px;
 }
 
+/* Number of multiples of `step` in first..first + count - 1. */
+static int count_samples(int first, int count, int step)
+{
+    return (first + count + step - 1) / step - (first + step - 1) / step;
+}
+
+/* Bytes of the samples of a block, uncompressed. */
+static uint64_t count_bytes(const struct neph_exr_layout *layout, const struct block *block)
+{
+    uint64_t bytes = 0;
+    for (int c = 0; c < layout->channels->num_channels; c++) {
+        const exr_attr_chlist_entry_t *channel = &layout->channels->entries[c];
+        const uint64_t sample_bytes = channel->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
+        bytes += sample_bytes *
+                 (uint64_t)count_samples(block->column, block->width_px, channel->x_sampling) *
+                 (uint64_t)count_samples(block->row, block->height_px, channel->y_sampling);
+    }
+    return bytes;
+}
+
 static exr_result_t read_chunk_place(exr_const_context_t context,
                                      const struct neph_exr_layout *layout,
                                      const struct block *block, exr_chunk_info_t *chunk)
@@ -67,8 +90,7 @@ static exr_result_t find_chunk(exr_const_context_t context, const struct neph_ex
     const exr_result_t result = read_chunk_place(context, layout, block, chunk);
     if (result)
         return result;
-    const uint64_t expected_bytes = layout->pixel_bytes * (uint64_t)block->width_px *
-                                    (uint64_t)block->height_px;
+    const uint64_t expected_bytes = count_bytes(layout, block);
     const bool packed = layout->compression != EXR_COMPRESSION_NONE;
     if (chunk->width != block->width_px || chunk->height != block->height_px ||
         chunk->unpacked_size != expected_bytes || chunk->packed_size < 1 ||
@@ -97,11 +119,14 @@ exr_result_t neph_exr_check_chunks(exr_const_context_t context,
 static void set_targets(exr_decode_pipeline_t *decoder, const struct neph_image *image,
                         const struct block *block)
 {
-    const size_t first = (size_t)block->row * (size_t)image->width_px + (size_t)block->column;
     for (int c = 0; c < decoder->channel_count; c++) {
         exr_coding_channel_info_t *channel = &decoder->channels[c];
-        channel->decode_to_ptr = (uint8_t *)(image->channels[c].samples + first);
-        neph_exr_float_rows(channel, image->width_px);
+        const int width_px = image->width_px / channel->x_samples,
+                  row = count_samples(0, block->row, channel->y_samples);
+        channel->decode_to_ptr = (uint8_t *)(image->channels[c].samples +
+                                             (size_t)row * (size_t)width_px +
+                                             (size_t)block->column);
+        neph_exr_float_rows(channel, width_px);
     }
 }
 
@@ -120,6 +145,45 @@ static exr_result_t decompress_or_copy(exr_decode_pipeline_t *decoder)
         return decompressor->run(decoder);
     if (decoder->unpacked_buffer != decoder->packed_buffer)
         memcpy(decoder->unpacked_buffer, decoder->packed_buffer, decoder->chunk.packed_size);
+    return EXR_ERR_SUCCESS;
+}
+
+/* IEEE 754 binary16. */
+static float read_half(const uint8_t *at)
+{
+    const unsigned bits = at[0] | (unsigned)at[1] << 8, exponent = bits >> 10 & 31;
+    const float mantissa = (float)(bits & 1023), sign = bits >> 15 ? -1.0f : 1.0f;
+    if (exponent == 31)
+        return mantissa > 0.0f ? NAN : sign * INFINITY;
+    return sign *
+           (exponent == 0 ? ldexpf(mantissa, -24) : ldexpf(1024.0f + mantissa, (int)exponent - 25));
+}
+
+static float read_sample(const uint8_t *at, uint16_t type)
+{
+    if (type == EXR_PIXEL_HALF)
+        return read_half(at);
+    return type == EXR_PIXEL_FLOAT ? neph_exr_f32(at) : (float)neph_exr_u32(at);
+}
+
+/* In place of the library's function: OpenEXRCore 3.1.5 counts the rows that have samples of a
+ * subsampled channel from the first row of the chunk, not from row 0. The size of the unpacked
+ * samples is that of count_bytes(). */
+static exr_result_t unpack_subsampled(exr_decode_pipeline_t *decoder)
+{
+    const uint8_t *at = decoder->unpacked_buffer;
+    for (int y = 0; y < decoder->chunk.height; y++)
+        for (int c = 0; c < decoder->channel_count; c++) {
+            const exr_coding_channel_info_t *channel = &decoder->channels[c];
+            const int row = decoder->chunk.start_y + y, width = decoder->chunk.width,
+                      step = channel->y_samples;
+            if (row % step != 0)
+                continue;
+            float *samples = (float *)(void *)channel->decode_to_ptr +
+                             (size_t)(y / step) * (size_t)(width / channel->x_samples);
+            for (int x = 0; x < width / channel->x_samples; x++, at += channel->bytes_per_element)
+                samples[x] = read_sample(at, channel->data_type);
+        }
     return EXR_ERR_SUCCESS;
 }
 
@@ -152,6 +216,8 @@ static exr_result_t read_chunk(exr_const_context_t context, const struct neph_ex
     set_targets(decoder, image, block);
     if (first)
         result = choose_decoding(context, layout->part, decoder, decompressor);
+    if (layout->is_subsampled)
+        decoder->unpack_and_convert_fn = unpack_subsampled;
     return result ? result : exr_decoding_run(context, layout->part, decoder);
 }
 

@@ -18,7 +18,7 @@ struct neph_exr_layout {
     exr_attr_box2i_t display; /* display window */
     int width_px, height_px;
     int block_width_px, block_height_px;
-    uint64_t pixel_bytes; /* of all channels, uncompressed */
+    bool is_subsampled; /* at least one of the channels */
     exr_compression_t compression;
     const exr_attr_chlist_t *channels;
 };
@@ -29,7 +29,8 @@ exr_result_t neph_exr_check_chunks(exr_const_context_t context,
                                    const struct neph_exr_layout *layout);
 
 /* Decode all pixels into the channels of the image, which has the size of the data window and the
- * channels in the order of the file. */
+ * channels in the order of the file. A subsampled channel gets its samples row by row without gaps
+ * (base/exr_chroma.h). */
 exr_result_t neph_exr_read_pixels(exr_const_context_t context, const struct neph_exr_layout *layout,
                                   const struct neph_image *image);
 

@@ -35,6 +35,8 @@
 namespace
 {
 
+enum { CHROMA_WIDTH = 80, CHROMA_HEIGHT = 66 };
+
 using namespace OPENEXR_IMF_NAMESPACE;
 using IMATH_NAMESPACE::Box2i;
 using IMATH_NAMESPACE::V2i;
@@ -452,13 +454,51 @@ void write_deep_part(const std::string &folder)
     write_raw(folder + "/deep_part.raw", flat);
 }
 
-/* Y at every pixel, RY and BY at every second one. */
+/* B, R and G (the order of BY, RY, Y) of the pixels that the library reads. */
+void write_chroma_raw(const std::string &stem)
+{
+    RgbaInputFile file((stem + ".exr").c_str());
+    std::vector<Rgba> pixels(CHROMA_WIDTH * CHROMA_HEIGHT);
+    file.setFrameBuffer(pixels.data(), 1, CHROMA_WIDTH);
+    file.readPixels(0, CHROMA_HEIGHT - 1);
+    std::ofstream out(stem + ".raw", std::ios::binary);
+    for (half Rgba::*colour : {&Rgba::b, &Rgba::r, &Rgba::g})
+        for (const Rgba &pixel : pixels) {
+            const float value = pixel.*colour;
+            out.write(reinterpret_cast<const char *>(&value), sizeof(value));
+        }
+    if (!out.flush())
+        throw std::runtime_error("cannot write " + stem + ".raw");
+}
+
+/* Y at every pixel, RY and BY at every second one, of smooth colours in which OpenEXR's reader
+ * limits no saturation. */
 void write_luminance_chroma(const std::string &folder)
 {
-    const std::vector<Rgba> pixels(40 * 20, Rgba(0.5f, 0.25f, 0.75f));
-    RgbaOutputFile file((folder + "/chroma.exr").c_str(), 40, 20, WRITE_YC);
-    file.setFrameBuffer(pixels.data(), 1, 40);
-    file.writePixels(20);
+    using IMATH_NAMESPACE::V2f;
+    std::vector<Rgba> pixels;
+    for (int y = 0; y < CHROMA_HEIGHT; y++)
+        for (int x = 0; x < CHROMA_WIDTH; x++)
+            pixels.push_back(Rgba(0.5f + 0.2f * std::sin(0.21f * static_cast<float>(x)),
+                                  0.5f + 0.1f * std::sin(0.17f * static_cast<float>(x + y)),
+                                  0.5f + 0.2f * std::cos(0.13f * static_cast<float>(y))));
+    for (const auto &kind : compressions) {
+        if (kind.compression >= DWAA_COMPRESSION)
+            continue;
+        const std::string stem = folder + "/chroma_" + kind.name;
+        Header header(CHROMA_WIDTH, CHROMA_HEIGHT);
+        header.compression() = kind.compression;
+        if (kind.compression == PIZ_COMPRESSION) /* ACES */
+            addChromaticities(header,
+                              Chromaticities(V2f(0.7347f, 0.2653f), V2f(0.0f, 1.0f),
+                                             V2f(0.0001f, -0.077f), V2f(0.32168f, 0.33767f)));
+        {
+            RgbaOutputFile file((stem + ".exr").c_str(), header, WRITE_YC);
+            file.setFrameBuffer(pixels.data(), 1, CHROMA_WIDTH);
+            file.writePixels(CHROMA_HEIGHT);
+        }
+        write_chroma_raw(stem);
+    }
 }
 
 } // namespace

@@ -509,8 +509,8 @@ static void test_other_kinds_are_refused_by_name(void **state)
     write_other(path, (struct other_file){.part_count = 2, .type = EXR_PIXEL_FLOAT});
     assert_refused(path, NEPH_ERR_INPUT, "more than one flat part with colour");
     write_other(path, (struct other_file){.type = EXR_PIXEL_FLOAT});
-    patch(path, "channels", "chlist", 2 + 8, 2); /* after "Y", its type and flags: x_sampling */
-    assert_refused(path, NEPH_ERR_INPUT, "is subsampled");
+    patch(path, "channels", "chlist", 2 + 8, 4); /* after "Y", its type and flags: x_sampling */
+    assert_refused(path, NEPH_ERR_INPUT, "'Y' is subsampled by 4x1");
 }
 
 /* ---- broken files ---------------------------------------------------------------------------- */

@@ -10,8 +10,8 @@ import zlib
 def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1, corner=(0, 0), display=None,
               long_names=False):
     """channels: {name: width * height floats, row 0 on top}; attributes: additional (name, type,
-    bytes); the data window is at `corner` in a display window of `display` pixels; long_names: names may
-    have 255 bytes."""
+    bytes); the data window is at `corner` in a display window of `display` pixels;
+    long_names: names may have 255 bytes."""
     names = sorted(channels)
     chlist = b"".join(n.encode() + b"\0" + struct.pack("<iBxxxii", 2, 0, 1, 1)
                       for n in names) + b"\0"

@@ -549,7 +549,8 @@ static void test_colours_that_are_none_of_ours(void **state)
         {{"r", "g", "b", "X", "Y", "Z"}, NULL, {"R", "vector.Z"}, {"Z"}, NULL},
         {{"R", "G"}, NULL, {"R", "G"}, {"B"}, NULL},
         {{"r", "g"}, NULL, {"r", "g"}, {"R"}, NULL},
-        {{"Y", "RY", "BY"}, NULL, {"Y"}, {"R"}, NULL},
+        {{"Y", "RY", "BY"}, NULL, {"R", "G", "B"}, {"Y", "RY"}, NULL},
+        {{"Y", "RY"}, NULL, {"Y", "RY"}, {"R"}, NULL},
         {{"R", "G", "B", "A", "Z", "left.Y"}, "left", {"R", "G", "Z"}, {"A"}, NULL},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
