@@ -5,9 +5,12 @@
  */
 #include "base/exr.h"
 
+#include "base/exr_chroma.h"
 #include "base/exr_header.h"
 #include "base/exr_labels.h"
 #include "base/exr_library.h"
+#include "base/exr_parts.h"
+#include "base/exr_pixels.h"
 #include "base/files.h"
 #include "base/text.h"
 
@@ -21,16 +24,8 @@
 #include <unistd.h>
 
 enum {
-    /* The first eight bytes of every file: magic number, version and feature flags. See "Magic
-     * Number" and "Version Field" in https://openexr.com/en/latest/OpenEXRFileLayout.html */
-    EXR_MAGIC = 20000630,
-    EXR_FLAG_TILED = 0x200,
-    EXR_FLAG_DEEP = 0x800,
-    EXR_FLAG_MULTIPART = 0x1000,
+    EXR_MAGIC = 20000630, /* the first four bytes of every file */
     CHANNEL_COUNT_MAX = 1024,
-    /* Upper bound of the compression ratio of all readable compressions: zeros by PXR24 reach
-     * 1376:1 (deflate's 1032:1 on three of four bytes), all others less. */
-    COMPRESSION_RATIO_MAX = 2048,
 };
 
 /* User data of the library's callbacks. */
@@ -38,8 +33,10 @@ struct stream {
     struct neph_exr_error trouble;
     int fd;
     uint64_t size_bytes; /* of the file */
-    char *header;        /* the bytes of the attributes; owned */
-    size_t header_bytes;
+    char *headers;       /* of all parts; owned */
+    size_t headers_bytes;
+    bool has_deep;             /* one of the parts is deep */
+    struct neph_exr_part part; /* the part that is read */
 };
 
 static int64_t read_bytes(exr_const_context_t context, void *userdata, void *buffer, uint64_t size,
@@ -89,30 +86,35 @@ static enum neph_status fail_read(const char *path, const struct stream *stream,
 
 static enum neph_status refuse_kind(const char *path, const char *kind, struct neph_diag *diag)
 {
-    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a %s OpenEXR file; only flat scanlines are read", path,
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is a %s OpenEXR file; only flat images are read", path,
               kind);
-    neph_hint(diag, "write it as a single-part scanline image");
+    neph_hint(diag, "write it as a flat image of one part");
     return NEPH_ERR_INPUT;
 }
 
-/* Codes of the attribute `compression` beyond DWAB. A library that does not know a code reads it as
+/* Codes of the attribute `compression` that are refused. OpenEXRCore 3.1.5 has no decoder of DWA
+ * (EXR_ERR_FEATURE_NOT_IMPLEMENTED: only the C++ library has one), and reads a code beyond DWAB as
  * ZIP. Names: https://openexr.com/en/latest/OpenEXRFileLayout.html. */
 static const struct {
     int code;
-    const char *name;
-} new_compressions[] = {
-    {10, "HTJ2K, 256 lines"},
-    {11, "HTJ2K, 32 lines"},
+    const char *name, *why;
+} unread_compressions[] = {
+    {8, "DWAA", "the C library of OpenEXR 3.1 does not decode, and which is lossy"},
+    {9, "DWAB", "the C library of OpenEXR 3.1 does not decode, and which is lossy"},
+    {10, "HTJ2K", "OpenEXR 3.1 does not know"},
+    {11, "HTJ2K of 32 lines", "OpenEXR 3.1 does not know"},
 };
 
 static enum neph_status refuse_compression(const char *path, int code, struct neph_diag *diag)
 {
-    const char *name = NULL;
-    for (size_t i = 0; i < sizeof(new_compressions) / sizeof(new_compressions[0]); i++)
-        if (new_compressions[i].code == code)
-            name = new_compressions[i].name;
-    neph_fail(diag, NEPH_ERR_INPUT, "'%s' has the compression %d%s%s%s, which is not read", path,
-              code, name ? " (" : "", name ? name : "", name ? ")" : "");
+    const char *name = "unknown", *why = "OpenEXR 3.1 does not know";
+    for (size_t i = 0; i < sizeof(unread_compressions) / sizeof(unread_compressions[0]); i++)
+        if (unread_compressions[i].code == code) {
+            name = unread_compressions[i].name;
+            why = unread_compressions[i].why;
+        }
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' has the compression %s (code %d), which %s", path, name,
+              code, why);
     neph_hint(diag, "write it with ZIP compression");
     return NEPH_ERR_INPUT;
 }
@@ -124,7 +126,7 @@ static enum neph_status check_compression(const char *path, const char *header, 
     struct neph_exr_attribute attribute;
     for (size_t at = 0; neph_exr_next_attribute(header, size, &at, &attribute);)
         if (strcmp(attribute.name, "compression") == 0 && attribute.value_bytes == 1 &&
-            attribute.value[0] > EXR_COMPRESSION_DWAB)
+            attribute.value[0] > EXR_COMPRESSION_B44A)
             return refuse_compression(path, attribute.value[0], diag);
     return NEPH_OK;
 }
@@ -140,63 +142,89 @@ static enum neph_status check_prefix(const char *path, struct stream *stream,
     if (got < NEPH_EXR_PREFIX_BYTES || neph_exr_u32(prefix) != EXR_MAGIC)
         return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not an OpenEXR file", path);
     uint32_t flags = neph_exr_u32(prefix + 4);
-    if (flags & EXR_FLAG_MULTIPART)
-        return refuse_kind(path, "multi-part", diag);
-    if (flags & EXR_FLAG_DEEP)
+    stream->has_deep = flags & NEPH_EXR_FLAG_DEEP;
+    if (stream->has_deep && !(flags & NEPH_EXR_FLAG_MULTIPART))
         return refuse_kind(path, "deep", diag);
-    if (flags & EXR_FLAG_TILED)
-        return refuse_kind(path, "tiled", diag);
     return NEPH_OK;
 }
 
-static enum neph_status read_header(const char *path, struct stream *stream, struct neph_diag *diag)
+static enum neph_status read_headers(const char *path, struct stream *stream,
+                                     struct neph_diag *diag)
 {
-    const enum neph_status status = neph_exr_read_header(
-        stream->fd, stream->size_bytes, &stream->header, &stream->header_bytes, diag);
+    const enum neph_status status = neph_exr_read_headers(
+        stream->fd, stream->size_bytes, &stream->headers, &stream->headers_bytes, diag);
     if (status == NEPH_ERR_IO) {
         stream->trouble.io_error = errno;
         return fail_read(path, stream, EXR_ERR_READ_IO, diag);
     }
-    return status ? status : check_compression(path, stream->header, stream->header_bytes, diag);
+    return status;
 }
 
-static enum neph_status open_stream(const char *path, struct stream *stream, struct neph_diag *diag)
+static enum neph_status choose_part(const char *path, const char *wanted, struct stream *stream,
+                                    struct neph_diag *diag)
+{
+    struct neph_exr_part *part = &stream->part;
+    const enum neph_status status = neph_exr_choose_part(path, stream->headers,
+                                                         stream->headers_bytes, wanted, part, diag);
+    if (status)
+        return status;
+    if (part->is_deep)
+        return refuse_kind(path, "deep", diag);
+    return check_compression(path, part->header, part->header_bytes, diag);
+}
+
+static enum neph_status open_stream(const char *path, const char *part, struct stream *stream,
+                                    struct neph_diag *diag)
 {
     *stream = (struct stream){.fd = -1};
     enum neph_status status = neph_file_open(path, &stream->fd, &stream->size_bytes, diag);
     if (!status)
         status = check_prefix(path, stream, diag);
-    return status ? status : read_header(path, stream, diag);
+    if (!status)
+        status = read_headers(path, stream, diag);
+    return status ? status : choose_part(path, part, stream, diag);
 }
 
-/* Layout of the pixels, from the header. */
-struct layout {
-    exr_attr_box2i_t window;  /* data window */
-    exr_attr_box2i_t display; /* display window */
-    int width_px, height_px;
-    int32_t rows_per_chunk;
-    uint64_t row_bytes; /* of all channels, uncompressed */
-    exr_compression_t compression;
-    const exr_attr_chlist_t *channels;
-};
-
-static exr_result_t query_layout(exr_const_context_t context, struct layout *layout)
+static exr_result_t query_blocks(exr_const_context_t context, struct neph_exr_layout *layout)
 {
-    exr_result_t result = exr_get_data_window(context, NEPH_EXR_ONLY_PART, &layout->window);
-    if (!result)
-        result = exr_get_display_window(context, NEPH_EXR_ONLY_PART, &layout->display);
-    if (!result)
-        result = exr_get_scanlines_per_chunk(context, NEPH_EXR_ONLY_PART, &layout->rows_per_chunk);
-    if (!result)
-        result = exr_get_compression(context, NEPH_EXR_ONLY_PART, &layout->compression);
-    if (!result)
-        result = exr_get_channels(context, NEPH_EXR_ONLY_PART, &layout->channels);
-    if (!result && layout->rows_per_chunk < 1)
-        result = EXR_ERR_INVALID_ATTR;
+    exr_result_t result;
+    if (layout->is_tiled) {
+        uint32_t width_px = 0, height_px = 0;
+        exr_tile_level_mode_t levels;
+        exr_tile_round_mode_t rounding;
+        result = exr_get_tile_descriptor(context, layout->part, &width_px, &height_px, &levels,
+                                         &rounding);
+        if (!result && (width_px < 1 || height_px < 1))
+            result = EXR_ERR_INVALID_ATTR;
+        layout->block_width_px = (int)(width_px < INT_MAX ? width_px : INT_MAX);
+        layout->block_height_px = (int)(height_px < INT_MAX ? height_px : INT_MAX);
+    } else {
+        int32_t rows = 0;
+        result = exr_get_scanlines_per_chunk(context, layout->part, &rows);
+        if (!result && rows < 1)
+            result = EXR_ERR_INVALID_ATTR;
+        layout->block_width_px = INT_MAX;
+        layout->block_height_px = rows;
+    }
     return result;
 }
 
-static enum neph_status check_size(const char *path, struct layout *layout, struct neph_diag *diag)
+static exr_result_t query_layout(exr_const_context_t context, struct neph_exr_layout *layout)
+{
+    exr_result_t result = exr_get_data_window(context, layout->part, &layout->window);
+    if (!result)
+        result = exr_get_display_window(context, layout->part, &layout->display);
+    if (!result)
+        result = query_blocks(context, layout);
+    if (!result)
+        result = exr_get_compression(context, layout->part, &layout->compression);
+    if (!result)
+        result = exr_get_channels(context, layout->part, &layout->channels);
+    return result;
+}
+
+static enum neph_status check_size(const char *path, struct neph_exr_layout *layout,
+                                   struct neph_diag *diag)
 {
     int64_t width_px = (int64_t)layout->window.max.x - layout->window.min.x + 1;
     int64_t height_px = (int64_t)layout->window.max.y - layout->window.min.y + 1;
@@ -210,7 +238,20 @@ static enum neph_status check_size(const char *path, struct layout *layout, stru
     return NEPH_OK;
 }
 
-static enum neph_status check_channels(const char *path, struct layout *layout,
+/* Whether the samples of a channel can be read: at each pixel, or at every second one. */
+static bool is_sampled(const struct neph_exr_layout *layout, const exr_attr_chlist_entry_t *channel)
+{
+    const int step[2] = {channel->x_sampling, channel->y_sampling},
+              corner[2] = {layout->window.min.x, layout->window.min.y},
+              size[2] = {layout->width_px, layout->height_px};
+    bool fits = true;
+    for (int axis = 0; axis < 2; axis++)
+        fits &= step[axis] == 1 || (step[axis] == 2 && !layout->is_tiled && corner[axis] % 2 == 0 &&
+                                    size[axis] % 2 == 0);
+    return fits;
+}
+
+static enum neph_status check_channels(const char *path, struct neph_exr_layout *layout,
                                        struct neph_diag *diag)
 {
     int count = layout->channels->num_channels;
@@ -219,77 +260,65 @@ static enum neph_status check_channels(const char *path, struct layout *layout,
                          count, CHANNEL_COUNT_MAX);
     for (int i = 0; i < count; i++) {
         const exr_attr_chlist_entry_t *channel = &layout->channels->entries[i];
-        if (channel->x_sampling != 1 || channel->y_sampling != 1) {
-            neph_fail(diag, NEPH_ERR_INPUT, "'%s': channel '%s' is subsampled", path,
-                      channel->name.str);
-            neph_hint(diag, "write luminance and chroma (Y, RY, BY) as R, G, B");
+        layout->is_subsampled |= channel->x_sampling != 1 || channel->y_sampling != 1;
+        if (!is_sampled(layout, channel)) {
+            neph_fail(
+                diag, NEPH_ERR_INPUT,
+                "'%s': channel '%s' is subsampled by %dx%d; in scanlines 1 or 2 is allowed, of "
+                "which corner and size of the data window are multiples",
+                path, channel->name.str, channel->x_sampling, channel->y_sampling);
+            neph_hint(diag, "write the channel at full size");
             return NEPH_ERR_INPUT;
         }
-        size_t sample_bytes = channel->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
-        layout->row_bytes += sample_bytes * (uint64_t)layout->width_px;
     }
     return NEPH_OK;
 }
 
+/* Refuse an image that the machine has no memory for: allocations succeed until their pages are
+ * used. */
+static enum neph_status check_memory(const char *path, const struct neph_exr_layout *layout,
+                                     struct neph_diag *diag)
+{
+    static const double gib = 1024.0 * 1024.0 * 1024.0;
+    const double needed_gib = (double)layout->channels->num_channels * layout->width_px *
+                              layout->height_px * sizeof(float) / gib;
+    const double memory_gib = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE) / gib;
+    if (needed_gib <= memory_gib)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_MEMORY,
+              "'%s' needs %.0f GiB of memory (%dx%d pixels, %d channels); this machine has %.0f "
+              "GiB",
+              path, needed_gib, layout->width_px, layout->height_px, layout->channels->num_channels,
+              memory_gib);
+    neph_hint(diag, "write fewer channels or fewer pixels");
+    return NEPH_ERR_MEMORY;
+}
+
 static enum neph_status read_layout(exr_const_context_t context, const char *path,
-                                    const struct stream *stream, struct layout *layout,
+                                    const struct stream *stream, struct neph_exr_layout *layout,
                                     struct neph_diag *diag)
 {
-    *layout = (struct layout){0};
+    *layout = (struct neph_exr_layout){.part = stream->part.index};
     exr_storage_t storage = EXR_STORAGE_LAST_TYPE;
-    exr_result_t result = exr_get_storage(context, NEPH_EXR_ONLY_PART, &storage);
+    exr_result_t result = exr_get_storage(context, layout->part, &storage);
     if (result)
         return fail_read(path, stream, result, diag);
-    if (storage != EXR_STORAGE_SCANLINE) /* the flags of the prefix did not say so */
-        return refuse_kind(path, storage == EXR_STORAGE_TILED ? "tiled" : "deep", diag);
+    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
+        return refuse_kind(path, "deep", diag); /* the flags of the prefix did not say so */
+    layout->is_tiled = storage == EXR_STORAGE_TILED;
     result = query_layout(context, layout);
     if (result)
         return fail_read(path, stream, result, diag);
-    if (layout->compression >= EXR_COMPRESSION_DWAA) {
-        neph_fail(diag, NEPH_ERR_INPUT, "'%s' has DWA compression, which is lossy and not read",
-                  path);
-        neph_hint(diag, "write it with ZIP compression");
-        return NEPH_ERR_INPUT;
-    }
+    if (layout->compression > EXR_COMPRESSION_B44A) /* check_compression() did not see it */
+        return refuse_compression(path, (int)layout->compression, diag);
     enum neph_status status = check_size(path, layout, diag);
-    return status ? status : check_channels(path, layout, diag);
+    if (!status)
+        status = check_channels(path, layout, diag);
+    return status ? status : check_memory(path, layout, diag);
 }
 
-/* Find the chunk that starts `row` rows below the top and compare its sizes with the header: the
- * decoders trust these sizes and allocate memory by them. */
-static exr_result_t find_chunk(exr_const_context_t context, const struct layout *layout, int row,
-                               exr_chunk_info_t *chunk)
-{
-    int y = layout->window.min.y + row;
-    exr_result_t result = exr_read_scanline_chunk_info(context, NEPH_EXR_ONLY_PART, y, chunk);
-    if (result)
-        return result;
-    int rows_left = layout->height_px - row;
-    int rows = rows_left < layout->rows_per_chunk ? rows_left : layout->rows_per_chunk;
-    uint64_t expected_bytes = layout->row_bytes * (uint64_t)rows;
-    bool packed = layout->compression != EXR_COMPRESSION_NONE;
-    if (chunk->start_y != y || chunk->width != layout->width_px || chunk->height != rows ||
-        chunk->unpacked_size != expected_bytes || chunk->packed_size < 1 ||
-        chunk->packed_size > expected_bytes ||
-        chunk->packed_size < expected_bytes / COMPRESSION_RATIO_MAX ||
-        (!packed && chunk->packed_size != expected_bytes))
-        return EXR_ERR_CORRUPT_CHUNK;
-    return EXR_ERR_SUCCESS;
-}
-
-/* Runs before pixel memory is allocated: a small damaged file may claim gigabytes. */
-static exr_result_t check_chunks(exr_const_context_t context, const struct layout *layout)
-{
-    exr_result_t result = EXR_ERR_SUCCESS;
-    for (int row = 0; row < layout->height_px && !result; row += layout->rows_per_chunk) {
-        exr_chunk_info_t chunk;
-        result = find_chunk(context, layout, row, &chunk);
-    }
-    return result;
-}
-
-static enum neph_status add_channels(struct neph_image *image, const struct layout *layout,
-                                     struct neph_diag *diag)
+static enum neph_status add_channels(struct neph_image *image, const char *path,
+                                     const struct neph_exr_layout *layout, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < layout->channels->num_channels && !status; i++) {
@@ -298,6 +327,8 @@ static enum neph_status add_channels(struct neph_image *image, const struct layo
         status = name ? neph_image_add_channel(image, name, NULL, diag) : neph_fail_memory(diag);
         free(name);
     }
+    if (status == NEPH_ERR_INPUT) /* duplicate, or too long with its escapes */
+        neph_prefix(diag, "'%s': ", path);
     return status;
 }
 
@@ -321,11 +352,11 @@ static enum neph_status add_attributes(struct neph_image *image, const char *pat
                                        struct neph_diag *diag)
 {
     int32_t count = 0;
-    exr_result_t result = exr_get_attribute_count(context, NEPH_EXR_ONLY_PART, &count);
+    exr_result_t result = exr_get_attribute_count(context, stream->part.index, &count);
     enum neph_status status = NEPH_OK;
     for (int32_t i = 0; i < count && !result && !status; i++) {
         const exr_attribute_t *attribute = NULL;
-        result = exr_get_attribute_by_index(context, NEPH_EXR_ONLY_PART, EXR_ATTR_LIST_FILE_ORDER,
+        result = exr_get_attribute_by_index(context, stream->part.index, EXR_ATTR_LIST_FILE_ORDER,
                                             i, &attribute);
         if (!result)
             status = add_attribute(image, path, attribute, diag);
@@ -333,81 +364,8 @@ static enum neph_status add_attributes(struct neph_image *image, const char *pat
     return result ? fail_read(path, stream, result, diag) : status;
 }
 
-/* Set the output pointers; the image's channels are in the order of the file (add_channels()). */
-static void set_targets(exr_decode_pipeline_t *decoder, const struct neph_image *image, int row)
-{
-    for (int c = 0; c < decoder->channel_count; c++) {
-        exr_coding_channel_info_t *channel = &decoder->channels[c];
-        float *samples = image->channels[c].samples;
-        channel->decode_to_ptr = (uint8_t *)(samples + (size_t)row * (size_t)image->width_px);
-        neph_exr_float_rows(channel, image->width_px);
-    }
-}
-
-/* The library's own decompression function; lives as long as the decoder. */
-struct decompressor {
-    exr_result_t (*run)(exr_decode_pipeline_t *decoder);
-};
-
-/* A chunk that compression would not shrink is stored uncompressed. OpenEXRCore 3.1.5 decompresses
- * it all the same for B44 and B44A: floats and integers, which these do not compress, are then
- * returned channel by channel although they are stored line by line, without an error. */
-static exr_result_t decompress_or_copy(exr_decode_pipeline_t *decoder)
-{
-    const struct decompressor *decompressor = decoder->decoding_user_data;
-    if (decoder->chunk.packed_size != decoder->chunk.unpacked_size)
-        return decompressor->run(decoder);
-    if (decoder->unpacked_buffer != decoder->packed_buffer)
-        memcpy(decoder->unpacked_buffer, decoder->packed_buffer, decoder->chunk.packed_size);
-    return EXR_ERR_SUCCESS;
-}
-
-static exr_result_t choose_decoding(exr_const_context_t context, exr_decode_pipeline_t *decoder,
-                                    struct decompressor *decompressor)
-{
-    exr_result_t result = exr_decoding_choose_default_routines(context, NEPH_EXR_ONLY_PART,
-                                                               decoder);
-    if (result || !decoder->decompress_fn)
-        return result;
-    decompressor->run = decoder->decompress_fn;
-    decoder->decoding_user_data = decompressor;
-    decoder->decompress_fn = decompress_or_copy;
-    return EXR_ERR_SUCCESS;
-}
-
-static exr_result_t read_chunk(exr_const_context_t context, const struct layout *layout,
-                               exr_decode_pipeline_t *decoder, struct decompressor *decompressor,
-                               const struct neph_image *image, int row)
-{
-    exr_chunk_info_t chunk;
-    exr_result_t result = find_chunk(context, layout, row, &chunk);
-    if (result)
-        return result;
-    bool first = row == 0;
-    result = first ? exr_decoding_initialize(context, NEPH_EXR_ONLY_PART, &chunk, decoder)
-                   : exr_decoding_update(context, NEPH_EXR_ONLY_PART, &chunk, decoder);
-    if (result)
-        return result;
-    set_targets(decoder, image, row);
-    if (first)
-        result = choose_decoding(context, decoder, decompressor);
-    return result ? result : exr_decoding_run(context, NEPH_EXR_ONLY_PART, decoder);
-}
-
-static exr_result_t read_pixels(exr_const_context_t context, const struct layout *layout,
-                                const struct neph_image *image)
-{
-    exr_decode_pipeline_t decoder = EXR_DECODE_PIPELINE_INITIALIZER;
-    struct decompressor decompressor = {NULL};
-    exr_result_t result = EXR_ERR_SUCCESS;
-    for (int row = 0; row < layout->height_px && !result; row += layout->rows_per_chunk)
-        result = read_chunk(context, layout, &decoder, &decompressor, image, row);
-    exr_decoding_destroy(context, &decoder);
-    return result;
-}
-
 /* Record the position of a crop: two crops of equal size may show different places. */
-static enum neph_status add_crop(struct neph_image *image, const struct layout *layout,
+static enum neph_status add_crop(struct neph_image *image, const struct neph_exr_layout *layout,
                                  struct neph_diag *diag)
 {
     const exr_attr_box2i_t *data = &layout->window, *display = &layout->display;
@@ -420,20 +378,53 @@ static enum neph_status add_crop(struct neph_image *image, const struct layout *
         (long long)display->max.y - display->min.y + 1);
 }
 
-/* Record primaries other than Rec.709. Without the attribute they are Rec.709: "chromaticities" in
- * https://openexr.com/en/latest/TechnicalIntroduction.html. Writers round the numbers to three
- * digits. */
-static enum neph_status add_primaries(struct neph_image *image, exr_const_context_t context,
-                                      struct neph_diag *diag)
+/* Give subsampled channels all pixels. */
+static enum neph_status upsample(struct neph_image *image, const struct neph_exr_layout *layout,
+                                 struct neph_diag *diag)
 {
-    static const float rec709[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
-    static const float rounding = 1e-3f;
+    enum neph_status status = NEPH_OK;
+    for (int c = 0; c < image->channel_count && !status; c++) {
+        const exr_attr_chlist_entry_t *entry = &layout->channels->entries[c];
+        const int step[2] = {entry->x_sampling, entry->y_sampling};
+        status = neph_exr_upsample(image, &image->channels[c], step, diag);
+    }
+    return status;
+}
+
+/* Primaries without the attribute: "chromaticities" in
+ * https://openexr.com/en/latest/TechnicalIntroduction.html. */
+static const float rec709[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
+
+static void read_primaries(exr_const_context_t context, int part, float primaries[8])
+{
     exr_attr_chromaticities_t found;
-    if (exr_attr_get_chromaticities(context, NEPH_EXR_ONLY_PART, "chromaticities", &found) !=
-        EXR_ERR_SUCCESS)
-        return NEPH_OK;
+    memcpy(primaries, rec709, sizeof(rec709));
+    if (exr_attr_get_chromaticities(context, part, "chromaticities", &found) != EXR_ERR_SUCCESS)
+        return;
     const float given[8] = {found.red_x,  found.red_y,  found.green_x, found.green_y,
                             found.blue_x, found.blue_y, found.white_x, found.white_y};
+    memcpy(primaries, given, sizeof(given));
+}
+
+static enum neph_status convert_chroma(struct neph_image *image, const char *path,
+                                       exr_const_context_t context, int part,
+                                       struct neph_diag *diag)
+{
+    float primaries[8];
+    read_primaries(context, part, primaries);
+    const enum neph_status status = neph_exr_convert_chroma(image, primaries, diag);
+    if (status)
+        neph_prefix(diag, "'%s': ", path);
+    return status;
+}
+
+/* Record primaries other than Rec.709. Writers round the numbers to three digits. */
+static enum neph_status add_primaries(struct neph_image *image, exr_const_context_t context,
+                                      int part, struct neph_diag *diag)
+{
+    static const float rounding = 1e-3f;
+    float given[8];
+    read_primaries(context, part, given);
     bool is_rec709 = true;
     for (int i = 0; i < 8; i++)
         is_rec709 &= fabsf(given[i] - rec709[i]) <= rounding; /* false for NaN */
@@ -448,16 +439,16 @@ static enum neph_status add_primaries(struct neph_image *image, exr_const_contex
 }
 
 static enum neph_status add_pixel_aspect(struct neph_image *image, exr_const_context_t context,
-                                         struct neph_diag *diag)
+                                         int part, struct neph_diag *diag)
 {
     float aspect = 1.0f;
-    if (exr_get_pixel_aspect_ratio(context, NEPH_EXR_ONLY_PART, &aspect) != EXR_ERR_SUCCESS ||
-        aspect == 1.0f)
+    if (exr_get_pixel_aspect_ratio(context, part, &aspect) != EXR_ERR_SUCCESS || aspect == 1.0f)
         return NEPH_OK;
     return neph_image_set_attribute(image, "pixel_aspect", diag, "%.9g", (double)aspect);
 }
 
-static bool has_default_header(const struct neph_file_header *header, const struct layout *layout)
+static bool has_default_header(const struct neph_file_header *header,
+                               const struct neph_exr_layout *layout)
 {
     const int32_t *data = header->data_min_px, *display = header->display_min_px;
     return data[0] == 0 && data[1] == 0 && display[0] == 0 && display[1] == 0 &&
@@ -474,17 +465,18 @@ static bool has_same_attributes(exr_const_context_t context, const struct stream
     struct neph_exr_attribute attribute;
     const exr_attribute_t *found = NULL;
     int32_t expected = -1, count = 0;
-    exr_get_attribute_count(context, NEPH_EXR_ONLY_PART, &expected);
+    exr_get_attribute_count(context, stream->part.index, &expected);
     for (size_t at = 0;
-         neph_exr_next_attribute(stream->header, stream->header_bytes, &at, &attribute); count++)
-        if (exr_get_attribute_by_name(context, NEPH_EXR_ONLY_PART, attribute.name, &found) !=
+         neph_exr_next_attribute(stream->part.header, stream->part.header_bytes, &at, &attribute);
+         count++)
+        if (exr_get_attribute_by_name(context, stream->part.index, attribute.name, &found) !=
             EXR_ERR_SUCCESS)
             return false;
     return count == expected;
 }
 
 /* Keep the parts of the header needed to write the image again. Most files have none. */
-static enum neph_status add_header(struct neph_image *image, const struct layout *layout,
+static enum neph_status add_header(struct neph_image *image, const struct neph_exr_layout *layout,
                                    exr_const_context_t context, const struct stream *stream,
                                    struct neph_diag *diag)
 {
@@ -499,13 +491,13 @@ static enum neph_status add_header(struct neph_image *image, const struct layout
                                       .screen_width = 1.0f};
     if (width_px > INT32_MAX || height_px > INT32_MAX)
         return NEPH_OK; /* larger than any valid display window */
-    exr_get_pixel_aspect_ratio(context, NEPH_EXR_ONLY_PART, &header.pixel_aspect);
-    exr_get_screen_window_width(context, NEPH_EXR_ONLY_PART, &header.screen_width);
-    if (exr_get_screen_window_center(context, NEPH_EXR_ONLY_PART, &center) == EXR_ERR_SUCCESS) {
+    exr_get_pixel_aspect_ratio(context, layout->part, &header.pixel_aspect);
+    exr_get_screen_window_width(context, layout->part, &header.screen_width);
+    if (exr_get_screen_window_center(context, layout->part, &center) == EXR_ERR_SUCCESS) {
         header.screen_center[0] = center.x;
         header.screen_center[1] = center.y;
     }
-    header.attributes = malloc(stream->header_bytes + 1);
+    header.attributes = malloc(stream->part.header_bytes + 1);
     image->header = malloc(sizeof(header));
     if (!header.attributes || !image->header) {
         free(header.attributes);
@@ -514,8 +506,8 @@ static enum neph_status add_header(struct neph_image *image, const struct layout
         return neph_fail_memory(diag);
     }
     if (has_same_attributes(context, stream))
-        header.attribute_bytes = neph_exr_copy_preserved(stream->header, stream->header_bytes,
-                                                         header.attributes);
+        header.attribute_bytes = neph_exr_copy_preserved(
+            stream->part.header, stream->part.header_bytes, header.attributes);
     *image->header = header;
     if (has_default_header(&header, layout)) {
         free(header.attributes);
@@ -525,34 +517,39 @@ static enum neph_status add_header(struct neph_image *image, const struct layout
     return NEPH_OK;
 }
 
-static enum neph_status read_part(exr_const_context_t context, const char *path,
-                                  const struct stream *stream, struct neph_image **image,
-                                  struct neph_diag *diag)
+static enum neph_status read_chosen_part(exr_const_context_t context, const char *path,
+                                         const struct stream *stream, struct neph_image **image,
+                                         struct neph_diag *diag)
 {
     struct neph_image *created = NULL;
-    struct layout layout;
+    struct neph_exr_layout layout;
     exr_result_t result = EXR_ERR_SUCCESS;
     enum neph_status status = read_layout(context, path, stream, &layout, diag);
-    if (!status && (result = check_chunks(context, &layout)) != EXR_ERR_SUCCESS)
+    if (!status && (result = neph_exr_check_chunks(context, &layout)) != EXR_ERR_SUCCESS)
         status = fail_read(path, stream, result, diag);
     if (!status)
         status = neph_image_create(layout.width_px, layout.height_px, &created, diag);
     if (!status)
-        status = add_channels(created, &layout, diag);
+        status = add_channels(created, path, &layout, diag);
     if (!status)
         status = add_attributes(created, path, context, stream, diag);
     if (!status)
         status = add_crop(created, &layout, diag);
     if (!status)
-        status = add_primaries(created, context, diag);
+        status = add_primaries(created, context, layout.part, diag);
     if (!status)
-        status = add_pixel_aspect(created, context, diag);
+        status = add_pixel_aspect(created, context, layout.part, diag);
     if (!status)
-        status = neph_exr_interpret_attributes(stream->header, stream->header_bytes, created, diag);
+        status = neph_exr_interpret_attributes(stream->part.header, stream->part.header_bytes,
+                                               created, diag);
     if (!status)
         status = add_header(created, &layout, context, stream, diag);
-    if (!status && (result = read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
+    if (!status && (result = neph_exr_read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
         status = fail_read(path, stream, result, diag);
+    if (!status)
+        status = upsample(created, &layout, diag);
+    if (!status)
+        status = convert_chroma(created, path, context, layout.part, diag);
     if (status)
         neph_image_destroy(created);
     else
@@ -562,9 +559,15 @@ static enum neph_status read_part(exr_const_context_t context, const char *path,
 
 enum neph_status neph_exr_read(const char *path, struct neph_image **image, struct neph_diag *diag)
 {
+    return neph_exr_read_part(path, NULL, image, diag);
+}
+
+enum neph_status neph_exr_read_part(const char *path, const char *part, struct neph_image **image,
+                                    struct neph_diag *diag)
+{
     exr_context_t context = NULL;
     struct stream stream;
-    enum neph_status status = open_stream(path, &stream, diag);
+    enum neph_status status = open_stream(path, part, &stream, diag);
     if (status)
         goto done;
 
@@ -577,12 +580,15 @@ enum neph_status neph_exr_read(const char *path, struct neph_image **image, stru
      * zeros. */
     setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     exr_result_t result = exr_start_read(&context, path, &setup);
-    status = result ? fail_read(path, &stream, result, diag)
-                    : read_part(context, path, &stream, image, diag);
+    if (result && stream.has_deep) /* OpenEXRCore 3.1.5 does not find the deep part's version */
+        status = refuse_kind(path, "partly deep", diag);
+    else
+        status = result ? fail_read(path, &stream, result, diag)
+                        : read_chosen_part(context, path, &stream, image, diag);
 done:
     if (context)
         exr_finish(&context); /* also after a failure; else the context leaks */
-    free(stream.header);
+    free(stream.headers);
     if (stream.fd >= 0)
         close(stream.fd);
     return status;

@@ -76,7 +76,7 @@ bool neph_exr_next_attribute(const char *header, size_t size, size_t *at,
 
 /* Size of the complete attributes at the start of `text`; `*is_whole`: the header ends after them.
  */
-static size_t count_complete_bytes(const char *text, size_t size, bool *is_whole)
+static size_t count_attribute_bytes(const char *text, size_t size, bool *is_whole)
 {
     struct neph_exr_attribute attribute;
     size_t at = 0, whole = 0;
@@ -86,13 +86,39 @@ static size_t count_complete_bytes(const char *text, size_t size, bool *is_whole
     return whole;
 }
 
+/* Size of the complete headers and attributes of a multi-part file; an empty header ends them. */
+static size_t count_header_bytes(const char *text, size_t size, bool *is_whole)
+{
+    size_t whole = 0;
+    for (;;) {
+        whole += count_attribute_bytes(text + whole, size - whole, is_whole);
+        if (!*is_whole)
+            return whole;
+        whole++;
+        *is_whole = whole < size;
+        if (!*is_whole || text[whole] == '\0')
+            return whole;
+    }
+}
+
+bool neph_exr_next_header(const char *headers, size_t size, size_t *at, const char **header,
+                          size_t *bytes)
+{
+    bool is_whole;
+    if (*at >= size)
+        return false;
+    *header = headers + *at;
+    *bytes = count_attribute_bytes(*header, size - *at, &is_whole);
+    *at += *bytes + 1;
+    return true;
+}
+
 /* Read up to `size` bytes; -1: errno has the reason. */
-static ssize_t read_header_bytes(int fd, char *target, size_t size)
+static ssize_t read_bytes(int fd, size_t offset, char *target, size_t size)
 {
     size_t done = 0;
     while (done < size) {
-        const ssize_t got = pread(fd, target + done, size - done,
-                                  (off_t)(NEPH_EXR_PREFIX_BYTES + done));
+        const ssize_t got = pread(fd, target + done, size - done, (off_t)(offset + done));
         if (got < 0 && errno == EINTR)
             continue;
         if (got < 0)
@@ -104,16 +130,20 @@ static ssize_t read_header_bytes(int fd, char *target, size_t size)
     return (ssize_t)done;
 }
 
-enum neph_status neph_exr_read_header(int fd, uint64_t file_bytes, char **header, size_t *size,
-                                      struct neph_diag *diag)
+enum neph_status neph_exr_read_headers(int fd, uint64_t file_bytes, char **headers, size_t *size,
+                                       struct neph_diag *diag)
 {
+    unsigned char prefix[NEPH_EXR_PREFIX_BYTES] = {0};
+    if (read_bytes(fd, 0, (char *)prefix, sizeof(prefix)) < 0)
+        return NEPH_ERR_IO;
+    const bool has_parts = neph_exr_u32(prefix + 4) & NEPH_EXR_FLAG_MULTIPART;
     const uint64_t behind = file_bytes > NEPH_EXR_PREFIX_BYTES ? file_bytes - NEPH_EXR_PREFIX_BYTES
                                                                : 0;
     for (size_t room = FIRST_BYTES;; room *= 8) {
         char *text = malloc(room);
         if (!text)
             return neph_fail_memory(diag);
-        const ssize_t got = read_header_bytes(fd, text, room);
+        const ssize_t got = read_bytes(fd, NEPH_EXR_PREFIX_BYTES, text, room);
         if (got < 0) {
             const int error = errno;
             free(text);
@@ -121,9 +151,10 @@ enum neph_status neph_exr_read_header(int fd, uint64_t file_bytes, char **header
             return NEPH_ERR_IO;
         }
         bool is_whole;
-        const size_t whole = count_complete_bytes(text, (size_t)got, &is_whole);
+        const size_t whole = has_parts ? count_header_bytes(text, (size_t)got, &is_whole)
+                                       : count_attribute_bytes(text, (size_t)got, &is_whole);
         if (is_whole || room >= behind || room >= HEADER_MAX_BYTES) {
-            *header = text;
+            *headers = text;
             *size = whole;
             return NEPH_OK;
         }
@@ -144,8 +175,8 @@ enum neph_status neph_exr_add_attributes(char **file, uint64_t *file_bytes, int6
 {
     bool is_whole;
     const size_t place = NEPH_EXR_PREFIX_BYTES +
-                         count_complete_bytes(*file + NEPH_EXR_PREFIX_BYTES,
-                                              *file_bytes - NEPH_EXR_PREFIX_BYTES, &is_whole);
+                         count_attribute_bytes(*file + NEPH_EXR_PREFIX_BYTES,
+                                               *file_bytes - NEPH_EXR_PREFIX_BYTES, &is_whole);
     char *grown = realloc(*file, *file_bytes + bytes);
     if (!grown)
         return neph_fail_memory(diag);

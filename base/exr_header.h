@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The raw header of a single-part OpenEXR file. Used for properties that the library does not
+ * The raw headers of the parts of an OpenEXR file. Used for properties that the library does not
  * report, such as a compression it does not know, and for attributes that are copied without being
  * parsed. See "Header" in https://openexr.com/en/latest/OpenEXRFileLayout.html.
  */
@@ -13,7 +13,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { NEPH_EXR_PREFIX_BYTES = 8 }; /* magic number, version and flags, before the header */
+enum {
+    NEPH_EXR_PREFIX_BYTES = 8, /* magic number, version and flags, before the header */
+    /* Feature flags. See "Version Field" in https://openexr.com/en/latest/OpenEXRFileLayout.html */
+    NEPH_EXR_FLAG_DEEP = 0x800,
+    NEPH_EXR_FLAG_MULTIPART = 0x1000,
+};
 
 /* An attribute; its pointers point into the bytes of the header. */
 struct neph_exr_attribute {
@@ -30,11 +35,17 @@ struct neph_exr_attribute {
 bool neph_exr_next_attribute(const char *header, size_t size, size_t *at,
                              struct neph_exr_attribute *attribute);
 
-/* Read the attributes of an open file, without the zero byte that ends them. The caller frees
- * `*bytes`. Of a damaged header, the attributes before the damage. NEPH_ERR_MEMORY, NEPH_ERR_IO
- * (errno is set). */
-enum neph_status neph_exr_read_header(int fd, uint64_t file_bytes, char **header, size_t *size,
-                                      struct neph_diag *diag);
+/* Read the headers of an open file. Of a file without the flag for parts, the attributes without
+ * the zero byte that ends them; of a multi-part file, the header of each part with its zero byte.
+ * The caller frees `*headers`. Of a damaged header, the attributes before the damage.
+ * NEPH_ERR_MEMORY, NEPH_ERR_IO (errno is set). */
+enum neph_status neph_exr_read_headers(int fd, uint64_t file_bytes, char **headers, size_t *size,
+                                       struct neph_diag *diag);
+
+/* The header at `*at`, without its zero byte; `*at` moves to the next one. False: there are no
+ * more. */
+bool neph_exr_next_header(const char *headers, size_t size, size_t *at, const char **header,
+                          size_t *bytes);
 
 /* Integer and floats of a value, which must have 4 bytes (8 for a double) from `at` on. */
 uint32_t neph_exr_u32(const unsigned char *at);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Declarations shared by exr.c (reading) and exr_write.c (writing). Private to these two.
+ * Declarations shared by exr.c, exr_pixels.c (reading) and exr_write.c (writing). Private to these.
  */
 #ifndef NEPH_BASE_EXR_LIBRARY_H
 #define NEPH_BASE_EXR_LIBRARY_H

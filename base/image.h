@@ -31,7 +31,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define NEPH_IMAGE_NAME_MAX 64
+#define NEPH_IMAGE_NAME_MAX 256 /* OpenEXR names have at most 255 bytes */
 #define NEPH_IMAGE_SIDE_MAX_PX 16384
 
 struct neph_channel {

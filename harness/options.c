@@ -63,6 +63,9 @@ static const struct neph_cli_option shared_options[] = {
      .at = offsetof(struct neph_cli_shared, output)},
     {"page", 0, "DIR", .help = "An HTML page that opens from disk"},
     {"page-limit", 0, "MB", .help = "The most that the page may take"},
+    {"part", 0, "NAME",
+     .help = "Part of OpenEXR files with several, by its name or its number from 0 (default: the "
+             "only one with colour)"},
     {"ppd", 0, "N",
      .help =
          "Pixels per degree of the display (default: 67.02, 0.7 m from a screen 0.7 m and 3840 px "

@@ -29,7 +29,8 @@ struct request {
     struct neph_cli_words references;
     struct neph_cli_list metrics;
     struct neph_cli_words above, below; /* limits */
-    const char *mask, *csv, *junit, *page, *maps, *layer;
+    const char *mask, *csv, *junit, *page, *maps;
+    struct neph_frame_choice frame_choice;
     const char *second; /* words of the second reference */
     const char *versus; /* words of the other test */
     double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: the default */
@@ -55,7 +56,8 @@ static const struct neph_cli_option options[] = {
      "Only this mask: a name (all, sky, depth_edge, ...; `neph metrics --masks`), or an image that "
      "is above 0.5 inside",
      NEPH_CLI_WORD, AT(mask)},
-    {"layer", .kind = NEPH_CLI_WORD, AT(layer)},
+    {"part", .kind = NEPH_CLI_WORD, AT(frame_choice.part)},
+    {"layer", .kind = NEPH_CLI_WORD, AT(frame_choice.layer)},
     {"rings", 0, NULL,
      "Also the ring masks at depth edges, by distance and side (flicker always measures them, and "
      "shows them with this)",
@@ -284,7 +286,7 @@ static enum neph_status prepare(const struct request *request, struct neph_sides
         .mask_file = names_mask_file(request) ? request->mask : NULL,
         .detail_masks = request->temporal || request->rings ||
                         (request->mask && neph_mask_is_detail(request->mask)),
-        .layer = request->layer,
+        .frame_choice = request->frame_choice,
         .maps_directory = request->maps,
         .allow_frozen_frames = request->allow_frozen_frames || !request->temporal,
         .by_position = request->by_position,

@@ -236,11 +236,11 @@ enum neph_status neph_sides_check(const struct neph_sides *sides,
     if (status || first >= comparison->test.count || sides->other.count == 0)
         return status;
     const char *path = sides->other.paths[first];
-    status = neph_frame_read(comparison->test.paths[first], comparison->layer,
+    status = neph_frame_read(comparison->test.paths[first], &comparison->frame_choice,
                              comparison->negative_allowed, &test, diag);
     if (!status)
-        status = neph_frame_read(path, comparison->layer, comparison->negative_allowed, &other,
-                                 diag);
+        status = neph_frame_read(path, &comparison->frame_choice, comparison->negative_allowed,
+                                 &other, diag);
     if (!status)
         status = neph_frame_check_pair(test, other, diag);
     if (!status &&

@@ -27,7 +27,8 @@
 struct request {
     struct neph_cli_shared shared;
     struct neph_cli_words reference;
-    const char *preset, *chain, *scene, *layer;
+    const char *preset, *chain, *scene;
+    struct neph_frame_choice frame_choice;
     int repeat;
     int seed, bits; /* bits -1: chosen by the encoding */
     double rate_hz; /* NaN: the rate that the frames state */
@@ -53,7 +54,8 @@ static const struct neph_cli_option options[] = {
      .argument = "KEY=VALUE",
      .help = "A setting of the chain; may be given several times"},
     {"layer", 0, "NAME", "Radiance is the channels NAME.R and so on (Blender: ViewLayer.Combined)",
-     NEPH_CLI_WORD, AT(layer)},
+     NEPH_CLI_WORD, AT(frame_choice.layer)},
+    {"part", .kind = NEPH_CLI_WORD, AT(frame_choice.part)},
     {"seed", 0, NULL, "Seed of the grain", NEPH_CLI_INTEGER, AT(seed), "0", 0, INT_MAX},
     {"fps", 0, NULL, "Frames a second, for auto_exposure (default: the frames' attribute, else 60)",
      NEPH_CLI_REAL, AT(rate_hz), .minimum = 1e-3, .maximum = 1e4},
@@ -418,8 +420,8 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
     struct neph_image *frame = NULL, *picture = NULL;
     struct neph_post_stats stats;
     struct neph_chain_times times;
-    enum neph_status status = neph_frame_read_as_written(path, work->request->layer, 0, &frame,
-                                                         diag);
+    enum neph_status status = neph_frame_read_as_written(path, &work->request->frame_choice, 0,
+                                                         &frame, diag);
     if (status)
         return status;
     work->showing.params.step_s = 1.0 / frame_rate_hz(work, frame);

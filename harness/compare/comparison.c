@@ -144,8 +144,8 @@ static enum neph_status take_frame(struct pass *pass, const struct neph_comparis
         *image = held ? held->image : NULL;
         return NEPH_OK;
     }
-    const enum neph_status status = neph_frame_read(path, asked->layer, asked->negative_allowed,
-                                                    &read, diag);
+    const enum neph_status status = neph_frame_read(path, &asked->frame_choice,
+                                                    asked->negative_allowed, &read, diag);
     if (status)
         return status;
     *find_at_hand(pass, NULL) = (struct at_hand){path, read};
@@ -229,8 +229,9 @@ static enum neph_status check_channels(const struct neph_image *reference,
     neph_fail(diag, NEPH_ERR_INPUT, "%s: the channels of the reference are%s, of the test%s",
               both_or_none ? "nothing can be compared" : "only one of the two has radiance",
               in_reference, in_test);
-    neph_hint(diag, "radiance is in channels R G B, or in Y if it is grey; --layer NAME reads "
-                    "NAME.R NAME.G NAME.B");
+    neph_hint(diag,
+              "radiance is in channels R G B (r g b, red green blue, rgba.R ...), or in Y, L or "
+              "R alone; --layer NAME reads NAME.R NAME.G NAME.B");
     return NEPH_ERR_INPUT;
 }
 
@@ -272,7 +273,8 @@ static enum neph_status add_frame_masks(struct work *work, int index, struct nep
     struct neph_image *frame = NULL;
     const struct neph_sequence *reference = &work->asked->reference;
     const char *path = reference->paths[index];
-    enum neph_status status = neph_frame_read(path, work->asked->layer, SIZE_MAX, &frame, diag);
+    enum neph_status status = neph_frame_read(path, &work->asked->frame_choice, SIZE_MAX, &frame,
+                                              diag);
     if (!status)
         status = check_form(&work->forms[0], reference, index, frame, diag);
     if (!status)

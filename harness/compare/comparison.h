@@ -8,6 +8,7 @@
 
 #include "base/arena.h"
 #include "harness/compare/findings.h"
+#include "harness/compare/frame.h"
 #include "harness/compare/movement.h"
 #include "harness/compare/sequence.h"
 #include "harness/compare/versus.h"
@@ -35,11 +36,11 @@ struct neph_comparison {
     const struct neph_meter_number *wanted; /* the numbers to take; only their masks and "all" are
                                                made. Ends with a NULL metric; borrowed. NULL: all */
     const char *mask;                       /* a mask that must exist; NULL: none */
-    const char *layer;          /* prefix of the channels R G B Z ...; NULL: no prefix */
-    const char *mask_file;      /* image of a user's mask, inside above 0.5; or NULL */
-    bool detail_masks;          /* include the rings at depth edges */
-    const char *maps_directory; /* output folder for the extractors' maps; or NULL */
-    neph_map_taker *take_map;   /* callback for the maps; or NULL */
+    struct neph_frame_choice frame_choice;  /* part and layer of all frames */
+    const char *mask_file;                  /* image of a user's mask, inside above 0.5; or NULL */
+    bool detail_masks;                      /* include the rings at depth edges */
+    const char *maps_directory;             /* output folder for the extractors' maps; or NULL */
+    neph_map_taker *take_map;               /* callback for the maps; or NULL */
     void *map_context;
     int warm_up_frames;       /* skipped at the start of the sequences */
     size_t negative_allowed;  /* number of negative values allowed in a frame */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/compare/frame.h"
 
+#include "base/colour_names.h"
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/png.h"
@@ -13,13 +14,22 @@
 #include <string.h>
 #include <unistd.h>
 
+/* A PNG has no parts. */
+static enum neph_status read_png(const char *path, const char *part, struct neph_image **image,
+                                 struct neph_diag *diag)
+{
+    (void)part;
+    return neph_png_read_image(path, image, diag);
+}
+
 static const struct format {
     const char *name;
     unsigned char magic[4]; /* first bytes of every file */
-    enum neph_status (*read)(const char *path, struct neph_image **image, struct neph_diag *diag);
+    enum neph_status (*read)(const char *path, const char *part, struct neph_image **image,
+                             struct neph_diag *diag);
 } formats[] = {
-    {"OpenEXR", {0x76, 0x2f, 0x31, 0x01}, neph_exr_read},
-    {"PNG", {0x89, 'P', 'N', 'G'}, neph_png_read_image},
+    {"OpenEXR", {0x76, 0x2f, 0x31, 0x01}, neph_exr_read_part},
+    {"PNG", {0x89, 'P', 'N', 'G'}, read_png},
 };
 
 static enum neph_status find_format(const char *path, const struct format **format,
@@ -93,18 +103,62 @@ static bool has_any(const struct neph_image *image, const char *const *names, in
     return false;
 }
 
-/* Luminance without chroma (RY, BY) is a grey image, as in OpenEXR's own tools. */
+static bool has_channel(const void *context, const char *name)
+{
+    return neph_image_channel(context, name) != NULL;
+}
+
+static const struct neph_colour_names *find_colour_names(const struct neph_image *image)
+{
+    const struct neph_colour_names *names = NULL;
+    for (int i = 0; (names = neph_colour_names_at(i)) != NULL; i++)
+        if (neph_colour_names_fit(names, has_channel, image))
+            break;
+    return names;
+}
+
+static const char *const rgb_names[] = {"R", "G", "B"};
+
+static void rename_channel(struct neph_image *image, const char *from, const char *to)
+{
+    for (int i = 0; i < image->channel_count; i++)
+        if (strcmp(image->channels[i].name, from) == 0)
+            snprintf(image->channels[i].name, sizeof(image->channels[i].name), "%s", to);
+}
+
+/* Give a colour of other names (base/colour_names.h) the names R, G and B. */
+static void rename_colours(struct neph_image *image)
+{
+    const struct neph_colour_names *names = find_colour_names(image);
+    for (int c = 0; names && !names->is_grey && c < 3; c++) {
+        if (strcmp(names->names[c], rgb_names[c]) == 0)
+            continue;
+        neph_image_remove_channel(image, rgb_names[c]);
+        rename_channel(image, names->names[c], rgb_names[c]);
+    }
+}
+
+/* Copy a grey channel to those of R, G and B that are missing. */
 static enum neph_status make_grey_rgb(struct neph_image *image, struct neph_diag *diag)
 {
-    static const char *const colour[] = {"R", "G", "B", "RY", "BY"};
-    float *rgb[3];
-    if (has_any(image, colour, 5) || !neph_image_channel(image, "Y"))
-        return NEPH_OK;
-    enum neph_status status = neph_image_add_rgb(image, NULL, rgb, diag);
-    for (int c = 0; c < 3 && !status; c++)
-        memcpy(rgb[c], neph_image_channel(image, "Y"),
-               neph_image_pixel_count(image) * sizeof(*rgb[c]));
+    const struct neph_colour_names *names = find_colour_names(image);
+    enum neph_status status = NEPH_OK;
+    for (int c = 0; names && names->is_grey && c < 3 && !status; c++) {
+        float *samples;
+        if (neph_image_channel(image, rgb_names[c]))
+            continue;
+        status = neph_image_add_channel(image, rgb_names[c], &samples, diag);
+        if (!status)
+            memcpy(samples, neph_image_channel(image, names->names[0]),
+                   neph_image_pixel_count(image) * sizeof(*samples));
+    }
     return status;
+}
+
+static bool is_in_layer(const char *name, const char *layer)
+{
+    const size_t length = strlen(layer);
+    return strncmp(name, layer, length) == 0 && name[length] == '.';
 }
 
 /* Remove the colours without a layer prefix first, so that they cannot replace a colour that the
@@ -112,9 +166,14 @@ static enum neph_status make_grey_rgb(struct neph_image *image, struct neph_diag
 static enum neph_status take_layer(const char *path, struct neph_image *image, const char *layer,
                                    struct neph_diag *diag)
 {
-    static const char *const colours[] = {"R", "G", "B", "A", "X", "Y"};
-    for (size_t c = 0; c < sizeof(colours) / sizeof(colours[0]); c++)
-        neph_image_remove_channel(image, colours[c]);
+    static const char *const others[] = {"A", "X"};
+    const struct neph_colour_names *names;
+    for (size_t c = 0; c < sizeof(others) / sizeof(others[0]); c++)
+        neph_image_remove_channel(image, others[c]);
+    for (int i = 0; (names = neph_colour_names_at(i)) != NULL; i++)
+        for (int c = 0; c < 3; c++)
+            if (!is_in_layer(names->names[c], layer))
+                neph_image_remove_channel(image, names->names[c]);
     enum neph_status status = neph_image_take_layer(image, layer, diag);
     if (status && diag)
         neph_locate(diag, path, 0, 0);
@@ -138,11 +197,11 @@ static enum neph_status check_primaries(const char *path, const struct neph_imag
 static enum neph_status set_vector_aside(const char *path, struct neph_image *image,
                                          struct neph_diag *diag)
 {
-    static const char *const vector[] = {"X", "Y", "Z"}, *const rgb[] = {"R", "G", "B"};
+    static const char *const vector[] = {"X", "Y", "Z"};
     for (int c = 0; c < 3; c++)
         if (!neph_image_channel(image, vector[c]))
             return NEPH_OK;
-    if (!has_any(image, rgb, 3)) {
+    if (!has_any(image, rgb_names, 3)) {
         neph_fail(diag, NEPH_ERR_INPUT,
                   "'%s' has channels X Y Z and no R G B: CIE XYZ, or a vector, is neither radiance "
                   "nor depth",
@@ -185,7 +244,8 @@ double neph_frame_rate_hz(const struct neph_image *image)
     return NAN;
 }
 
-enum neph_status neph_frame_read_as_written(const char *path, const char *layer,
+enum neph_status neph_frame_read_as_written(const char *path,
+                                            const struct neph_frame_choice *choice,
                                             size_t negative_allowed, struct neph_image **image,
                                             struct neph_diag *diag)
 {
@@ -193,15 +253,17 @@ enum neph_status neph_frame_read_as_written(const char *path, const char *layer,
     struct neph_image *frame = NULL;
     enum neph_status status = find_format(path, &format, diag);
     if (!status)
-        status = format->read(path, &frame, diag);
-    if (!status && layer)
-        status = take_layer(path, frame, layer, diag);
+        status = format->read(path, choice ? choice->part : NULL, &frame, diag);
+    if (!status && choice && choice->layer)
+        status = take_layer(path, frame, choice->layer, diag);
+    if (!status)
+        rename_colours(frame);
     if (!status)
         status = set_vector_aside(path, frame, diag);
     if (!status)
-        status = check_primaries(path, frame, diag);
-    if (!status)
         status = make_grey_rgb(frame, diag);
+    if (!status)
+        status = check_primaries(path, frame, diag);
     const char *display = status ? NULL : neph_image_attribute(frame, NEPH_DISPLAY_ATTRIBUTE);
     if (display) /* written by `neph post` for a display */
         status = neph_image_set_attribute(frame, "encoding", diag, "%s", display);
@@ -214,11 +276,12 @@ enum neph_status neph_frame_read_as_written(const char *path, const char *layer,
     return status;
 }
 
-enum neph_status neph_frame_read(const char *path, const char *layer, size_t negative_allowed,
-                                 struct neph_image **image, struct neph_diag *diag)
+enum neph_status neph_frame_read(const char *path, const struct neph_frame_choice *choice,
+                                 size_t negative_allowed, struct neph_image **image,
+                                 struct neph_diag *diag)
 {
-    const enum neph_status status = neph_frame_read_as_written(path, layer, negative_allowed, image,
-                                                               diag);
+    const enum neph_status status = neph_frame_read_as_written(path, choice, negative_allowed,
+                                                               image, diag);
     if (!status) {
         remove_nonfinite_channels(*image);
         mark_sky(*image);

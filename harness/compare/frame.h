@@ -18,14 +18,23 @@
  * framesPerSecond. NaN: the file states none. */
 double neph_frame_rate_hz(const struct neph_image *image);
 
+/* What to take of a file. */
+struct neph_frame_choice {
+    const char
+        *part; /* name or number of a part of an OpenEXR file with several (base/exr.h); NULL:
+                          its only part with colour */
+    const char *layer; /* its channels "<layer>.R" become R, and so on; other colours are dropped.
+                          NULL: names are unchanged */
+};
+
 /* Read an OpenEXR or PNG file, recognized by its content, and check it with gate G0
  * (metrics/validity.h); the diag names the file.
  *
  * - Display images have the attribute "encoding": "sRGB" for a PNG, else the value of
  *   NEPH_DISPLAY_ATTRIBUTE.
- * - `layer`: its channels "<layer>.R" become R, and so on; other colours are dropped. NULL: names
- *   are unchanged.
- * - Y without R G B is a grey image. X, Y and Z beside R G B are a vector and become vector.X, ...
+ * - `choice` NULL: no part, no layer.
+ * - Other names of colours (base/colour_names.h) become R, G and B; one channel Y, L or R without
+ *   other colours is a grey image. X, Y and Z beside R G B are a vector and become vector.X, ...
  * - A depth of 0, 65504, 65535, 1e9, or at least 1e10 is the sky and becomes +inf.
  * - Unknown channels with NaN or infinite values (identifiers) are removed.
  * - `negative_allowed`: accepted number of negative values, as for neph_validity_gate().
@@ -33,11 +42,13 @@ double neph_frame_rate_hz(const struct neph_image *image);
  * NEPH_ERR_GATE: a value is NaN or infinite (depth may be +inf), or too many are negative.
  * NEPH_ERR_INPUT: another or damaged format, or colours that are not Rec.709 (such as CIE XYZ).
  * NEPH_ERR_NOT_FOUND, NEPH_ERR_IO. */
-enum neph_status neph_frame_read(const char *path, const char *layer, size_t negative_allowed,
-                                 struct neph_image **image, struct neph_diag *diag);
+enum neph_status neph_frame_read(const char *path, const struct neph_frame_choice *choice,
+                                 size_t negative_allowed, struct neph_image **image,
+                                 struct neph_diag *diag);
 
 /* As neph_frame_read(), but depth keeps the values of the file, and all channels are kept. */
-enum neph_status neph_frame_read_as_written(const char *path, const char *layer,
+enum neph_status neph_frame_read_as_written(const char *path,
+                                            const struct neph_frame_choice *choice,
                                             size_t negative_allowed, struct neph_image **image,
                                             struct neph_diag *diag);
 

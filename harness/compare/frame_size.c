@@ -41,19 +41,21 @@ static bool find_window(const char *header, size_t size, const char *name, int32
 
 static bool read_exr(int fd, uint64_t file_bytes, int *width_px, int *height_px)
 {
-    char *header = NULL;
-    size_t size = 0;
+    char *headers = NULL;
+    const char *header;
+    size_t size = 0, at = 0, bytes;
     int32_t data[4], display[4];
-    if (neph_exr_read_header(fd, file_bytes, &header, &size, NULL))
+    if (neph_exr_read_headers(fd, file_bytes, &headers, &size, NULL))
         return false;
-    const bool is_whole = find_window(header, size, "dataWindow", data) &&
-                          find_window(header, size, "displayWindow", display) &&
+    const bool is_whole = neph_exr_next_header(headers, size, &at, &header, &bytes) && at >= size &&
+                          find_window(header, bytes, "dataWindow", data) &&
+                          find_window(header, bytes, "displayWindow", display) &&
                           memcmp(data, display, sizeof(data)) == 0;
     if (is_whole) {
         *width_px = (int)((uint32_t)data[2] - (uint32_t)data[0] + 1u);
         *height_px = (int)((uint32_t)data[3] - (uint32_t)data[1] + 1u);
     }
-    free(header);
+    free(headers);
     return is_whole;
 }
 

@@ -9,9 +9,9 @@
 #include "base/status.h"
 #include "harness/compare/sequence.h"
 
-/* Read the size of an OpenEXR or PNG file without its pixels. False: the header is not valid, or
- * the data window is smaller than the display window; reading the whole file then reports the
- * problem. */
+/* Read the size of an OpenEXR or PNG file without its pixels. False: the header is not valid,
+ * the data window is smaller than the display window, or the file has several parts; reading the
+ * whole file then reports the problem. */
 bool neph_frame_size(const char *path, int *width_px, int *height_px);
 
 /* Check that all frames of several sequences have one size. NEPH_ERR_INPUT names two files of

@@ -20,7 +20,8 @@ enum neph_status neph_limit_parse(const char *text, bool below, struct neph_limi
     if (colon && fits)
         snprintf(limit->quantity, sizeof(limit->quantity), "%.*s", (int)(colon - text), text);
     const char *name = colon ? colon + 1 : text;
-    fits &= sscanf(name, "%63[^@=]@%63[^=]=%63s", limit->metric, limit->mask, rest) == 3 ||
+    _Static_assert(NEPH_IMAGE_NAME_MAX == 256, "the width of a mask in the format");
+    fits &= sscanf(name, "%63[^@=]@%255[^=]=%63s", limit->metric, limit->mask, rest) == 3 ||
             sscanf(name, "%63[^@=]=%63s", limit->metric, rest) == 2;
     if (!fits)
         return neph_fail(diag, NEPH_ERR_USAGE, "limit '%s' is not [QUANTITY:]METRIC[@MASK]=LIMIT",

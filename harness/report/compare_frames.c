@@ -147,7 +147,7 @@ static enum neph_status read_frame(const struct neph_comparison *asked,
 {
     const int at = asked->warm_up_frames + index;
     const char *path = sequence->paths[sequence->count == 1 ? 0 : at];
-    return neph_frame_read(path, asked->layer, asked->negative_allowed, image, diag);
+    return neph_frame_read(path, &asked->frame_choice, asked->negative_allowed, image, diag);
 }
 
 static enum neph_status draw_reference(struct drawing *drawing, const struct neph_image *image,

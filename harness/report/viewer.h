@@ -5,6 +5,7 @@
 #ifndef NEPH_HARNESS_REPORT_VIEWER_H
 #define NEPH_HARNESS_REPORT_VIEWER_H
 
+#include "harness/compare/frame.h"
 #include "harness/compare/sequence.h"
 #include "metrics/display_cube.h"
 #include "metrics/extractor.h"
@@ -20,10 +21,10 @@ struct neph_viewer {
     const char *title;
     /* the first is the reference of the others */
     struct neph_viewer_set sets[NEPH_VIEWER_SETS_MAX];
-    int set_count;               /* >= 1 */
-    const char *layer;           /* prefix of its channels R G B Z ...; NULL: no prefix */
-    struct neph_viewing viewing; /* initial exposure; the other members are for maps */
-    bool own_frame_rate;         /* use the frame rate that the frames state, if any */
+    int set_count;                         /* >= 1 */
+    struct neph_frame_choice frame_choice; /* part and layer of all frames */
+    struct neph_viewing viewing;           /* initial exposure; the other members are for maps */
+    bool own_frame_rate;                   /* use the frame rate that the frames state, if any */
     unsigned quantities;         /* neph_quantity_bit values; 0: all quantities of a set */
     const char *const *overlays; /* names of metric maps (`neph compare --maps`) */
     int overlay_count;

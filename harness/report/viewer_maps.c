@@ -126,7 +126,7 @@ static struct neph_comparison make_set_comparison(struct maps *maps, int set, bo
         .test = view->sets[set].frames,
         .viewing = view->viewing,
         .wanted = none,
-        .layer = view->layer,
+        .frame_choice = view->frame_choice,
         .take_map = take_map,
         .map_context = maps,
         .warm_up_frames = is_sequence ? view->warm_up_frames : 0,

@@ -95,8 +95,9 @@ static enum neph_status check_radiance(const char *path, const struct neph_image
         snprintf(names + strlen(names), sizeof(names) - strlen(names), " %s",
                  image->channels[c].name);
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' has no radiance: its channels are%s", path, names);
-    neph_hint(diag, "radiance is in channels R G B, or in Y if it is grey; --layer NAME reads "
-                    "NAME.R NAME.G NAME.B");
+    neph_hint(diag,
+              "radiance is in channels R G B (r g b, red green blue, rgba.R ...), or in Y, L or "
+              "R alone; --layer NAME reads NAME.R NAME.G NAME.B");
     return NEPH_ERR_INPUT;
 }
 
@@ -218,9 +219,10 @@ static enum neph_status ship_file(struct page_state *page_state, int set, int fr
                                   const char *path, unsigned *found, struct neph_diag *diag)
 {
     struct neph_image *image = NULL;
-    enum neph_status status =
-        neph_interrupted() ? neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted")
-                           : neph_frame_read(path, page_state->view->layer, SIZE_MAX, &image, diag);
+    enum neph_status status = neph_interrupted()
+                                  ? neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted")
+                                  : neph_frame_read(path, &page_state->view->frame_choice, SIZE_MAX,
+                                                    &image, diag);
     if (!status)
         status = check_frame(page_state, path, image, diag);
     if (!status)

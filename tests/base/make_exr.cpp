@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The program make_exr FOLDER writes OpenEXR files of all kinds for test_exr_library.c with the
- * OpenEXR library. Each NAME.exr of flat scanlines has a NAME.raw: its samples as 32-bit floats,
+ * OpenEXR library. Each NAME.exr of a flat image has a NAME.raw: its samples as 32-bit floats,
  * channel after channel in the order of their names, as the library's own reader returns them. With
  * lossless compression the program fails if they differ from the written samples.
  */
@@ -17,6 +17,7 @@
 #include <ImfChannelList.h>
 #include <ImfDeepFrameBuffer.h>
 #include <ImfDeepScanLineOutputFile.h>
+#include <ImfDeepScanLineOutputPart.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
@@ -28,10 +29,13 @@
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfTiledOutputFile.h>
+#include <ImfTiledOutputPart.h>
 #include <half.h>
 
 namespace
 {
+
+enum { CHROMA_WIDTH = 80, CHROMA_HEIGHT = 66 };
 
 using namespace OPENEXR_IMF_NAMESPACE;
 using IMATH_NAMESPACE::Box2i;
@@ -281,6 +285,65 @@ void write_windows(const std::string &folder)
     }
 }
 
+/* ---- tiles ----------------------------------------------------------------------------------- */
+
+void write_level(TiledOutputFile &file, Picture &picture, int x, int y)
+{
+    /* Smaller levels have the first samples of the full size: only their number matters. */
+    file.setFrameBuffer(make_frame_buffer(picture));
+    file.writeTiles(0, file.numXTiles(x) - 1, 0, file.numYTiles(y) - 1, x, y);
+}
+
+void write_tiled(const std::string &stem, Picture picture, const TileDescription &tiles)
+{
+    const std::string path = stem + ".exr";
+    {
+        Header header = make_header(picture);
+        header.setTileDescription(tiles);
+        TiledOutputFile file(path.c_str(), header);
+        for (int y = 0; y < file.numYLevels(); y++)
+            for (int x = 0; x < file.numXLevels(); x++)
+                if (tiles.mode == RIPMAP_LEVELS || x == y)
+                    write_level(file, picture, x, y);
+    }
+    const Picture read = read_back(path, picture);
+    check_lossless(path, picture, read);
+    write_raw(stem + ".raw", read);
+}
+
+const struct {
+    const char *name;
+    LevelMode mode;
+    LevelRoundingMode rounding;
+} levels[] = {
+    {"one", ONE_LEVEL, ROUND_DOWN},
+    {"mipmap", MIPMAP_LEVELS, ROUND_DOWN},
+    {"mipmap_up", MIPMAP_LEVELS, ROUND_UP},
+    {"ripmap", RIPMAP_LEVELS, ROUND_UP},
+};
+
+const unsigned tile_sizes[][2] = {{16, 16}, {7, 3}, {64, 128}};
+
+void write_all_tiles(const std::string &folder)
+{
+    char name[96];
+    for (const auto &kind : compressions)
+        for (const auto &type : types)
+            for (const auto &size : tile_sizes) {
+                std::snprintf(name, sizeof(name), "/%s_tiles_%s_%ux%u", kind.name, type.name,
+                              size[0], size[1]);
+                write_tiled(folder + name, make(33, 31, kind.compression, {type.of, type.of + 5}),
+                            TileDescription(size[0], size[1], ONE_LEVEL));
+            }
+    for (const auto &level : levels) {
+        std::snprintf(name, sizeof(name), "/zip_levels_%s", level.name);
+        Picture picture = make(33, 31, ZIP_COMPRESSION, {HALF, HALF, HALF});
+        picture.window = Box2i(V2i(-5, 13), V2i(27, 43));
+        picture.order = RANDOM_Y;
+        write_tiled(folder + name, picture, TileDescription(8, 4, level.mode, level.rounding));
+    }
+}
+
 /* ---- attributes: only .exr ------------------------------------------------------------------- */
 
 void write_header_alone(const std::string &path, const Header &header)
@@ -310,37 +373,50 @@ void write_attributes(const std::string &folder)
 
 /* ---- other kinds: only .exr ------------------------------------------------------------------ */
 
-void write_tiled(const std::string &folder, const char *name, LevelMode mode)
+Header make_part_header(const Picture &picture, const char *name, const std::string &type)
 {
-    Picture picture = make(33, 31, ZIP_COMPRESSION, {HALF, HALF, HALF});
     Header header = make_header(picture);
-    header.setTileDescription(TileDescription(16, 16, mode));
-    TiledOutputFile file((folder + name).c_str(), header);
-    file.setFrameBuffer(make_frame_buffer(picture));
-    file.writeTiles(0, file.numXTiles(0) - 1, 0, file.numYTiles(0) - 1, 0);
+    header.setName(name);
+    header.setType(type);
+    return header;
 }
 
+void write_scanline_part(MultiPartOutputFile &file, int number, Picture picture)
+{
+    OutputPart part(file, number);
+    part.setFrameBuffer(make_frame_buffer(picture));
+    part.writePixels(picture.height());
+}
+
+void write_tiled_part(MultiPartOutputFile &file, int number, Picture picture)
+{
+    TiledOutputPart part(file, number);
+    part.setFrameBuffer(make_frame_buffer(picture));
+    part.writeTiles(0, part.numXTiles(0) - 1, 0, part.numYTiles(0) - 1, 0);
+}
+
+/* Two parts with colour, a tiled one without. */
 void write_parts(const std::string &folder)
 {
-    Picture picture = make(33, 31, ZIP_COMPRESSION, {HALF, HALF, HALF});
-    std::vector<Header> headers(2, make_header(picture));
-    for (int i = 0; i < 2; i++) {
-        headers[static_cast<size_t>(i)].setName(i ? "right" : "left");
-        headers[static_cast<size_t>(i)].setType(SCANLINEIMAGE);
-    }
-    MultiPartOutputFile file((folder + "/parts.exr").c_str(), headers.data(), 2);
-    for (int i = 0; i < 2; i++) {
-        OutputPart part(file, i);
-        part.setFrameBuffer(make_frame_buffer(picture));
-        part.writePixels(picture.height());
-    }
+    const Picture left = make(33, 31, ZIP_COMPRESSION, {HALF, HALF, HALF, HALF}),
+                  right = make(33, 31, PIZ_COMPRESSION, {FLOAT, FLOAT, FLOAT, FLOAT, FLOAT}),
+                  tiles = make(33, 31, NO_COMPRESSION, {HALF});
+    std::vector<Header> headers = {make_part_header(left, "left", SCANLINEIMAGE),
+                                   make_part_header(right, "right", SCANLINEIMAGE),
+                                   make_part_header(tiles, "0", TILEDIMAGE)};
+    headers[2].setTileDescription(TileDescription(16, 16, ONE_LEVEL));
+    MultiPartOutputFile file((folder + "/parts.exr").c_str(), headers.data(), 3);
+    write_scanline_part(file, 0, left);
+    write_scanline_part(file, 1, right);
+    write_tiled_part(file, 2, tiles);
+    write_raw(folder + "/parts_left.raw", left);
+    write_raw(folder + "/parts_right.raw", right);
+    write_raw(folder + "/parts_0.raw", tiles);
 }
 
-void write_deep(const std::string &folder)
+/* One deep sample of 0.5 at each of 2x2 pixels. */
+template <typename File> void write_deep_samples(File &file)
 {
-    Picture picture = make(2, 2, ZIPS_COMPRESSION, {FLOAT});
-    Header header = make_header(picture);
-    header.setType(DEEPSCANLINE);
     std::vector<unsigned> counts(4, 1);
     std::vector<float> samples(4, 0.5f);
     std::vector<float *> pointers;
@@ -351,18 +427,78 @@ void write_deep(const std::string &folder)
                                         sizeof(unsigned), 2 * sizeof(unsigned)));
     buffer.insert("A", DeepSlice(FLOAT, reinterpret_cast<char *>(pointers.data()), sizeof(float *),
                                  2 * sizeof(float *), sizeof(float)));
-    DeepScanLineOutputFile file((folder + "/deep.exr").c_str(), header);
     file.setFrameBuffer(buffer);
     file.writePixels(2);
 }
 
-/* Y at every pixel, RY and BY at every second one. */
+void write_deep(const std::string &folder)
+{
+    Header header = make_header(make(2, 2, ZIPS_COMPRESSION, {FLOAT}));
+    header.setType(DEEPSCANLINE);
+    DeepScanLineOutputFile file((folder + "/deep.exr").c_str(), header);
+    write_deep_samples(file);
+}
+
+/* One flat part with colour behind a deep part. */
+void write_deep_part(const std::string &folder)
+{
+    const Picture flat = make(2, 2, ZIP_COMPRESSION, {HALF, HALF, HALF, HALF}),
+                  deep = make(2, 2, ZIPS_COMPRESSION, {FLOAT});
+    std::vector<Header> headers = {make_part_header(deep, "deep", DEEPSCANLINE),
+                                   make_part_header(flat, "flat", SCANLINEIMAGE)};
+    headers[0].setVersion(1);
+    MultiPartOutputFile file((folder + "/deep_part.exr").c_str(), headers.data(), 2);
+    DeepScanLineOutputPart part(file, 0);
+    write_deep_samples(part);
+    write_scanline_part(file, 1, flat);
+    write_raw(folder + "/deep_part.raw", flat);
+}
+
+/* B, R and G (the order of BY, RY, Y) of the pixels that the library reads. */
+void write_chroma_raw(const std::string &stem)
+{
+    RgbaInputFile file((stem + ".exr").c_str());
+    std::vector<Rgba> pixels(CHROMA_WIDTH * CHROMA_HEIGHT);
+    file.setFrameBuffer(pixels.data(), 1, CHROMA_WIDTH);
+    file.readPixels(0, CHROMA_HEIGHT - 1);
+    std::ofstream out(stem + ".raw", std::ios::binary);
+    for (half Rgba::*colour : {&Rgba::b, &Rgba::r, &Rgba::g})
+        for (const Rgba &pixel : pixels) {
+            const float value = pixel.*colour;
+            out.write(reinterpret_cast<const char *>(&value), sizeof(value));
+        }
+    if (!out.flush())
+        throw std::runtime_error("cannot write " + stem + ".raw");
+}
+
+/* Y at every pixel, RY and BY at every second one, of smooth colours in which OpenEXR's reader
+ * limits no saturation. */
 void write_luminance_chroma(const std::string &folder)
 {
-    const std::vector<Rgba> pixels(40 * 20, Rgba(0.5f, 0.25f, 0.75f));
-    RgbaOutputFile file((folder + "/chroma.exr").c_str(), 40, 20, WRITE_YC);
-    file.setFrameBuffer(pixels.data(), 1, 40);
-    file.writePixels(20);
+    using IMATH_NAMESPACE::V2f;
+    std::vector<Rgba> pixels;
+    for (int y = 0; y < CHROMA_HEIGHT; y++)
+        for (int x = 0; x < CHROMA_WIDTH; x++)
+            pixels.push_back(Rgba(0.5f + 0.2f * std::sin(0.21f * static_cast<float>(x)),
+                                  0.5f + 0.1f * std::sin(0.17f * static_cast<float>(x + y)),
+                                  0.5f + 0.2f * std::cos(0.13f * static_cast<float>(y))));
+    for (const auto &kind : compressions) {
+        if (kind.compression >= DWAA_COMPRESSION)
+            continue;
+        const std::string stem = folder + "/chroma_" + kind.name;
+        Header header(CHROMA_WIDTH, CHROMA_HEIGHT);
+        header.compression() = kind.compression;
+        if (kind.compression == PIZ_COMPRESSION) /* ACES */
+            addChromaticities(header,
+                              Chromaticities(V2f(0.7347f, 0.2653f), V2f(0.0f, 1.0f),
+                                             V2f(0.0001f, -0.077f), V2f(0.32168f, 0.33767f)));
+        {
+            RgbaOutputFile file((stem + ".exr").c_str(), header, WRITE_YC);
+            file.setFrameBuffer(pixels.data(), 1, CHROMA_WIDTH);
+            file.writePixels(CHROMA_HEIGHT);
+        }
+        write_chroma_raw(stem);
+    }
 }
 
 } // namespace
@@ -377,11 +513,11 @@ int main(int argc, char **argv)
         write_linear(folder);
         write_upwards(folder);
         write_windows(folder);
+        write_all_tiles(folder);
         write_attributes(folder);
-        write_tiled(folder, "/tiled.exr", ONE_LEVEL);
-        write_tiled(folder, "/mipmap.exr", MIPMAP_LEVELS);
         write_parts(folder);
         write_deep(folder);
+        write_deep_part(folder);
         write_luminance_chroma(folder);
     } catch (const std::exception &error) {
         std::fprintf(stderr, "make_exr: %s\n", error.what());

@@ -6,8 +6,11 @@
 #include "tests/base/scratch.h"
 
 #include "base/exr.h"
+#include "base/exr_header.h"
 
 #include <OpenEXR/openexr.h>
+#include <fcntl.h>
+#include <unistd.h>
 
 static uint64_t test_seed(void)
 {
@@ -197,6 +200,10 @@ static void test_long_channel_names(void **state)
     neph_assert_ok(
         neph_image_add_rgb(image, "a_layer_with_a_name_of_more_than_31_bytes", rgb, NULL), NULL);
     rgb[1][4] = 42.0f;
+    char name[NEPH_IMAGE_NAME_MAX];
+    memset(name, 'n', sizeof(name) - 1);
+    name[sizeof(name) - 1] = '\0';
+    neph_assert_ok(neph_image_add_channel(image, name, NULL, NULL), NULL);
     assert_round_trip(scratch_path(state, path, "names.exr"), image);
     neph_image_destroy(image);
 }
@@ -239,6 +246,7 @@ static void test_failed_write_keeps_the_old_file(void **state)
 enum {
     OTHER_WIDTH = 32, /* with 5, OpenEXRCore 3.1.5 itself writes a broken ZIPS file, see below */
     OTHER_HEIGHT = 35,
+    OTHER_TILE = 16,
 };
 
 struct other_file {
@@ -297,12 +305,24 @@ static void write_other_scanlines(exr_context_t context, int part, const struct 
     }
 }
 
-static void write_other_tile(exr_context_t context, int part)
+static void write_other_tile(exr_context_t context, int part, int column, int row)
 {
     float pixels[OTHER_WIDTH * OTHER_HEIGHT] = {0};
     exr_chunk_info_t chunk;
-    assert_int_equal(exr_write_tile_chunk_info(context, part, 0, 0, 0, 0, &chunk), EXR_ERR_SUCCESS);
+    for (int y = 0; y < OTHER_TILE; y++)
+        for (int x = 0; x < OTHER_TILE; x++)
+            pixels[y * OTHER_WIDTH + x] = other_value(OTHER_TILE * column + x,
+                                                      OTHER_TILE * row + y);
+    assert_int_equal(exr_write_tile_chunk_info(context, part, column, row, 0, 0, &chunk),
+                     EXR_ERR_SUCCESS);
     encode_other_chunk(context, part, &chunk, pixels);
+}
+
+static void write_other_tiles(exr_context_t context, int part)
+{
+    for (int row = 0; OTHER_TILE * row < OTHER_HEIGHT; row++)
+        for (int column = 0; OTHER_TILE * column < OTHER_WIDTH; column++)
+            write_other_tile(context, part, column, row);
 }
 
 static void declare_other_part(exr_context_t context, int part, const struct other_file *other)
@@ -318,9 +338,9 @@ static void declare_other_part(exr_context_t context, int part, const struct oth
         exr_add_channel(context, part, "Y", other->type, EXR_PERCEPTUALLY_LINEAR, 1, 1),
         EXR_ERR_SUCCESS);
     if (other->storage == EXR_STORAGE_TILED)
-        assert_int_equal(
-            exr_set_tile_descriptor(context, part, 64, 64, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN),
-            EXR_ERR_SUCCESS);
+        assert_int_equal(exr_set_tile_descriptor(context, part, OTHER_TILE, OTHER_TILE,
+                                                 EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN),
+                         EXR_ERR_SUCCESS);
 }
 
 /* A file as another program would write it; the default window is at the origin. */
@@ -344,7 +364,7 @@ static void write_other(const char *path, struct other_file other)
     assert_int_equal(exr_write_header(context), EXR_ERR_SUCCESS);
     for (int part = 0; part < part_count; part++) {
         if (other.storage == EXR_STORAGE_TILED)
-            write_other_tile(context, part);
+            write_other_tiles(context, part);
         else
             write_other_scanlines(context, part, &other);
     }
@@ -412,6 +432,18 @@ static void test_reads_types_compressions_and_orders(void **state)
     }
 }
 
+static void test_reads_tiles(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    scratch_path(state, path, "tiled.exr");
+    for (int compression = 0; compression <= EXR_COMPRESSION_PIZ; compression++) {
+        write_other(path, (struct other_file){.type = EXR_PIXEL_FLOAT,
+                                              .storage = EXR_STORAGE_TILED,
+                                              .compression = (exr_compression_t)compression});
+        assert_reads_other(path);
+    }
+}
+
 static void test_window_need_not_start_at_zero(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -474,13 +506,11 @@ static void test_other_kinds_are_refused_by_name(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     scratch_path(state, path, "kind.exr");
-    write_other(path, (struct other_file){.storage = EXR_STORAGE_TILED, .type = EXR_PIXEL_FLOAT});
-    assert_refused(path, NEPH_ERR_INPUT, "tiled");
     write_other(path, (struct other_file){.part_count = 2, .type = EXR_PIXEL_FLOAT});
-    assert_refused(path, NEPH_ERR_INPUT, "multi-part");
+    assert_refused(path, NEPH_ERR_INPUT, "more than one flat part with colour");
     write_other(path, (struct other_file){.type = EXR_PIXEL_FLOAT});
-    patch(path, "channels", "chlist", 2 + 8, 2); /* after "Y", its type and flags: x_sampling */
-    assert_refused(path, NEPH_ERR_INPUT, "is subsampled");
+    patch(path, "channels", "chlist", 2 + 8, 4); /* after "Y", its type and flags: x_sampling */
+    assert_refused(path, NEPH_ERR_INPUT, "'Y' is subsampled by 4x1");
 }
 
 /* ---- broken files ---------------------------------------------------------------------------- */
@@ -528,7 +558,7 @@ static void test_dwa_is_refused(void **state)
     char *data = good_file(state, &size);
     *attribute_value(data, size, "compression", "compression") = EXR_COMPRESSION_DWAA;
     neph_assert_ok(neph_file_write(scratch_path(state, path, "dwa.exr"), data, size, NULL), NULL);
-    assert_refused(path, NEPH_ERR_INPUT, "DWA");
+    assert_refused(path, NEPH_ERR_INPUT, "DWAA (code 8)");
     free(data);
 }
 
@@ -549,12 +579,60 @@ static void test_oversized_is_refused(void **state)
     free(data);
 }
 
-/* No prefix of a valid file is accepted as valid. */
-static void test_truncated_at_every_length(void **state)
+enum { MANY_CHANNELS = 1024 };
+
+/* The header of a file of many channels and the largest size, from a file of one pixel. Returns the
+ * place of the table of chunks. */
+static off_t write_large_header(const char *path)
+{
+    char name[8], *data = NULL;
+    size_t size = 0, at = NEPH_EXR_PREFIX_BYTES;
+    struct neph_image *image = NULL;
+    struct neph_exr_attribute attribute;
+    neph_assert_ok(neph_image_create(1, 1, &image, NULL), NULL);
+    for (int i = 0; i < MANY_CHANNELS; i++) {
+        snprintf(name, sizeof(name), "c%04d", i);
+        neph_assert_ok(neph_image_add_channel(image, name, NULL, NULL), NULL);
+    }
+    neph_assert_ok(neph_exr_write(path, image, NULL), NULL);
+    neph_image_destroy(image);
+    neph_assert_ok(neph_file_read(path, SIZE_MAX, &data, &size, NULL), NULL);
+    for (int corner = 8; corner <= 12; corner += 4) {
+        put_32(attribute_value(data, size, "dataWindow", "box2i") + corner,
+               NEPH_IMAGE_SIDE_MAX_PX - 1);
+        put_32(attribute_value(data, size, "displayWindow", "box2i") + corner,
+               NEPH_IMAGE_SIDE_MAX_PX - 1);
+    }
+    while (neph_exr_next_attribute(data, size, &at, &attribute))
+        ;
+    scratch_write(path, data, at + 1);
+    free(data);
+    return (off_t)at + 1;
+}
+
+/* Each chunk has the least size that the compression allows; the file is sparse. */
+static void test_more_than_the_memory_is_refused(void **state)
 {
     char path[SCRATCH_PATH_MAX];
-    size_t size = 0;
-    char *data = good_file(state, &size);
+    const int rows = 16, chunk_count = NEPH_IMAGE_SIDE_MAX_PX / rows;
+    const int32_t chunk_bytes = NEPH_IMAGE_SIDE_MAX_PX / 2048 * MANY_CHANNELS * rows * 4;
+    const off_t table = write_large_header(scratch_path(state, path, "large.exr"));
+    const int fd = open(path, O_RDWR);
+    for (int i = 0; i < chunk_count; i++) {
+        const int64_t offset = table + 8 * chunk_count + (off_t)(chunk_bytes + 8) * i;
+        const int32_t head[2] = {rows * i, chunk_bytes};
+        assert_int_equal(pwrite(fd, &offset, 8, table + 8 * i), 8);
+        assert_int_equal(pwrite(fd, head, 8, offset), 8);
+        assert_int_equal(ftruncate(fd, offset + 8 + chunk_bytes), 0);
+    }
+    close(fd);
+    assert_refused(path, NEPH_ERR_MEMORY, "needs 1024 GiB of memory");
+}
+
+/* No prefix of a valid file is accepted as valid. */
+static void assert_prefixes_refused(void **state, const char *data, size_t size)
+{
+    char path[SCRATCH_PATH_MAX];
     scratch_path(state, path, "cut.exr");
     for (size_t length = 0; length < size; length += length < 1200 || length + 40 > size ? 1 : 97) {
         scratch_write(path, data, length);
@@ -567,6 +645,26 @@ static void test_truncated_at_every_length(void **state)
         assert_non_null(strstr(diag.message, length < 8 ? "not an OpenEXR" : "is truncated"));
         assert_null(image);
     }
+}
+
+static void test_truncated_at_every_length(void **state)
+{
+    size_t size = 0;
+    char *data = good_file(state, &size);
+    assert_prefixes_refused(state, data, size);
+    free(data);
+}
+
+static void test_truncated_tiles(void **state)
+{
+    char path[SCRATCH_PATH_MAX], *data = NULL;
+    size_t size = 0;
+    write_other(scratch_path(state, path, "tiled.exr"),
+                (struct other_file){.type = EXR_PIXEL_HALF,
+                                    .storage = EXR_STORAGE_TILED,
+                                    .compression = EXR_COMPRESSION_ZIP});
+    neph_assert_ok(neph_file_read(path, SIZE_MAX, &data, &size, NULL), NULL);
+    assert_prefixes_refused(state, data, size);
     free(data);
 }
 
@@ -580,13 +678,14 @@ static size_t count_finite(const struct neph_image *image)
     return count;
 }
 
-/* Reads arbitrary bytes: no crash, and either an image or an error, never both or neither. */
+/* Reads arbitrary bytes, of several parts the second: no crash, and either an image or an error,
+ * never both or neither. */
 static void read_anything(const char *path, const char *data, size_t size)
 {
     scratch_write(path, data, size);
     struct neph_image *image = NULL;
     struct neph_diag diag = {0};
-    enum neph_status status = neph_exr_read(path, &image, &diag);
+    enum neph_status status = neph_exr_read_part(path, "second", &image, &diag);
     assert_true((status == NEPH_OK) == (image != NULL));
     assert_true(status == NEPH_OK || diag.message[0] != '\0');
     if (image)
@@ -640,22 +739,51 @@ static void test_flipped_bytes(void **state)
     free(data);
 }
 
+static void flip_other(const char *path, struct other_file other, uint64_t *random)
+{
+    char *data = NULL;
+    size_t size = 0;
+    write_other(path, other);
+    neph_assert_ok(neph_file_read(path, SIZE_MAX, &data, &size, NULL), NULL);
+    for (int i = 0; i < 400; i++)
+        flip_bytes(path, data, size, 8, size, random);
+    free(data);
+}
+
 static void test_flipped_bytes_in_every_compression(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     uint64_t random = test_seed();
     print_message("NEPH_TEST_SEED=%llu\n", (unsigned long long)random);
     scratch_path(state, path, "flipped.exr");
-    for (int compression = 0; compression <= EXR_COMPRESSION_B44A; compression++) {
-        write_other(path, (struct other_file){.type = EXR_PIXEL_HALF,
-                                              .compression = (exr_compression_t)compression});
-        char *data = NULL;
-        size_t size = 0;
-        neph_assert_ok(neph_file_read(path, SIZE_MAX, &data, &size, NULL), NULL);
-        for (int i = 0; i < 400; i++)
-            flip_bytes(path, data, size, 8, size, &random);
-        free(data);
-    }
+    for (int compression = 0; compression <= EXR_COMPRESSION_B44A; compression++)
+        flip_other(path,
+                   (struct other_file){.type = EXR_PIXEL_HALF,
+                                       .compression = (exr_compression_t)compression},
+                   &random);
+}
+
+static void test_flipped_bytes_of_tiles(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    uint64_t random = test_seed();
+    print_message("NEPH_TEST_SEED=%llu\n", (unsigned long long)random);
+    flip_other(scratch_path(state, path, "flipped.exr"),
+               (struct other_file){.type = EXR_PIXEL_HALF,
+                                   .storage = EXR_STORAGE_TILED,
+                                   .compression = EXR_COMPRESSION_ZIP},
+               &random);
+}
+
+static void test_flipped_bytes_of_parts(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    uint64_t random = test_seed();
+    print_message("NEPH_TEST_SEED=%llu\n", (unsigned long long)random);
+    flip_other(scratch_path(state, path, "flipped.exr"),
+               (struct other_file){
+                   .type = EXR_PIXEL_HALF, .part_count = 2, .compression = EXR_COMPRESSION_ZIP},
+               &random);
 }
 
 /* The writer of a file chooses channel names, and messages display them. */
@@ -674,6 +802,11 @@ static void test_names_of_channels_are_fit_to_be_shown(void **state)
     const float *found = neph_image_channel(read, "mask.a\\x1b[2J\\u009b\\xff");
     assert_non_null(found);
     assert_true(found[1] == 3.0f);
+    char controls[NEPH_IMAGE_NAME_MAX] = {0}; /* four times as long with escapes */
+    memset(controls, '\x01', sizeof(controls) - 1);
+    neph_assert_ok(neph_image_add_channel(written, controls, NULL, &diag), &diag);
+    neph_assert_ok(neph_exr_write(path, written, &diag), &diag);
+    assert_refused(path, NEPH_ERR_INPUT, "named.exr': channel name '\\x01");
     neph_image_destroy(written);
     neph_image_destroy(read);
 }
@@ -690,6 +823,7 @@ int main(void)
         scratch_test(test_unwritable_images_are_refused),
         scratch_test(test_failed_write_keeps_the_old_file),
         scratch_test(test_reads_types_compressions_and_orders),
+        scratch_test(test_reads_tiles),
         scratch_test(test_window_need_not_start_at_zero),
         scratch_test(test_a_crop_says_where_it_lies),
         scratch_test(test_half_infinities_and_nan),
@@ -698,11 +832,15 @@ int main(void)
         scratch_test(test_deep_flag_is_refused),
         scratch_test(test_dwa_is_refused),
         scratch_test(test_oversized_is_refused),
+        scratch_test(test_more_than_the_memory_is_refused),
         scratch_test(test_truncated_at_every_length),
+        scratch_test(test_truncated_tiles),
         scratch_test(test_random_garbage),
         scratch_test(test_flipped_bytes),
         scratch_test(test_names_of_channels_are_fit_to_be_shown),
         scratch_test(test_flipped_bytes_in_every_compression),
+        scratch_test(test_flipped_bytes_of_tiles),
+        scratch_test(test_flipped_bytes_of_parts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

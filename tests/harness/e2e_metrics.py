@@ -313,6 +313,43 @@ class Metrics(neph_case.NephCase):
         self.assertEqual(values_of(found)["mae", "all"], 0.5)
         self.neph("compare", *pair, "--layer", "Combined", code=65, said="ViewLayer.Combined")
 
+    def test_other_names_of_channels(self):
+        def write(name, value, names, *further):
+            (self.folder / name).write_bytes(frames.exr_bytes(
+                8, 8, {channel: [value] * 64 for channel in (*names, *further)}, long_names=True))
+            return self.folder / name
+        plain, long_name = write("plain.exr", 1.0, "RGB"), "light_path_" * 23 + "A"
+        for names in ("rgb", ("red", "green", "blue"), ("rgba.R", "rgba.G", "rgba.B"), "L", "R"):
+            test = write("test.exr", 1.25, names, long_name)
+            found = self.json("compare", "-r", plain, test, "-m", "mae")
+            self.assertEqual(values_of(found)["mae", "all"], 0.25, names)
+        self.assertIn(long_name, self.neph("compare", "-r", plain, test, "--all").stdout)
+
+    def test_parts_of_a_file(self):
+        def grey(value, *further):
+            return {name: [value] * (8 * 8) for name in ("R", "G", "B", *further)}
+
+        def write(name, **parts):
+            (self.folder / name).write_bytes(frames.multipart_exr_bytes(8, 8, parts))
+            return self.folder / name
+        plain = self.write("plain.exr", lambda x, y: 1.0, width=8, height=8)
+        one = write("one.exr", beauty=grey(1.25))
+        depth = write("depth.exr", depth={"Z": [2.0] * 64}, beauty=grey(1.5))
+        eyes = write("eyes.exr", left=grey(2.0), right=grey(3.0, "A"))
+        for words, expected in (((one,), 0.25), ((depth,), 0.5), ((eyes, "--part", "left"), 1.0),
+                                ((eyes, "--part", 1), 2.0)):
+            found = self.json("compare", "-r", plain, *words, "-m", "mae")
+            self.assertEqual(values_of(found)["mae", "all"], expected, words)
+        said = self.neph("compare", "-r", plain, eyes, code=65).stderr
+        for words in ("eyes.exr' has more than one flat part with colour: 0 left (scanlineimage: B "
+                      "G R), 1 right (scanlineimage: A B G R)", "--part NAME"):
+            self.assertIn(words, said)
+        self.neph("compare", "-r", plain, eyes, "--part", "up", code=65, said="no part 'up'")
+        self.neph("view", plain, eyes, "-o", self.folder / "page", code=65, said="1 right")
+        self.neph("view", plain, eyes, "--part", "right", "-o", self.folder / "page")
+        self.neph("post", eyes, "--part", "right", "-s", "tone=on", "-q",
+                  "-o", self.folder / "shown")
+
     def test_colour_metadata_of_files_is_used(self):
         def write(name, channels="RGB", **rest):
             (self.folder / name).write_bytes(

@@ -7,9 +7,11 @@ import struct
 import zlib
 
 
-def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1, corner=(0, 0), display=None):
+def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1, corner=(0, 0), display=None,
+              long_names=False):
     """channels: {name: width * height floats, row 0 on top}; attributes: additional (name, type,
-    bytes); the data window is at `corner` in a display window of `display` pixels."""
+    bytes); the data window is at `corner` in a display window of `display` pixels;
+    long_names: names may have 255 bytes."""
     names = sorted(channels)
     chlist = b"".join(n.encode() + b"\0" + struct.pack("<iBxxxii", 2, 0, 1, 1)
                       for n in names) + b"\0"
@@ -20,7 +22,7 @@ def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1, corner=(0,
     left, top = corner
     window = struct.pack("<4i", left, top, left + width - 1, top + height - 1)
     whole = window if not display else struct.pack("<4i", 0, 0, display[0] - 1, display[1] - 1)
-    header = struct.pack("<ii", 20000630, 2) + b"".join((
+    header = struct.pack("<ii", 20000630, 2 | 0x400 * long_names) + b"".join((
         attribute("channels", "chlist", chlist),
         attribute("compression", "compression", b"\0"),
         attribute("dataWindow", "box2i", window),
@@ -39,6 +41,24 @@ def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1, corner=(0,
         for name in names:
             rows.append(array.array("f", channels[name][y * width:(y + 1) * width]).tobytes())
     return header + offsets + b"".join(rows)
+
+
+def multipart_exr_bytes(width, height, parts):
+    """parts: {name: channels} of parts of one size, see exr_bytes()."""
+    headers, chunks = [], []
+    for channels in parts.values():
+        chunk_bytes = 8 + 4 * width * len(channels)
+        name = list(parts)[len(headers)].encode()
+        data = exr_bytes(width, height, channels, [
+            ("name", "string", name), ("type", "string", b"scanlineimage"),
+            ("chunkCount", "int", struct.pack("<i", height))])
+        first = len(data) - height * chunk_bytes
+        chunks += [struct.pack("<i", len(headers)) + data[i:i + chunk_bytes]
+                   for i in range(first, len(data), chunk_bytes)]
+        headers.append(data[8:first - 8 * height])
+    head = struct.pack("<ii", 20000630, 2 | 0x1000) + b"".join(headers) + b"\0"
+    places = itertools.accumulate(map(len, chunks), initial=len(head) + 8 * len(chunks))
+    return head + struct.pack(f"<{len(chunks)}Q", *list(places)[:-1]) + b"".join(chunks)
 
 
 def _cut(data, at):

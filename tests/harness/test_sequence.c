@@ -537,6 +537,20 @@ static void test_colours_that_are_none_of_ours(void **state)
         {{"Y", "Z"}, NULL, {"R", "G", "B", "Z"}, {NULL}, NULL},
         {{"R", "G", "B", "Z"}, NULL, {"R", "G", "B", "Z"}, {NULL}, NULL},
         {{"R", "G", "B", "Z", "diffuse.r"}, "diffuse", {"r", "Z"}, {"R", "G", "B"}, NULL},
+        {{"r", "g", "b", "Z"}, NULL, {"R", "G", "B", "Z"}, {"r", "g", "b"}, NULL},
+        {{"red", "green", "blue"}, NULL, {"R", "G", "B"}, {"red"}, NULL},
+        {{"rgba.R", "rgba.G", "rgba.B"}, NULL, {"R", "G", "B"}, {"rgba.R"}, NULL},
+        {{"rgba.R", "rgba.G", "rgba.B", "r"}, "rgba", {"R", "G", "B"}, {"rgba.R"}, NULL},
+        {{"R", "G", "B", "r", "g", "b"}, NULL, {"R", "r", "g", "b"}, {NULL}, NULL},
+        {{"r", "g", "b", "left.Z"}, "left", {"Z"}, {"R", "r"}, NULL},
+        {{"R", "Z"}, NULL, {"R", "G", "B"}, {NULL}, NULL},
+        {{"L"}, NULL, {"R", "G", "B", "L"}, {NULL}, NULL},
+        {{"R", "Y"}, NULL, {"R", "Y"}, {"G", "B"}, NULL},
+        {{"r", "g", "b", "X", "Y", "Z"}, NULL, {"R", "vector.Z"}, {"Z"}, NULL},
+        {{"R", "G"}, NULL, {"R", "G"}, {"B"}, NULL},
+        {{"r", "g"}, NULL, {"r", "g"}, {"R"}, NULL},
+        {{"Y", "RY", "BY"}, NULL, {"R", "G", "B"}, {"Y", "RY"}, NULL},
+        {{"Y", "RY"}, NULL, {"Y", "RY"}, {"R"}, NULL},
         {{"R", "G", "B", "A", "Z", "left.Y"}, "left", {"R", "G", "Z"}, {"A"}, NULL},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
@@ -544,7 +558,8 @@ static void test_colours_that_are_none_of_ours(void **state)
         struct neph_image *image = NULL;
         struct neph_diag diag = {0};
         write_channels(scratch_path(state, path, "frame.exr"), cases[i].channels);
-        const enum neph_status status = neph_frame_read(path, cases[i].layer, 0, &image, &diag);
+        const enum neph_status status = neph_frame_read(
+            path, &(struct neph_frame_choice){.layer = cases[i].layer}, 0, &image, &diag);
         if (status != (cases[i].refused ? NEPH_ERR_INPUT : NEPH_OK) ||
             (status && !strstr(diag.message, cases[i].refused)))
             fail_msg("case %zu: %s: %s", i, neph_status_name(status), diag.message);
