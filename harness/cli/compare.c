@@ -655,7 +655,7 @@ static enum neph_status run_z(const struct request *request, const struct neph_s
     const struct neph_cli_z z = {
         .reference = &sides->reference,
         .test = &sides->test,
-        .reading = {.layer = request->layer,
+        .reading = {.choice = request->frame_choice,
                     .variance = request->variance,
                     .samples = request->samples,
                     .negative_allowed = request->negative_is_fine ? SIZE_MAX : 0},

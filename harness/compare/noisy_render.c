@@ -52,8 +52,8 @@ static bool find_layer(const struct neph_image *image, const struct neph_noisy_r
                        struct channels *channels)
 {
     char layer[2 * NEPH_IMAGE_NAME_MAX];
-    snprintf(layer, sizeof(layer), "%s%s%s", reading->variance, reading->layer ? "." : "",
-             reading->layer ? reading->layer : "");
+    snprintf(layer, sizeof(layer), "%s%s%s", reading->variance, reading->choice.layer ? "." : "",
+             reading->choice.layer ? reading->choice.layer : "");
     return find_channels(image, layer, "RGB", channels->second) ||
            find_channels(image, layer, "YYY", channels->second);
 }
@@ -347,7 +347,7 @@ enum neph_status neph_noisy_render_read(const struct neph_sequence *files,
         status = neph_interrupted() ? neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted")
                                     : NEPH_OK;
         if (!status)
-            status = neph_frame_read(files->paths[f], reading->layer, reading->negative_allowed,
+            status = neph_frame_read(files->paths[f], &reading->choice, reading->negative_allowed,
                                      &image, diag);
         if (!status)
             status = add_image(&reader, f, image, diag);

@@ -6,6 +6,7 @@
 #define NEPH_HARNESS_COMPARE_NOISY_RENDER_H
 
 #include "base/arena.h"
+#include "harness/compare/frame.h"
 #include "harness/compare/frame_labels.h"
 #include "harness/compare/sequence.h"
 #include "metrics/z_test.h"
@@ -22,9 +23,9 @@ enum neph_noise_source {
 const char *neph_noise_source_name(enum neph_noise_source source);
 
 struct neph_noisy_reading {
-    const char *layer; /* prefix of R G B and, behind the variance's name, of its channels; NULL */
-    const char *variance; /* name of the layer of variances: "variance" */
-    int samples;          /* of a pixel, for NEPH_NOISE_MOMENTS; below 2: not known */
+    struct neph_frame_choice choice; /* its layer is also behind the variance's name */
+    const char *variance;            /* name of the layer of variances: "variance" */
+    int samples;                     /* of a pixel, for NEPH_NOISE_MOMENTS; below 2: not known */
     size_t negative_allowed;
     struct neph_frame_form *form; /* that all files of both renders share; borrowed */
 };
