@@ -60,6 +60,7 @@ static bool has_colour(const struct neph_exr_part *part, bool is_grey)
     return false;
 }
 
+/* The part at `*at`, which moves to the next one; false: there are no more. */
 static bool next_part(const char *headers, size_t size, size_t *at, struct neph_exr_part *part)
 {
     const char *header;
@@ -68,6 +69,8 @@ static bool next_part(const char *headers, size_t size, size_t *at, struct neph_
     if (!neph_exr_next_header(headers, size, at, &header, &bytes))
         return false;
     *part = (struct neph_exr_part){.index = index, .header = header, .header_bytes = bytes};
+    if (find_value(part, "channels", "chlist").length == 0) /* the bytes are no header */
+        return false;
     const struct text type = find_value(part, "type", "string");
     part->is_deep = type.length >= 4 && memcmp(type.start, "deep", 4) == 0;
     return true;

@@ -117,7 +117,7 @@ class Blenders(neph_case.NephCase):
         for name, words, options in (
                 ("black", "Blender gave a black frame", {"radiance": 0.0}),
                 ("empty", "Blender has left a medium out", {"transmittance": 1.0}),
-                ("parts", "multi-part OpenEXR", {"parts": 3})):
+                ("parts", "truncated or damaged", {"parts": 3})):
             with self.subTest(name):
                 self.assertIn(words, self.validate(self.blender(name, "3.4.1", SEEN, **options)))
 

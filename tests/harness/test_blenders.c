@@ -87,7 +87,7 @@ static void add_layer(struct neph_image *image, const char *name, double scale,
     }
 }
 
-/* Marks a file as multi-part in its fifth to eighth byte; the rest is not read. */
+/* Marks a file as multi-part in its fifth to eighth byte; it then lacks what parts need. */
 static void mark_multipart(const char *path)
 {
     char *bytes = NULL;
@@ -220,7 +220,7 @@ static void test_several_parts(void **state)
 {
     struct fake fake = good;
     fake.is_multipart = true;
-    assert_broken(*state, &fake, "multi-part OpenEXR");
+    assert_broken(*state, &fake, "truncated or damaged");
 }
 
 static void test_layers_in_full(void **state)
