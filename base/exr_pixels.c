@@ -2,8 +2,8 @@
 #include "base/exr_pixels.h"
 
 #include "base/exr_header.h"
+#include "base/half.h"
 
-#include <math.h>
 #include <string.h>
 
 enum {
@@ -148,21 +148,10 @@ static exr_result_t decompress_or_copy(exr_decode_pipeline_t *decoder)
     return EXR_ERR_SUCCESS;
 }
 
-/* IEEE 754 binary16. */
-static float read_half(const uint8_t *at)
-{
-    const unsigned bits = at[0] | (unsigned)at[1] << 8, exponent = bits >> 10 & 31;
-    const float mantissa = (float)(bits & 1023), sign = bits >> 15 ? -1.0f : 1.0f;
-    if (exponent == 31)
-        return mantissa > 0.0f ? NAN : sign * INFINITY;
-    return sign *
-           (exponent == 0 ? ldexpf(mantissa, -24) : ldexpf(1024.0f + mantissa, (int)exponent - 25));
-}
-
 static float read_sample(const uint8_t *at, uint16_t type)
 {
     if (type == EXR_PIXEL_HALF)
-        return read_half(at);
+        return neph_half_to_float((uint16_t)(at[0] | at[1] << 8));
     return type == EXR_PIXEL_FLOAT ? neph_exr_f32(at) : (float)neph_exr_u32(at);
 }
 

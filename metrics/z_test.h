@@ -91,8 +91,9 @@ enum neph_status neph_z_test(const struct neph_z_side *reference, const struct n
 
 /* Adjust the p-values of all planes of a pair by Holm's method with weights (S. Holm, Scandinavian
  * Journal of Statistics 6, 1979, section 3), valid for any dependence: the mean of plane 0 has
- * 0.8 of the level, the other tests share the remainder evenly. A bias of the mean of three
- * standard errors is so found in 83 % of the cases; the extremes lose a tenth of their power in
+ * 0.8 of the level, the other tests share the remainder evenly. With normal noise a bias of
+ * the mean of three standard errors is so found in 83 % of the cases, with skewed noise in fewer
+ * (lognormal, 8 samples: 78 %); the extremes lose a tenth of their power in
  * standard errors. Returns the smallest adjusted value; 0 when a pixel is contrary. */
 double neph_z_combine(struct neph_z_plane *planes, int count);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/view.h"
+#include "base/half.h"
 
 #include <string.h>
 
@@ -60,19 +61,6 @@ uint16_t neph_rt_to_half(float value)
     return (uint16_t)(sign | half);
 }
 
-float neph_rt_from_half(uint16_t half)
-{
-    const uint32_t sign = (uint32_t)(half & 0x8000u) << 16;
-    const uint32_t exponent = half >> 10 & 31u, fraction = half & 0x3ffu;
-    if (exponent == 0) {
-        const float value = (float)fraction * 0x1p-24f;
-        return sign ? -value : value;
-    }
-    if (exponent == 31)
-        return bits_to_float(sign | 0x7f800000u | fraction << 13);
-    return bits_to_float(sign | (exponent + 112u) << 23 | fraction << 13);
-}
-
 void neph_rt_load(const struct neph_gpu_target *target, const uint32_t *words, size_t index,
                   float value[4])
 {
@@ -82,7 +70,7 @@ void neph_rt_load(const struct neph_gpu_target *target, const uint32_t *words, s
         if (c >= channels)
             value[c] = 0.0f;
         else if (formats[target->format].is_half)
-            value[c] = neph_rt_from_half((uint16_t)(words[c / 2] >> (c % 2 * 16)));
+            value[c] = neph_half_to_float((uint16_t)(words[c / 2] >> (c % 2 * 16)));
         else
             value[c] = bits_to_float(words[c]);
     }

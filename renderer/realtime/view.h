@@ -24,7 +24,6 @@ uint32_t neph_rt_format_bytes(uint32_t format);
  * the sign). The same rule as to_half() of shaders/halves.glsl, which does not trust the driver's
  * packHalf2x16: Vulkan leaves its rounding open. */
 uint16_t neph_rt_to_half(float value);
-float neph_rt_from_half(uint16_t half);
 
 /* Converts element `index` of a target from or to its words; absent channels are read as 0. */
 void neph_rt_load(const struct neph_gpu_target *target, const uint32_t *words, size_t index,

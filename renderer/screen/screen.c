@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/screen/screen.h"
 
+#include "base/half.h"
 #include "renderer/gpu_scene.h"
 #include "renderer/vulkan_device.h"
 #include "scenes/motion.h"
@@ -433,14 +434,6 @@ static void swap_history_targets(struct neph_screen_renderer *screen)
 
 /* --- read-back -------------------------------------------------------------------------------- */
 
-static float convert_half_to_float(uint16_t half)
-{
-    const int exponent = half >> 10 & 31, mantissa = half & 1023;
-    const float magnitude = exponent ? ldexpf((float)(mantissa | 1024), exponent - 25)
-                                     : ldexpf((float)mantissa, -24);
-    return half >> 15 ? -magnitude : magnitude;
-}
-
 static void unpack(const struct neph_screen_renderer *screen, int target, const uint32_t *words,
                    float *texels)
 {
@@ -449,7 +442,7 @@ static void unpack(const struct neph_screen_renderer *screen, int target, const 
         if (target < SCREEN_FIRST_OF_FOUR)
             memcpy(&texels[i], &words[i / CHANNELS], sizeof(float));
         else if (is_half(screen))
-            texels[i] = convert_half_to_float((uint16_t)(words[i / 2] >> 16 * (i % 2)));
+            texels[i] = neph_half_to_float((uint16_t)(words[i / 2] >> 16 * (i % 2)));
         else
             memcpy(&texels[i], &words[i], sizeof(float));
 }

@@ -7,6 +7,7 @@
  */
 #include "tests/renderer/probe.h"
 
+#include "base/half.h"
 #include "renderer/halves.h"
 #include "renderer/media/fog.h"
 #include "renderer/realtime/view.h"
@@ -541,25 +542,25 @@ static void about_half(uint32_t half, float values[4])
 {
     const uint32_t magnitude = half & 0x7fffu;
     const float sign = half & 0x8000u ? -1.0f : 1.0f;
-    const float own = neph_rt_from_half((uint16_t)magnitude);
+    const float own = neph_half_to_float((uint16_t)magnitude);
     const float next = magnitude == 0x7bffu ? 65536.0f
-                                            : neph_rt_from_half((uint16_t)(magnitude + 1));
+                                            : neph_half_to_float((uint16_t)(magnitude + 1));
     const float middle = sign * (0.5f * (own + next));
     const bool ends = magnitude >= 0x7c00u;
     for (int i = 0; i < 4; i++)
-        values[i] = i == 0 || ends ? neph_rt_from_half((uint16_t)half) : moved(middle, i - 2);
+        values[i] = i == 0 || ends ? neph_half_to_float((uint16_t)half) : moved(middle, i - 2);
 }
 
 static bool is_read_right(float answer, uint16_t half)
 {
-    const float expected = neph_rt_from_half(half);
+    const float expected = neph_half_to_float(half);
     return isnan(expected) ? isnan(answer) : memcmp(&answer, &expected, sizeof(answer)) == 0;
 }
 
 static bool is_written_right(float answer, float value)
 {
     const uint16_t half = (uint16_t)answer;
-    return isnan(value) ? isnan(neph_rt_from_half(half)) : half == neph_rt_to_half(value);
+    return isnan(value) ? isnan(neph_half_to_float(half)) : half == neph_rt_to_half(value);
 }
 
 /* Bits of the driver's conversions that differ from the CPU reference, for `count` halves. */

@@ -152,6 +152,17 @@ static void test_change_and_motion_begin_a_new_mean(void **state)
     }
 }
 
+/* A wall of light 2, whose history is 1 with an age, and a change of the medium's light. */
+static void open_change(struct neph_vulkan *vulkan, const char *settings, float age, float residue,
+                        struct test_passes *test)
+{
+    open_wall(vulkan, settings, test);
+    test_fill(test, RT_COLOR, 2, 2, 2, 0);
+    test_fill(test, RT_TAA_BEFORE, 1, 1, 1, age);
+    put_change(test, RT_CHANGE, 1.0f, residue);
+    put_change(test, RT_CHANGE_BEHIND, 1.0f, 0.0f);
+}
+
 /* The light of a pixel changes fully in one frame, or the pixel moves by `motion` px in it; then
  * both are constant. The mean keeps the age of taa_age_least frames, of fewer where it had fewer,
  * and the n-th frame after the change weighs 1 / (age + n). A residue of 1 is another scene: the
@@ -174,11 +185,7 @@ static void test_mean_keeps_frames_after_a_change(void **state)
                  "taa_filter=off taa_hdr_weight=off taa_contrast=0 target_format=float "
                  "taa_alpha=0.25 gradient=on taa_age_max=64 taa_change=0.2 taa_age_least=%s",
                  cases[i].least);
-        open_wall(*state, text, &test);
-        test_fill(&test, RT_COLOR, 2, 2, 2, 0);
-        test_fill(&test, RT_TAA_BEFORE, 1, 1, 1, cases[i].age);
-        put_change(&test, RT_CHANGE, 1.0f, cases[i].residue);
-        put_change(&test, RT_CHANGE_BEHIND, 1.0f, 0.0f);
+        open_change(*state, text, cases[i].age, cases[i].residue, &test);
         test.view.before.position_m[0] = cases[i].motion_px;
         run(&test, "anti-aliasing");
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0), 2.0, 0.0, 1e-5);
@@ -214,11 +221,7 @@ static void test_slow_changes_keep_frames(void **state)
                  "taa_filter=off taa_hdr_weight=off target_format=float gradient=on "
                  "taa_age_max=64 taa_change=0.2 taa_age_least=%s",
                  cases[i].least);
-        open_wall(*state, text, &test);
-        test_fill(&test, RT_COLOR, 2, 2, 2, 0);
-        test_fill(&test, RT_TAA_BEFORE, 1, 1, 1, cases[i].age);
-        put_change(&test, RT_CHANGE, 1.0f, cases[i].residue);
-        put_change(&test, RT_CHANGE_BEHIND, 1.0f, 0.0f);
+        open_change(*state, text, cases[i].age, cases[i].residue, &test);
         run(&test, "anti-aliasing");
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0),
                           1.0 + 1.0 / (cases[i].limited + 1.0), 0.0, 1e-5);

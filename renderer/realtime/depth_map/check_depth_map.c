@@ -4,10 +4,12 @@
  */
 #include "tests/renderer/realtime_test.h"
 
+#include "base/half.h"
+
 static void test_every_half_comes_back(void **state)
 {
     for (uint32_t half = 0; half < 0x10000u; half++) {
-        const float value = neph_rt_from_half((uint16_t)half);
+        const float value = neph_half_to_float((uint16_t)half);
         if (isnan(value))
             assert_true((half & 0x7c00u) == 0x7c00u && (half & 0x3ffu) != 0);
         else

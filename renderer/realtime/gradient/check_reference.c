@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/shared/check_reference.h"
+#include "base/half.h"
 #include "renderer/realtime/tile_index/check_reference_slots.h"
 
 #include <math.h>
@@ -10,7 +11,7 @@ enum { TILE_PX = 16 };
 
 static float as_half(float value)
 {
-    return value > 0.0f ? neph_rt_from_half(neph_rt_to_half(fminf(value, CPU_HALF_MAX))) : 0.0f;
+    return value > 0.0f ? neph_half_to_float(neph_rt_to_half(fminf(value, CPU_HALF_MAX))) : 0.0f;
 }
 
 static void as_halves(float value[4])
