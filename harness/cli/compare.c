@@ -6,6 +6,7 @@
 #include "harness/cli/cli.h"
 
 #include "base/clock.h"
+#include "base/heap.h"
 #include "harness/cli/compare_choice.h"
 #include "harness/cli/compare_page.h"
 #include "harness/cli/compare_sides.h"
@@ -714,6 +715,7 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
     struct neph_limits limits = {.path = NULL};
     struct neph_junit junit = {.name = temporal ? "neph flicker" : "neph compare"};
     neph_cli_parse(syntax, argc, argv, &request);
+    neph_heap_keep();
     const double start_s = neph_wall_s();
     const struct neph_side_words words = {
         .references = request.references.list,

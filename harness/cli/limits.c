@@ -7,6 +7,7 @@
 
 #include "base/files.h"
 #include "base/hash.h"
+#include "base/heap.h"
 #include "harness/cli/compare_choice.h"
 #include "harness/compare/alone.h"
 #include "harness/compare/frame_size.h"
@@ -429,6 +430,7 @@ enum neph_status neph_cli_limits(int argc, char **argv, struct neph_diag *diag)
     struct request request = {.temporal = false};
     struct work work = {.request = &request};
     neph_cli_parse(&syntax, argc, argv, &request);
+    neph_heap_keep();
     work.limits.share = request.share;
     work.limits.confidence = request.confidence;
     enum neph_status status = find_reference(&work, diag);

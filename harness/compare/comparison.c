@@ -39,7 +39,7 @@ struct work {
     struct neph_compared *made;
 };
 
-enum { AT_HAND_MAX = 3 * NEPH_COMPARISONS_MAX }; /* largest number of files for one frame */
+enum { AT_HAND_MAX = 4 * NEPH_COMPARISONS_MAX }; /* largest number of files for one frame */
 
 /* Comparisons that process the frames together. */
 struct pass {
@@ -107,12 +107,15 @@ static struct at_hand *find_at_hand(struct pass *pass, const char *path)
     return NULL;
 }
 
+/* Whether a frame needs a file; the test of the frame before it is compared with its test. */
 static bool needs_file(const struct neph_comparison *asked, const char *path, int index)
 {
+    const int before = index > asked->warm_up_frames ? index - 1 : index;
     const char *const paths[] = {
         find_frame_path(&asked->reference, index), find_frame_path(&asked->second, index),
-        test_in_memory(asked, index) ? NULL : find_frame_path(&asked->test, index)};
-    for (int i = 0; i < 3; i++)
+        test_in_memory(asked, index) ? NULL : find_frame_path(&asked->test, index),
+        test_in_memory(asked, before) ? NULL : find_frame_path(&asked->test, before)};
+    for (int i = 0; i < 4; i++)
         if (paths[i] && strcmp(paths[i], path) == 0)
             return true;
     return false;
@@ -529,11 +532,21 @@ static enum neph_status begin_work(const struct pass *pass, struct work *work,
     return neph_meter_create(&params, &work->meter, diag);
 }
 
+static enum neph_status add_movement(struct work *work, struct neph_diag *diag)
+{
+    const double *luma[2];
+    const bool is_known = neph_meter_display_luma(work->meter, neph_quantity_find("radiance"),
+                                                  &luma[0], &luma[1]);
+    return neph_movement_add(&work->made->movement, work->reference, work->test,
+                             is_known ? luma : NULL, diag);
+}
+
 static enum neph_status measure_frame(struct pass *pass, struct work *work, int frame,
                                       struct neph_diag *diag)
 {
     const int index = work->asked->warm_up_frames + frame;
     const char *path = work->asked->test.paths[index];
+    const struct neph_image *before = frame > 0 ? work->test : NULL;
     enum neph_status status = read_frames(pass, work, index, diag);
     if (!status)
         status = check_forms(work, index, diag);
@@ -546,14 +559,14 @@ static enum neph_status measure_frame(struct pass *pass, struct work *work, int 
         record_ignored_data(work, work->test);
     }
     if (!status && work == pass->works) /* all comparisons have the same test frames */
-        status = neph_frozen_add(&work->frozen, work->test, NULL, diag);
+        neph_frozen_add(&work->frozen, before, work->test);
     work->frozen = pass->works[0].frozen;
     if (!status)
         status = name_file(
             neph_meter_frame(work->meter, work->reference, work->second, work->test, diag), path,
             diag);
     if (!status && work->asked->with_movement)
-        status = neph_movement_add(&work->made->movement, work->reference, work->test, diag);
+        status = add_movement(work, diag);
     if (!status)
         status = send_maps(work, frame, diag);
     work->done_count += !status;
