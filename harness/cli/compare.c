@@ -7,6 +7,7 @@
 
 #include "base/clock.h"
 #include "base/heap.h"
+#include "base/threads.h"
 #include "harness/cli/compare_choice.h"
 #include "harness/cli/compare_page.h"
 #include "harness/cli/compare_sides.h"
@@ -120,6 +121,10 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_OUTPUT, AT(maps), .group = WRITING},
     {"page", 0, NULL, "An HTML page with charts over time, maps, the worst frames and all numbers",
      NEPH_CLI_OUTPUT, AT(page), .group = WRITING},
+    {"jobs", 0, NULL, "Threads; numbers do not depend on it (default: as many as processors)",
+     NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, shared) + offsetof(struct neph_cli_shared, jobs), .minimum = 1,
+     .maximum = 256, .group = WRITING},
     {"quiet", 'q', NULL, "No progress, and of the answer only its first line", NEPH_CLI_FLAG,
      .at = offsetof(struct request, shared) + offsetof(struct neph_cli_shared, quiet),
      .group = WRITING},
@@ -715,6 +720,8 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
     struct neph_limits limits = {.path = NULL};
     struct neph_junit junit = {.name = temporal ? "neph flicker" : "neph compare"};
     neph_cli_parse(syntax, argc, argv, &request);
+    if (request.shared.jobs > 0)
+        neph_set_thread_count(request.shared.jobs);
     neph_heap_keep();
     const double start_s = neph_wall_s();
     const struct neph_side_words words = {

@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "base/hash.h"
 #include "base/heap.h"
+#include "base/threads.h"
 #include "harness/cli/compare_choice.h"
 #include "harness/compare/alone.h"
 #include "harness/compare/frame_size.h"
@@ -80,6 +81,10 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, shared) + offsetof(struct neph_cli_shared, all),
      .group = WRITING},
     {.name = "json", .group = WRITING},
+    {"jobs", 0, NULL, "Threads; numbers do not depend on it (default: as many as processors)",
+     NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, shared) + offsetof(struct neph_cli_shared, jobs), .minimum = 1,
+     .maximum = 256, .group = WRITING},
     {.name = "quiet", .group = WRITING},
     {.name = NULL},
 };
@@ -430,6 +435,8 @@ enum neph_status neph_cli_limits(int argc, char **argv, struct neph_diag *diag)
     struct request request = {.temporal = false};
     struct work work = {.request = &request};
     neph_cli_parse(&syntax, argc, argv, &request);
+    if (request.shared.jobs > 0)
+        neph_set_thread_count(request.shared.jobs);
     neph_heap_keep();
     work.limits.share = request.share;
     work.limits.confidence = request.confidence;
