@@ -2,8 +2,13 @@
 #include "base/heap.h"
 
 #include <malloc.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
 
-enum { LARGEST_BYTES = 32 << 20, STEP_BYTES = 16 << 20, NEVER = 1 << 30 };
+enum { LARGEST_BYTES = 32 << 20, STEP_BYTES = 16 << 20, NEVER = 1 << 30, HUGE_PAGE = 1 << 21 };
 
 void neph_heap_keep(void)
 {
@@ -13,4 +18,23 @@ void neph_heap_keep(void)
     mallopt(M_TRIM_THRESHOLD, NEVER);
     mallopt(M_TOP_PAD, STEP_BYTES);
 #endif
+}
+
+static void advise_huge_pages(void *block, size_t size)
+{
+    const uintptr_t begin = ((uintptr_t)block + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
+    const uintptr_t end = ((uintptr_t)block + size) / HUGE_PAGE * HUGE_PAGE;
+    if (begin < end)
+        madvise((void *)begin, end - begin, MADV_HUGEPAGE); /* a hint; failure is harmless */
+}
+
+/* Larger blocks come from the system, zeroed and untouched; calloc() would touch smaller ones
+ * before the advice. */
+void *neph_allocate_plane(size_t count, size_t size)
+{
+    const bool is_touched = count <= LARGEST_BYTES / size && count * size >= HUGE_PAGE;
+    void *plane = is_touched ? malloc(count * size) : calloc(count, size);
+    if (plane)
+        advise_huge_pages(plane, count * size);
+    return plane && is_touched ? memset(plane, 0, count * size) : plane;
 }
