@@ -10,6 +10,7 @@
 #include "base/heap.h"
 #include "base/threads.h"
 #include "harness/cli/compare_choice.h"
+#include "harness/cli/limits_night.h"
 #include "harness/compare/alone.h"
 #include "harness/compare/frame_size.h"
 #include "harness/compare/headlines.h"
@@ -104,7 +105,8 @@ static const struct neph_cli_syntax syntax = {
         "20 narrow ones. With the confidence C at least the share P of further runs is within all "
         "limits, and a further run is beyond any of them with probability (1 - P)(1 - C) at most. "
         "When all runs are equal the limits are their numbers. A limit holds for frames of the "
-        "same size, number, reference and display.\n\n"
+        "same size, number, reference and display. Reports of nightly runs with different seeds "
+        "(nightly.json) make limits of their series, for `neph nightly --limits`.\n\n"
         "Examples:\n"
         "  neph limits runs/seed_*.exr -o limits\n"
         "  neph compare -r runs/seed_1.exr march.exr --limits limits/limits.json\n"
@@ -438,6 +440,8 @@ enum neph_status neph_cli_limits(int argc, char **argv, struct neph_diag *diag)
     if (request.shared.jobs > 0)
         neph_set_thread_count(request.shared.jobs);
     neph_heap_keep();
+    if (neph_cli_are_nightly_runs(&request.shared))
+        return neph_cli_limit_nights(&request.shared, request.share, request.confidence, diag);
     work.limits.share = request.share;
     work.limits.confidence = request.confidence;
     enum neph_status status = find_reference(&work, diag);
