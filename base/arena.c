@@ -1,41 +1,28 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 
+#include "base/heap.h"
+
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-
-enum { HUGE_PAGE = 1 << 21 };
 
 struct neph_arena_block {
     struct neph_arena_block *before;
     max_align_t content[];
 };
 
-/* Huge pages, where the system has them: a renderer touches hundreds of megabytes for the first
- * time in its first few frames, and faulting them in as small pages takes longer than the frames.
- * calloc() does not touch memory that is fresh from the system. */
-static void advise_huge_pages(void *block, size_t size)
-{
-    const uintptr_t begin = ((uintptr_t)block + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
-    const uintptr_t end = ((uintptr_t)block + size) / HUGE_PAGE * HUGE_PAGE;
-    if (begin < end)
-        madvise((void *)begin, end - begin, MADV_HUGEPAGE); /* a hint; failure is harmless */
-}
-
 void *neph_arena_allocate(struct neph_arena *arena, size_t count, size_t size)
 {
     struct neph_arena_block *block = NULL;
     if (count == 0 || size <= (SIZE_MAX - sizeof(*block)) / count)
-        block = calloc(1, sizeof(*block) + count * size);
+        block = neph_allocate_plane(1, sizeof(*block) + count * size);
     if (!block) {
         arena->is_short = true;
         return NULL;
     }
-    advise_huge_pages(block, sizeof(*block) + count * size);
     block->before = arena->last;
     arena->last = block;
     return block->content;

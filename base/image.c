@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/image.h"
 
+#include "base/heap.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -52,7 +54,7 @@ enum neph_status neph_image_add_channel(struct neph_image *image, const char *na
         return neph_fail_memory(diag);
     image->channels = grown;
     struct neph_channel *channel = &grown[count - 1];
-    channel->samples = calloc(neph_image_pixel_count(image), sizeof(float));
+    channel->samples = neph_allocate_plane(neph_image_pixel_count(image), sizeof(float));
     if (!channel->samples)
         return neph_fail_memory(diag);
     snprintf(channel->name, sizeof(channel->name), "%s", name);

@@ -8,9 +8,12 @@
 #include <sched.h>
 #include <stdatomic.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 #include <unistd.h>
+
+enum { THREADS_MAX = 1024 };
 
 struct row_work {
     int row_count;
@@ -30,6 +33,22 @@ int neph_processor_count(void)
         return CPU_COUNT(&allowed);
     long online = sysconf(_SC_NPROCESSORS_ONLN); /* more than CPU_SETSIZE processors */
     return online > 0 ? (int)online : 1;
+}
+
+static const char thread_variable[] = "NEPH_THREADS";
+
+int neph_thread_count(void)
+{
+    const char *text = getenv(thread_variable);
+    const long count = text ? strtol(text, NULL, 10) : 0;
+    return count >= 1 && count <= THREADS_MAX ? (int)count : neph_processor_count();
+}
+
+void neph_set_thread_count(int count)
+{
+    char text[16];
+    snprintf(text, sizeof(text), "%d", count);
+    setenv(thread_variable, text, 1); /* a failure leaves more threads */
 }
 
 static void process_rows(struct row_work *work)
@@ -110,7 +129,7 @@ enum neph_status neph_parallel_rows(int row_count, neph_row_body *body, void *co
     struct row_work work = {.row_count = row_count,
                             .body = body,
                             .context = context,
-                            .helper_limit = neph_processor_count() - 1};
+                            .helper_limit = neph_thread_count() - 1};
     /* The calling thread works too, so that the loop also runs when no thread can be created. */
     run_row_thread(&work);
     if (atomic_load(&work.stopped_early))

@@ -17,6 +17,13 @@ typedef void neph_row_body(int row, void *context);
 /* Number of processors this process may use, at least 1. */
 int neph_processor_count(void);
 
+/* Number of threads of the loop below: the variable NEPH_THREADS of the environment, 1 to 1024, if
+ * it is set, else neph_processor_count(). */
+int neph_thread_count(void);
+
+/* Set that variable. Call from main, before there are threads. */
+void neph_set_thread_count(int count);
+
 /* Call body(row, context) for row = 0 .. row_count-1. Stops early when interrupted, and then
  * returns NEPH_ERR_INTERRUPTED. Falls back to the calling thread when no thread can be made. */
 enum neph_status neph_parallel_rows(int row_count, neph_row_body *body, void *context,

@@ -131,6 +131,12 @@ enum neph_status neph_meter_create(const struct neph_meter_params *params,
     return NEPH_OK;
 }
 
+static void end_luma(struct neph_meter *meter)
+{
+    for (int q = 0; meter->codes && q < neph_quantity_count(); q++)
+        neph_pair_luma_end(&meter->codes[q]);
+}
+
 void neph_meter_destroy(struct neph_meter *meter)
 {
     if (!meter)
@@ -141,6 +147,7 @@ void neph_meter_destroy(struct neph_meter *meter)
             run->choice->extractor->close(run->state);
         neph_arena_finish(&run->memory);
     }
+    end_luma(meter);
     for (int i = 0; i < meter->mask_count; i++)
         neph_resampling_finish(&meter->masks[i].resampling);
     neph_arena_finish(&meter->memory);
@@ -668,9 +675,19 @@ static enum neph_status append_means(struct neph_meter *meter, struct neph_diag 
     return status;
 }
 
+bool neph_meter_display_luma(const struct neph_meter *meter, const struct neph_quantity *quantity,
+                             const double **reference, const double **test)
+{
+    const struct neph_luma_planes *luma = &meter->codes[quantity - neph_quantity_at(0)].luma;
+    *reference = luma->reference;
+    *test = luma->test;
+    return luma->is_made;
+}
+
 enum neph_status neph_meter_finish(struct neph_meter *meter, struct neph_diag *diag)
 {
     enum neph_status status = append_means(meter, diag);
+    end_luma(meter);
     for (int m = 0; m < meter->mask_count; m++)
         meter->masks[m].is_bad = false;
     for (int r = 0; r < meter->run_count && !status; r++) {

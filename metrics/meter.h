@@ -62,6 +62,11 @@ enum neph_status neph_meter_frame(struct neph_meter *meter, const struct neph_im
                                   const struct neph_image *reference_second,
                                   const struct neph_image *test, struct neph_diag *diag);
 
+/* The display luma (extractors/display_luma.h) of reference and test of the last frame, until the
+ * next call of neph_meter_frame(). False: no extractor needed it. */
+bool neph_meter_display_luma(const struct neph_meter *meter, const struct neph_quantity *quantity,
+                             const double **reference, const double **test);
+
 /* Add the numbers of the temporal extractors, and batch means of the others over the frames. */
 enum neph_status neph_meter_finish(struct neph_meter *meter, struct neph_diag *diag);
 

@@ -254,19 +254,24 @@ enum neph_status neph_frozen_hash(const struct neph_image *frame, char hex[NEPH_
     return status;
 }
 
-enum neph_status neph_frozen_add(struct neph_frozen *frozen, const struct neph_image *frame,
-                                 bool *is_frozen, struct neph_diag *diag)
+bool neph_frames_are_equal(const struct neph_image *a, const struct neph_image *b)
 {
-    char hex[NEPH_HASH_HEX_SIZE];
-    enum neph_status status = neph_frozen_hash(frame, hex, diag);
-    if (status)
-        return status;
-    bool same = frozen->frame_count > 0 && strcmp(hex, frozen->last) == 0;
+    bool same = a->width_px == b->width_px && a->height_px == b->height_px &&
+                a->channel_count == b->channel_count;
+    for (int i = 0; i < a->channel_count && same; i++)
+        same = strcmp(a->channels[i].name, b->channels[i].name) == 0;
+    for (int i = 0; i < a->channel_count && same; i++)
+        same = memcmp(a->channels[i].samples, b->channels[i].samples,
+                      neph_image_pixel_count(a) * sizeof(float)) == 0;
+    return same;
+}
+
+bool neph_frozen_add(struct neph_frozen *frozen, const struct neph_image *previous,
+                     const struct neph_image *frame)
+{
+    const bool same = previous && neph_frames_are_equal(previous, frame);
     if (same && frozen->frozen_count++ == 0)
         frozen->first_frozen = frozen->frame_count;
     frozen->frame_count++;
-    memcpy(frozen->last, hex, sizeof(frozen->last));
-    if (is_frozen)
-        *is_frozen = same;
-    return NEPH_OK;
+    return same;
 }

@@ -64,17 +64,20 @@ enum neph_status neph_validity_same_channels(const struct neph_image *reference,
  * Start from {0} and add every frame of a sequence in order. */
 struct neph_frozen {
     int frame_count;
-    int frozen_count;              /* frames that are bitwise identical to their predecessor */
-    int first_frozen;              /* index of the first frozen frame, if any */
-    char last[NEPH_HASH_HEX_SIZE]; /* hash of the previous frame */
+    int frozen_count; /* frames that are bitwise identical to their predecessor */
+    int first_frozen; /* index of the first frozen frame, if any */
 };
 
-/* A hash of size, channel names and all samples, without attributes (such as the render time). */
+/* Whether two frames have the same size, channel names and samples, bit for bit. Attributes (such
+ * as the render time) do not count. */
+bool neph_frames_are_equal(const struct neph_image *a, const struct neph_image *b);
+
+/* A hash of what neph_frames_are_equal() compares. */
 enum neph_status neph_frozen_hash(const struct neph_image *frame, char hex[NEPH_HASH_HEX_SIZE],
                                   struct neph_diag *diag);
 
-/* Add a frame. `*is_frozen` (may be NULL): whether it is identical to the previous one. */
-enum neph_status neph_frozen_add(struct neph_frozen *frozen, const struct neph_image *frame,
-                                 bool *is_frozen, struct neph_diag *diag);
+/* Add a frame; `previous` is the one before, NULL for the first. Returns whether both are equal. */
+bool neph_frozen_add(struct neph_frozen *frozen, const struct neph_image *previous,
+                     const struct neph_image *frame);
 
 #endif

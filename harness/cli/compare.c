@@ -6,13 +6,15 @@
 #include "harness/cli/cli.h"
 
 #include "base/clock.h"
+#include "base/heap.h"
+#include "base/threads.h"
 #include "harness/cli/compare_choice.h"
 #include "harness/cli/compare_page.h"
 #include "harness/cli/compare_sides.h"
 #include "harness/cli/compare_z.h"
 #include "harness/compare/alone.h"
 #include "harness/compare/comparison.h"
-#include "harness/compare/limits.h"
+#include "harness/compare/limits_file.h"
 #include "harness/compare/verdict.h"
 #include "metrics/extractors/extractors.h"
 
@@ -29,6 +31,8 @@ struct request {
     struct neph_cli_words references;
     struct neph_cli_list metrics;
     struct neph_cli_words above, below; /* limits */
+    const char *limits_path;
+    const struct neph_limits *limits; /* of that file; NULL: none */
     const char *mask, *csv, *junit, *page, *maps;
     struct neph_frame_choice frame_choice;
     const char *second; /* words of the second reference */
@@ -88,6 +92,9 @@ static const struct neph_cli_option options[] = {
     {"fail-below", 0, "[QUANTITY:]METRIC[@MASK]=LIMIT",
      "The same for numbers that should be large: ssim_mean=0.98", NEPH_CLI_WORDS, AT(below),
      .group = JUDGING},
+    {"limits", 0, "FILE",
+     "Exit with 1 when a number is beyond its limit in a file of `neph limits`", NEPH_CLI_WORD,
+     AT(limits_path), .group = JUDGING},
     {"z", 0, NULL,
      "Noise or bias: exit with 1 when two renders of path tracers differ by more than the noise of "
      "both, at the level 0.05. The noise is from variance.R G B, from second moments (m2_*, "
@@ -114,6 +121,10 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_OUTPUT, AT(maps), .group = WRITING},
     {"page", 0, NULL, "An HTML page with charts over time, maps, the worst frames and all numbers",
      NEPH_CLI_OUTPUT, AT(page), .group = WRITING},
+    {"jobs", 0, NULL, "Threads; numbers do not depend on it (default: as many as processors)",
+     NEPH_CLI_INTEGER,
+     .at = offsetof(struct request, shared) + offsetof(struct neph_cli_shared, jobs), .minimum = 1,
+     .maximum = 256, .group = WRITING},
     {"quiet", 'q', NULL, "No progress, and of the answer only its first line", NEPH_CLI_FLAG,
      .at = offsetof(struct request, shared) + offsetof(struct neph_cli_shared, quiet),
      .group = WRITING},
@@ -203,14 +214,25 @@ static const char *wanted_mask(const struct request *request)
     return names_mask_file(request) ? "file" : request->mask;
 }
 
-static int limit_count(const struct request *request)
+/* The limits of the command line. */
+static int own_limit_count(const struct request *request)
 {
     return request->above.count + request->below.count;
+}
+
+/* The limits of the command line and of the file. */
+static int limit_count(const struct request *request)
+{
+    return own_limit_count(request) + (request->limits ? request->limits->count : 0);
 }
 
 static enum neph_status parse_limit(const struct request *request, int index,
                                     struct neph_limit *limit, struct neph_diag *diag)
 {
+    if (index >= own_limit_count(request)) {
+        *limit = request->limits->list[index - own_limit_count(request)].limit;
+        return NEPH_OK;
+    }
     const bool below = index >= request->above.count;
     const char *word = below ? request->below.list[index - request->above.count]
                              : request->above.list[index];
@@ -233,40 +255,24 @@ static enum neph_status choose_limited(struct neph_comparison *comparison,
     return status;
 }
 
-/* Without a reference, refuse extractors and options that need one. */
-static enum neph_status check_reference(const struct request *request,
-                                        const struct neph_comparison *comparison,
-                                        struct neph_diag *diag)
-{
-    const char *needing = request->second ? "--second-reference" : NULL;
-    for (int i = 0; i < comparison->choice_count && comparison->without_reference; i++)
-        if (!neph_extractor_needs_no_reference(comparison->choices[i].extractor))
-            needing = comparison->choices[i].extractor->name;
-    if (!comparison->without_reference || !needing)
-        return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_USAGE,
-              "%s needs a reference; without one there are flicker, cycles and seen", needing);
-    neph_hint(diag, "name the reference: -r FILES");
-    return NEPH_ERR_USAGE;
-}
-
 static enum neph_status choose_extractors(struct neph_comparison *comparison,
                                           const struct request *request, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < request->metrics.count && !status; i++)
         status = neph_choose_word(comparison, request->metrics.words[i], diag);
-    for (int i = 0; i < neph_extractor_count() && request->metrics.count == 0; i++) {
-        const struct neph_extractor *extractor = neph_extractor_at(i);
-        if (!extractor->costly && extractor->temporal == request->temporal &&
-            (!comparison->without_reference || neph_extractor_needs_no_reference(extractor)))
-            neph_choose_extractor(comparison, extractor);
-    }
+    if (request->metrics.count == 0)
+        neph_choose_usual(comparison, request->temporal);
+    for (int i = 0; request->limits && i < request->limits->setting_count && !status; i++)
+        status = neph_choose_setting(comparison, request->limits->settings[i], diag);
     for (int i = 0; i < request->shared.settings.count && !status; i++)
         status = neph_choose_setting(comparison, request->shared.settings.list[i], diag);
     if (!status)
         status = choose_limited(comparison, request, diag);
-    return status ? status : check_reference(request, comparison, diag);
+    if (status)
+        return status;
+    return neph_choice_check_reference(comparison, request->second ? "--second-reference" : NULL,
+                                       diag);
 }
 
 /* Fill the comparison; it takes over the sequences of reference and test. */
@@ -361,6 +367,9 @@ struct work {
     struct neph_compared compared[NEPH_PAGE_SIDES];
     struct neph_cli_page page;
     struct neph_junit *junit;
+    bool limits_apply;   /* those of the file, to these frames */
+    int limit_lines;     /* printed */
+    json_t *limits_json; /* the result of the file of limits; owned; NULL: none */
 };
 
 /* The note behind the first line of the answer: the missing or the assumed reference. */
@@ -380,7 +389,7 @@ static struct neph_verdict_form make_form(const struct work *work, struct neph_a
         .test = work->sides->test_name,
         .other = work->sides->other_name,
         .note = find_note(work->sides, arena),
-        .lines_used = limit_count(request),
+        .lines_used = work->limit_lines,
         .is_brief = request->shared.quiet || request->all,
         .shows_metrics = request->metrics.count > 0,
     };
@@ -411,6 +420,15 @@ static enum neph_status write_page(struct work *work, struct neph_verdict_form f
                                has_other ? &work->compared[NEPH_PAGE_OTHER] : NULL, diag);
 }
 
+static enum neph_status print_json(struct work *work, struct neph_diag *diag)
+{
+    json_t *json = neph_compared_json(&work->compared[NEPH_PAGE_TEST]);
+    if (work->limits_apply)
+        neph_json_set(&json, "limits", work->limits_json);
+    work->limits_json = NULL;
+    return neph_json_print(json, diag);
+}
+
 static enum neph_status print_all(struct work *work, struct neph_diag *diag)
 {
     const struct request *request = work->request;
@@ -425,7 +443,7 @@ static enum neph_status print_all(struct work *work, struct neph_diag *diag)
             "or lacks the layer that it is made from",
             request->mask);
     else if (!status && request->shared.json)
-        status = neph_json_print(neph_compared_json(compared), diag);
+        status = print_json(work, diag);
     else if (!status && is_for_people(request))
         print_people(work, &form);
     fflush(stdout);
@@ -509,13 +527,18 @@ static enum neph_status check_all(const struct request *request,
     return status;
 }
 
-static void print_limits(const struct request *request, const struct neph_compared *compared)
+static void print_limits(struct work *work)
 {
-    for (int i = 0; i < limit_count(request); i++) {
+    const struct request *request = work->request;
+    const struct neph_measurements *numbers = &work->compared[NEPH_PAGE_TEST].numbers;
+    for (int i = 0; i < own_limit_count(request); i++) {
         struct neph_limit limit;
         if (parse_limit(request, i, &limit, NULL) == NEPH_OK)
-            neph_verdict_limit(&compared->numbers, &limit, stdout);
+            neph_verdict_limit(numbers, &limit, stdout);
     }
+    work->limit_lines = own_limit_count(request);
+    if (work->limits_apply)
+        work->limit_lines += neph_limits_print(request->limits, numbers, stdout);
 }
 
 /* ---- JUnit ----------------------------------------------------------------------------------- */
@@ -557,10 +580,16 @@ static enum neph_status tell(struct work *work, enum neph_status status, struct 
     const struct request *request = work->request;
     struct neph_compared *compared = &work->compared[NEPH_PAGE_TEST];
     struct neph_diag late = {.line = 0};
+    if (!status && request->limits)
+        status = neph_limits_check_use(request->limits, compared, diag);
+    work->limits_apply = request->limits && !status;
     const enum neph_status checked = check_all(request, compared, &late);
     if (is_for_people(request))
-        print_limits(request, compared);
-    add_limits(request, &compared->numbers, diag, work->junit);
+        print_limits(work);
+    if (work->limits_apply && request->shared.json)
+        work->limits_json = neph_limits_result_json(request->limits, &compared->numbers);
+    add_limits(request, request->limits && !work->limits_apply ? NULL : &compared->numbers, diag,
+               work->junit);
     select_wanted(request, compared);
     if (work->sides->other.count > 0 && (!status || status == NEPH_ERR_GATE)) {
         const enum neph_status versus = add_versus(work, status ? NULL : diag);
@@ -597,6 +626,7 @@ static enum neph_status measure(const struct request *request,
         status = tell(&work, status, diag);
     for (int side = 0; side < NEPH_PAGE_SIDES; side++)
         neph_compared_finish(&work.compared[side]);
+    json_decref(work.limits_json);
     neph_cli_page_end(&work.page);
     return status;
 }
@@ -634,6 +664,7 @@ static enum neph_status check_z(const struct request *request, const struct neph
         {request->warm_up_frames > 0, "warm-up"},
         {request->above.count > 0, "fail-above"},
         {request->below.count > 0, "fail-below"},
+        {request->limits_path, "limits"},
         {request->csv, "csv"},
         {request->page, "page"},
     };
@@ -686,8 +717,12 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
 {
     struct request request = {.temporal = temporal};
     struct neph_sides sides = {.without_reference = false};
+    struct neph_limits limits = {.path = NULL};
     struct neph_junit junit = {.name = temporal ? "neph flicker" : "neph compare"};
     neph_cli_parse(syntax, argc, argv, &request);
+    if (request.shared.jobs > 0)
+        neph_set_thread_count(request.shared.jobs);
+    neph_heap_keep();
     const double start_s = neph_wall_s();
     const struct neph_side_words words = {
         .references = request.references.list,
@@ -698,7 +733,13 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
         .by_position = request.by_position || request.z, /* seeds are no frame numbers */
         .is_flicker = temporal,
     };
-    enum neph_status status = neph_sides_find(&words, request.warm_up_frames, &sides, diag);
+    enum neph_status status = NEPH_OK;
+    if (request.limits_path) {
+        status = neph_limits_read(request.limits_path, &limits, diag);
+        request.limits = status ? NULL : &limits;
+    }
+    if (!status)
+        status = neph_sides_find(&words, request.warm_up_frames, &sides, diag);
     if (!status)
         status = request.z ? run_z(&request, &sides, &junit, diag)
                            : run_metrics(&request, &sides, &junit, diag);
@@ -706,6 +747,7 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
     status = write_junit(&request, status, &junit, diag);
     neph_junit_finish(&junit);
     neph_sides_finish(&sides);
+    neph_limits_finish(&limits);
     return status;
 }
 

@@ -56,6 +56,31 @@ enum neph_status neph_choose_word(struct neph_comparison *comparison, const char
     return NEPH_OK;
 }
 
+void neph_choose_usual(struct neph_comparison *comparison, bool temporal)
+{
+    for (int i = 0; i < neph_extractor_count(); i++) {
+        const struct neph_extractor *extractor = neph_extractor_at(i);
+        if (!extractor->costly && extractor->temporal == temporal &&
+            (!comparison->without_reference || neph_extractor_needs_no_reference(extractor)))
+            neph_choose_extractor(comparison, extractor);
+    }
+}
+
+enum neph_status neph_choice_check_reference(const struct neph_comparison *comparison,
+                                             const char *option, struct neph_diag *diag)
+{
+    const char *needing = option;
+    for (int i = 0; i < comparison->choice_count; i++)
+        if (!neph_extractor_needs_no_reference(comparison->choices[i].extractor))
+            needing = comparison->choices[i].extractor->name;
+    if (!comparison->without_reference || !needing)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE,
+              "%s needs a reference; without one there are flicker, cycles and seen", needing);
+    neph_hint(diag, "name the reference: -r FILES");
+    return NEPH_ERR_USAGE;
+}
+
 /* Warn about the old form of settings, EXTRACTOR.KEY=VALUE. */
 static void warn_old_setting_form(const char *extractor, const char *key)
 {

@@ -19,6 +19,15 @@ void neph_choose_extractor(struct neph_comparison *comparison,
 enum neph_status neph_choose_word(struct neph_comparison *comparison, const char *word,
                                   struct neph_diag *diag);
 
+/* Add the extractors that are measured when none is named: of `neph compare`, or with `temporal` of
+ * `neph flicker`. */
+void neph_choose_usual(struct neph_comparison *comparison, bool temporal);
+
+/* Without a reference: NEPH_ERR_USAGE when a chosen extractor needs one, or when `option` does, an
+ * option that was given (NULL: none). */
+enum neph_status neph_choice_check_reference(const struct neph_comparison *comparison,
+                                             const char *option, struct neph_diag *diag);
+
 /* Apply "EXTRACTOR:KEY=VALUE", and add that extractor. NEPH_ERR_USAGE. */
 enum neph_status neph_choose_setting(struct neph_comparison *comparison, const char *text,
                                      struct neph_diag *diag);

@@ -44,6 +44,8 @@ static const struct {
      "measure the error of frames of any renderer against a reference"},
     {"flicker", neph_cli_flicker, NULL,
      "measure the flicker and the lag of a sequence of any renderer"},
+    {"limits", neph_cli_limits, NULL,
+     "how much frames differ from run to run, as limits for compare and flicker"},
     {"view", neph_cli_view, NULL,
      "a page to look at frames of any renderer with, down to their values"},
     {"post", neph_cli_post, NULL, "frames of any renderer through tone mapping and upscalers"},

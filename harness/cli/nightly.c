@@ -23,7 +23,7 @@ static const size_t pictures_limit_bytes = 50000000;
 
 struct request {
     struct neph_cli_shared shared;
-    const char *tier, *revision, *executor, *step;
+    const char *tier, *revision, *executor, *step, *limits;
     struct neph_cli_list only, engines;
     struct neph_cli_words slurm;
     double minutes;
@@ -42,6 +42,8 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORD, .at = offsetof(struct request, revision)},
     {"against", 0, "N", "Compare with nightly run N (default: the last accepted one)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, against), .minimum = 1, .maximum = 1e9},
+    {"limits", 0, "FILE", "Numbers beyond their limit in a file of `neph limits` are worse, too",
+     NEPH_CLI_WORD, .at = offsetof(struct request, limits)},
     {"seed", 0, NULL, "The S-th seed of engines that draw paths, in the catalogue (default: 1)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, seed), .minimum = 1, .maximum = 1000000},
     {"once", 0, NULL, "Run no step a second time", NEPH_CLI_FLAG,
@@ -245,6 +247,7 @@ enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
     struct neph_arena arena = {NULL};
+    struct neph_night_limits limits = {.path = NULL};
     /* A copy of the words for the jobs: parsing reorders argv, and splits lists in it. */
     const char **words = neph_arena_allocate(&arena, (size_t)argc + 1, sizeof(*words));
     for (int i = 1; i < argc && words; i++)
@@ -276,10 +279,15 @@ enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
                                        .reports = request.reports,
                                        .quiet = shared->quiet || shared->json};
     status = validate_plan(&params.plan, request.lists, diag);
+    if (!status && request.limits) {
+        status = neph_night_limits_read(request.limits, &limits, diag);
+        params.limits = &limits;
+    }
     if (!status && request.step)
         status = neph_night_run_step(&params, request.step, diag);
     else if (!status && !request.lists)
         status = run(&request, &params, words, diag);
+    neph_night_limits_finish(&limits);
     neph_arena_finish(&arena);
     return status;
 }

@@ -3,10 +3,12 @@
 
 #include "base/files.h"
 #include "base/interrupt.h"
+#include "base/threads.h"
 #include "harness/compare/alone.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/frame_labels.h"
 #include "harness/compare/maps.h"
+#include "harness/compare/read_ahead.h"
 #include "harness/progress.h"
 #include "metrics/extractors/cycle_frequency.h"
 #include "metrics/validity.h"
@@ -39,12 +41,13 @@ struct work {
     struct neph_compared *made;
 };
 
-enum { AT_HAND_MAX = 3 * NEPH_COMPARISONS_MAX }; /* largest number of files for one frame */
+enum { AT_HAND_MAX = 4 * NEPH_COMPARISONS_MAX }; /* largest number of files for one frame */
 
 /* Comparisons that process the frames together. */
 struct pass {
     struct work *works;
     int work_count;
+    struct neph_read_ahead *ahead; /* owned; NULL: every frame is read when it is needed */
     struct at_hand {
         const char *path; /* borrowed; NULL: free slot */
         struct neph_image *image;
@@ -107,12 +110,15 @@ static struct at_hand *find_at_hand(struct pass *pass, const char *path)
     return NULL;
 }
 
+/* Whether a frame needs a file; the test of the frame before it is compared with its test. */
 static bool needs_file(const struct neph_comparison *asked, const char *path, int index)
 {
+    const int before = index > asked->warm_up_frames ? index - 1 : index;
     const char *const paths[] = {
         find_frame_path(&asked->reference, index), find_frame_path(&asked->second, index),
-        test_in_memory(asked, index) ? NULL : find_frame_path(&asked->test, index)};
-    for (int i = 0; i < 3; i++)
+        test_in_memory(asked, index) ? NULL : find_frame_path(&asked->test, index),
+        test_in_memory(asked, before) ? NULL : find_frame_path(&asked->test, before)};
+    for (int i = 0; i < 4; i++)
         if (paths[i] && strcmp(paths[i], path) == 0)
             return true;
     return false;
@@ -144,13 +150,47 @@ static enum neph_status take_frame(struct pass *pass, const struct neph_comparis
         *image = held ? held->image : NULL;
         return NEPH_OK;
     }
-    const enum neph_status status = neph_frame_read(path, &asked->frame_choice,
-                                                    asked->negative_allowed, &read, diag);
+    const enum neph_status status = neph_read_ahead_take(pass->ahead, path, &asked->frame_choice,
+                                                         asked->negative_allowed, &read, diag);
     if (status)
         return status;
     *find_at_hand(pass, NULL) = (struct at_hand){path, read};
     *image = read;
     return NEPH_OK;
+}
+
+/* The number of frames to read ahead, from the size of those at hand. */
+static int count_frames_ahead(const struct pass *pass)
+{
+    enum { FRAMES_MAX = 4 };
+    static const double limit_bytes = 0x1p30;
+    double bytes = 0.0;
+    for (int i = 0; i < AT_HAND_MAX; i++) {
+        const struct neph_image *image = pass->at_hand[i].image;
+        if (image)
+            bytes += (double)neph_image_pixel_count(image) * image->channel_count * sizeof(float);
+    }
+    return (int)fmin(fmin(FRAMES_MAX, neph_thread_count()), limit_bytes / fmax(bytes, 1.0));
+}
+
+static void start_file(struct pass *pass, const struct neph_comparison *asked, const char *path)
+{
+    if (path && !find_at_hand(pass, path))
+        neph_read_ahead_start(pass->ahead, path, &asked->frame_choice, asked->negative_allowed);
+}
+
+/* Start to read the files of the frames after `index`. */
+static void read_ahead(struct pass *pass, int index)
+{
+    const int last = index + (pass->ahead ? count_frames_ahead(pass) : 0);
+    for (int next = index + 1; next <= last && next < pass->works[0].asked->test.count; next++)
+        for (int w = 0; w < pass->work_count; w++) {
+            const struct neph_comparison *asked = pass->works[w].asked;
+            start_file(pass, asked, find_frame_path(&asked->reference, next));
+            start_file(pass, asked, find_frame_path(&asked->second, next));
+            if (!test_in_memory(asked, next))
+                start_file(pass, asked, find_frame_path(&asked->test, next));
+        }
 }
 
 static enum neph_status read_frames(struct pass *pass, struct work *work, int index,
@@ -529,12 +569,24 @@ static enum neph_status begin_work(const struct pass *pass, struct work *work,
     return neph_meter_create(&params, &work->meter, diag);
 }
 
+static enum neph_status add_movement(struct work *work, struct neph_diag *diag)
+{
+    const double *luma[2];
+    const bool is_known = neph_meter_display_luma(work->meter, neph_quantity_find("radiance"),
+                                                  &luma[0], &luma[1]);
+    return neph_movement_add(&work->made->movement, work->reference, work->test,
+                             is_known ? luma : NULL, diag);
+}
+
 static enum neph_status measure_frame(struct pass *pass, struct work *work, int frame,
                                       struct neph_diag *diag)
 {
     const int index = work->asked->warm_up_frames + frame;
     const char *path = work->asked->test.paths[index];
+    const struct neph_image *before = frame > 0 ? work->test : NULL;
     enum neph_status status = read_frames(pass, work, index, diag);
+    if (!status && work == &pass->works[pass->work_count - 1])
+        read_ahead(pass, index);
     if (!status)
         status = check_forms(work, index, diag);
     if (!status)
@@ -546,14 +598,14 @@ static enum neph_status measure_frame(struct pass *pass, struct work *work, int 
         record_ignored_data(work, work->test);
     }
     if (!status && work == pass->works) /* all comparisons have the same test frames */
-        status = neph_frozen_add(&work->frozen, work->test, NULL, diag);
+        neph_frozen_add(&work->frozen, before, work->test);
     work->frozen = pass->works[0].frozen;
     if (!status)
         status = name_file(
             neph_meter_frame(work->meter, work->reference, work->second, work->test, diag), path,
             diag);
     if (!status && work->asked->with_movement)
-        status = neph_movement_add(&work->made->movement, work->reference, work->test, diag);
+        status = add_movement(work, diag);
     if (!status)
         status = send_maps(work, frame, diag);
     work->done_count += !status;
@@ -712,6 +764,7 @@ static enum neph_status prepare(const struct neph_comparison *asked, struct work
 
 static void finish_pass(struct pass *pass)
 {
+    neph_read_ahead_destroy(pass->ahead);
     for (struct work *work = pass->works; work < pass->works + pass->work_count; work++) {
         neph_meter_destroy(work->meter);
         for (int i = 0; i < 3; i++)
@@ -753,6 +806,8 @@ enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons,
                                  .made = &compared[w]};
     for (int w = 0; w < count && !status; w++)
         status = prepare(&comparisons[w], &works[w], diag);
+    if (!status && neph_thread_count() > 1 && works[0].frame_count > 1)
+        status = neph_read_ahead_create(neph_thread_count(), &pass.ahead, diag);
     if (!status)
         status = conclude_all(&pass, measure_all(&pass, diag), diag);
     finish_pass(&pass);

@@ -70,7 +70,8 @@ static enum neph_status close_cycle(struct neph_movement *movement, struct neph_
 
 enum neph_status neph_movement_add(struct neph_movement *movement,
                                    const struct neph_image *reference,
-                                   const struct neph_image *test, struct neph_diag *diag)
+                                   const struct neph_image *test, const double *const luma[2],
+                                   struct neph_diag *diag)
 {
     const struct neph_quantity *radiance = neph_quantity_find("radiance");
     const float *r[3], *x[3];
@@ -81,7 +82,11 @@ enum neph_status neph_movement_add(struct neph_movement *movement,
         status = begin(movement, neph_image_pixel_count(test), diag);
     if (status)
         return status;
-    find_luma(movement, r, x, movement->luma[movement->kept_count++]);
+    double *d = movement->luma[movement->kept_count++];
+    for (size_t i = 0; luma && i < movement->pixel_count; i++)
+        d[i] = luma[1][i] - luma[0][i];
+    if (!luma)
+        find_luma(movement, r, x, d);
     return movement->kept_count < CYCLE ? NEPH_OK : close_cycle(movement, diag);
 }
 

@@ -28,10 +28,12 @@ struct neph_movement {
 };
 
 /* Add the next frame. Frames without radiance are skipped. All frames must have the same size.
+ * `luma`: display luma of reference and test, if it is known; NULL: it is computed.
  * NEPH_ERR_MEMORY. */
 enum neph_status neph_movement_add(struct neph_movement *movement,
                                    const struct neph_image *reference,
-                                   const struct neph_image *test, struct neph_diag *diag);
+                                   const struct neph_image *test, const double *const luma[2],
+                                   struct neph_diag *diag);
 
 /* Free the buffers that are only needed for further frames. */
 void neph_movement_end(struct neph_movement *movement);

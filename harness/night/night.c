@@ -414,6 +414,8 @@ static enum neph_status compare(struct neph_night_work *work, struct neph_diag *
     if (!status)
         status = neph_night_compare(index, work->night->id, params->against, &scope, alpha,
                                     &work->night->comparison, diag);
+    if (!status && params->limits)
+        neph_night_limits_apply(params->limits, &work->night->comparison);
     if (!status)
         status = check_history(work, index, diag);
     neph_database_close(index);

@@ -8,6 +8,7 @@
 
 #include "harness/night/compare.h"
 #include "harness/night/jobs.h"
+#include "harness/night/limits.h"
 #include "harness/night/plan.h"
 #include "harness/night/step.h"
 #include "harness/progress.h"
@@ -21,8 +22,9 @@ struct neph_night_params {
     const char *revision; /* revision of the sources as the caller names it; "" */
     double budget_s;      /* steps that do not fit are not started; infinite: all */
     int64_t against;      /* number of the run to compare with; 0: the baseline */
-    bool once;            /* repeat no step */
-    bool reports;         /* jobs have run the steps: read their result files */
+    const struct neph_night_limits *limits; /* of series; NULL: none */
+    bool once;                              /* repeat no step */
+    bool reports;                           /* jobs have run the steps: read their result files */
     bool quiet;
 
     /* Called after each step with the results so far; may be NULL. */

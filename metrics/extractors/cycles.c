@@ -5,18 +5,16 @@
  */
 #include "base/threads.h"
 #include "metrics/extractors/cycle_fit.h"
-#include "metrics/extractors/display_luma.h"
 #include "metrics/extractors/extractors.h"
+#include "metrics/extractors/pair_codes.h"
 
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum {
     FRAME_COUNT_MIN = 16,
     FRAME_COUNT_MAX = 2048,
-    CHUNK_PX = 256,
     LONG_COUNT = NEPH_CYCLE_LONG_COUNT
 };
 
@@ -147,13 +145,10 @@ static const struct neph_metric metrics[] = {
 
 struct cycles {
     struct neph_cycle_declared declared;
-    double gain;
     int warm_up;
     struct neph_cycle_frames frames; /* the signal d */
     int frames_seen;
-    float *reference[3]; /* planes and luma of the last reference frame */
-    double *reference_luma;
-    struct neph_arena seen; /* memory of the frames and the reference, until the parts are known */
+    struct neph_arena seen; /* memory of the frames, until the parts are known */
 
     struct neph_arena *memory; /* memory of everything else */
 
@@ -194,18 +189,10 @@ static enum neph_status cycles_init(void *state, const struct neph_frame_pair *f
                                     const struct neph_settings *settings, struct neph_diag *diag)
 {
     struct cycles *cycles = state;
-    const size_t pixels = (size_t)first->width_px * (size_t)first->height_px;
-    *cycles = (struct cycles){.gain = exp2(first->viewing->exposure_ev),
-                              .warm_up = (int)settings->values[WARM_UP],
-                              .memory = first->memory};
+    *cycles = (struct cycles){.warm_up = (int)settings->values[WARM_UP], .memory = first->memory};
     read_declared(first, &cycles->declared);
-    cycles->reference_luma = neph_arena_allocate(&cycles->seen, pixels, sizeof(double));
-    for (int c = 0; c < 3; c++)
-        cycles->reference[c] = neph_arena_allocate(&cycles->seen, pixels, sizeof(float));
-    const enum neph_status status = neph_arena_check(&cycles->seen, diag);
-    return status ? status
-                  : neph_cycle_frames_begin(&cycles->frames, first->width_px, first->height_px,
-                                            frames_used(first, settings), &cycles->seen, diag);
+    return neph_cycle_frames_begin(&cycles->frames, first->width_px, first->height_px,
+                                   frames_used(first, settings), &cycles->seen, diag);
 }
 
 static void cycles_close(void *state)
@@ -218,58 +205,30 @@ static void cycles_close(void *state)
 
 struct frame_work {
     struct cycles *cycles;
-    const struct neph_frame_pair *pair;
+    const struct neph_luma_planes *luma;
     int t; /* frame index after the warm-up */
 };
-
-static void compute_chunk_luma(const float *const planes[3], size_t first, size_t count,
-                               double gain, double *luma)
-{
-    const float *const chunk[3] = {planes[0] + first, planes[1] + first, planes[2] + first};
-    neph_display_luma(chunk, count, gain, luma, NULL);
-}
-
-/* Compute the luma of the reference, only once for a static reference. */
-static void update_reference_luma(const struct frame_work *work, size_t first, size_t count)
-{
-    struct cycles *cycles = work->cycles;
-    const size_t size = count * sizeof(float);
-    bool same = work->t > 0;
-    for (int c = 0; c < 3 && same; c++)
-        same = memcmp(work->pair->reference[c] + first, cycles->reference[c] + first, size) == 0;
-    if (same)
-        return;
-    for (int c = 0; c < 3; c++)
-        memcpy(cycles->reference[c] + first, work->pair->reference[c] + first, size);
-    compute_chunk_luma(work->pair->reference, first, count, cycles->gain,
-                       cycles->reference_luma + first);
-}
 
 static void store_signal_row(int row, void *context)
 {
     const struct frame_work *work = context;
-    struct cycles *cycles = work->cycles;
-    const size_t width = (size_t)cycles->frames.width_px, begin = (size_t)row * width;
-    float *d = neph_cycle_frames_row(&cycles->frames, row, work->t);
-    for (size_t x = 0; x < width; x += CHUNK_PX) {
-        const size_t count = width - x < CHUNK_PX ? width - x : CHUNK_PX;
-        double luma[CHUNK_PX];
-        update_reference_luma(work, begin + x, count);
-        compute_chunk_luma(work->pair->test, begin + x, count, cycles->gain, luma);
-        for (size_t i = 0; i < count; i++)
-            d[x + i] = (float)(luma[i] - cycles->reference_luma[begin + x + i]);
-    }
+    const size_t width = (size_t)work->cycles->frames.width_px, begin = (size_t)row * width;
+    const double *test = work->luma->test + begin, *reference = work->luma->reference + begin;
+    float *d = neph_cycle_frames_row(&work->cycles->frames, row, work->t);
+    for (size_t x = 0; x < width; x++)
+        d[x] = (float)(test[x] - reference[x]);
 }
 
 static enum neph_status cycles_extract(void *state, const struct neph_frame_pair *pair,
                                        struct neph_diag *diag)
 {
     struct cycles *cycles = state;
-    struct frame_work work = {cycles, pair, pair->frame - cycles->warm_up};
+    struct frame_work work = {cycles, NULL, pair->frame - cycles->warm_up};
     if (work.t < 0 || work.t >= cycles->frames.frame_count)
         return NEPH_OK;
     cycles->frames_seen++;
-    return neph_parallel_rows(pair->height_px, store_signal_row, &work, diag);
+    const enum neph_status status = neph_pair_luma_get(pair, &work.luma, diag);
+    return status ? status : neph_parallel_rows(pair->height_px, store_signal_row, &work, diag);
 }
 
 /* ---- after the last frame -------------------------------------------------------------------- */

@@ -6,7 +6,7 @@
 #include "metrics/extractors/flicker_watch.h"
 
 #include "base/threads.h"
-#include "metrics/extractors/display_luma.h"
+#include "metrics/extractors/pair_codes.h"
 #include "metrics/vector_math.h"
 
 #include <math.h>
@@ -18,6 +18,7 @@ enum { CYCLE = NEPH_FLICKER_CYCLE, BLOCK = 2 * CYCLE };
 struct frame_work {
     struct neph_flicker_watch *watch;
     const struct neph_frame_pair *pair;
+    const struct neph_luma_planes *luma;
     int t;           /* frame index after the warm-up */
     int cycle_count; /* cycles to add after this frame: 0 except at the end of a block or of the
                       * sequence */
@@ -72,48 +73,47 @@ static void compare_reference(int row, void *context)
     watch->reference_row_moved[row] = !same;
 }
 
-static void convert(const struct neph_flicker_watch *watch, const float *const planes[3], int row,
-                    double *luma)
-{
-    const size_t begin = plane_row(watch, row);
-    const float *const rows[3] = {planes[0] + begin, planes[1] + begin, planes[2] + begin};
-    neph_display_luma(rows, (size_t)watch->width_px, watch->gain, luma, NULL);
-}
-
 static void store_first_row(int row, void *context)
 {
     const struct frame_work *work = context;
     struct neph_flicker_watch *watch = work->watch;
-    convert(watch, work->pair->test, row, padded_row(watch, watch->test.first, row));
-    convert(watch, work->pair->reference, row, padded_row(watch, watch->reference.first, row));
-    const size_t begin = plane_row(watch, row);
+    const size_t begin = plane_row(watch, row), size = (size_t)watch->width_px * sizeof(double);
+    memcpy(padded_row(watch, watch->test.first, row), work->luma->test + begin, size);
+    memcpy(padded_row(watch, watch->reference.first, row), work->luma->reference + begin, size);
     for (int c = 0; c < 3; c++)
         memcpy(watch->reference_planes[c] + begin, work->pair->reference[c] + begin,
                (size_t)watch->width_px * sizeof(float));
 }
 
 NEPH_VECTOR
-static void subtract(double *restrict values, const double *restrict others, int count)
+static void subtract(double *restrict difference, const double *restrict values,
+                     const double *restrict others, int count)
+{
+    for (int i = 0; i < count; i++)
+        difference[i] = values[i] - others[i];
+}
+
+NEPH_VECTOR
+static void take_away(double *restrict values, const double *restrict others, int count)
 {
     for (int i = 0; i < count; i++)
         values[i] -= others[i];
 }
 
-/* Convert a row of an image to its difference to frame 0. */
+/* Store the difference of a row of luma to frame 0. */
 static void store_difference_row(const struct frame_work *work, struct neph_flicker_signal *signal,
-                                 const float *const planes[3], int row)
+                                 const double *luma, int row)
 {
     const struct neph_flicker_watch *watch = work->watch;
-    double *luma = recent_frame_row(watch, signal, row, work->t);
-    convert(watch, planes, row, luma);
-    subtract(luma, padded_row(watch, signal->first, row), watch->width_px);
+    subtract(recent_frame_row(watch, signal, row, work->t), luma + plane_row(watch, row),
+             padded_row(watch, signal->first, row), watch->width_px);
 }
 
 static void subtract_reference_row(const struct frame_work *work, struct neph_flicker_signal *test,
                                    const struct neph_flicker_signal *reference, int row)
 {
-    subtract(recent_frame_row(work->watch, test, row, work->t),
-             recent_frame_row(work->watch, reference, row, work->t), work->watch->width_px);
+    take_away(recent_frame_row(work->watch, test, row, work->t),
+              recent_frame_row(work->watch, reference, row, work->t), work->watch->width_px);
 }
 
 static void add_cycles(const struct frame_work *work, struct neph_flicker_signal *signal, int row)
@@ -129,9 +129,9 @@ static void add_frame_row(int row, void *context)
     const struct frame_work *work = context;
     struct neph_flicker_watch *watch = work->watch;
     struct neph_flicker_signal *test = &watch->test, *reference = &watch->reference;
-    store_difference_row(work, test, work->pair->test, row);
+    store_difference_row(work, test, work->luma->test, row);
     if (watch->reference_moves) {
-        store_difference_row(work, reference, work->pair->reference, row);
+        store_difference_row(work, reference, work->luma->reference, row);
         subtract_reference_row(work, test, reference, row);
     }
     if (work->cycle_count == 0)
@@ -176,9 +176,10 @@ enum neph_status neph_flicker_watch_frame(struct neph_flicker_watch *watch,
 {
     struct frame_work work = {.watch = watch, .pair = pair, .t = t};
     weigh(&work);
-    enum neph_status status = t == 0 ? neph_parallel_rows(watch->height_px, store_first_row, &work,
-                                                          diag)
-                                     : watch_reference(&work, diag);
+    enum neph_status status = neph_pair_luma_get(pair, &work.luma, diag);
+    if (!status)
+        status = t == 0 ? neph_parallel_rows(watch->height_px, store_first_row, &work, diag)
+                        : watch_reference(&work, diag);
     if (!status)
         status = neph_parallel_rows(watch->height_px, add_frame_row, &work, diag);
     if (!status)
@@ -197,7 +198,6 @@ enum neph_status neph_flicker_watch_begin(struct neph_flicker_watch *watch,
         .width_px = first->width_px,
         .height_px = first->height_px,
         .padded_width_px = neph_flicker_padded(first->width_px),
-        .gain = exp2(first->viewing->exposure_ev),
         .frame_count = frame_count,
     };
     watch->reference_row_moved = neph_arena_allocate(&watch->sums, (size_t)first->height_px,

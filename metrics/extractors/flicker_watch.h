@@ -24,7 +24,6 @@ struct neph_flicker_signal {
 /* Start from {0}. */
 struct neph_flicker_watch {
     int width_px, height_px, padded_width_px;
-    double gain; /* display value = gain * radiance */
     int frame_count;
     int frames_seen;
     struct neph_flicker_signal test; /* `first` is of the test, the sums are of d */

@@ -291,7 +291,7 @@ static enum neph_status make_workspaces(struct neph_flip *flip, struct neph_aren
     flip->ring_rows = 2 * flip->radius_px + BATCH_ROWS;
     flip->margin_px = flip->radius_px + 1; /* for that 0 */
     flip->input_stride = STRIDE + 2 * flip->margin_px;
-    flip->workspace_count = neph_processor_count();
+    flip->workspace_count = neph_thread_count();
     flip->workspaces = neph_arena_allocate(memory, (size_t)flip->workspace_count,
                                            sizeof(*flip->workspaces));
     enum neph_status status = flip->workspaces ? NEPH_OK : neph_fail_memory(diag);

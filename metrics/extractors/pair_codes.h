@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The code values of a pair of frames, shared by several extractors: computed once, at the first
- * request.
+ * The code values and the display luma of a pair of frames, shared by several extractors: computed
+ * once, at the first request.
  */
 #ifndef NEPH_METRICS_EXTRACTORS_PAIR_CODES_H
 #define NEPH_METRICS_EXTRACTORS_PAIR_CODES_H
@@ -16,12 +16,23 @@ struct neph_code_planes {
     bool is_made;             /* computed for this pair */
 };
 
+/* Display luma (display_luma.h) of all pixels of both frames. The luma of a reference that is the
+ * same as in the pair before is kept. */
+struct neph_luma_planes {
+    double *reference, *test;
+    float *seen[3]; /* the planes of `reference` */
+    bool has_seen;
+    bool is_made; /* computed for this pair */
+};
+
 /* Codes of pairs with one size and one set of viewing conditions. Start from zeros and the arena
  * for the planes.
  */
 struct neph_pair_codes {
     struct neph_arena *memory;
     struct neph_code_planes kinds[NEPH_CODE_COUNT];
+    struct neph_luma_planes luma;
+    struct neph_arena luma_memory; /* of `luma`; ended by neph_pair_luma_end() */
 };
 
 /* Invalidate the codes, before another pair. */
@@ -32,5 +43,13 @@ void neph_pair_codes_forget(struct neph_pair_codes *codes);
 enum neph_status neph_pair_codes_get(const struct neph_frame_pair *pair, enum neph_code_kind kind,
                                      const struct neph_code_planes **planes,
                                      struct neph_diag *diag);
+
+/* The luma of a pair of three planes, valid until neph_pair_codes_forget(). NEPH_ERR_MEMORY,
+ * NEPH_ERR_INTERRUPTED. */
+enum neph_status neph_pair_luma_get(const struct neph_frame_pair *pair,
+                                    const struct neph_luma_planes **planes, struct neph_diag *diag);
+
+/* Free the memory of the luma, after the last pair. */
+void neph_pair_luma_end(struct neph_pair_codes *codes);
 
 #endif

@@ -8,7 +8,7 @@
 #include "metrics/extractors/extractors.h"
 
 #include "base/threads.h"
-#include "metrics/extractors/display_luma.h"
+#include "metrics/extractors/pair_codes.h"
 #include "metrics/vector_math.h"
 
 #include <math.h>
@@ -44,7 +44,6 @@ struct state {
     int width_px, height_px, plane_count;
     int frame_count;
     bool has_luma;
-    double gain;                   /* display value of the radiance 1 */
     double *residual[PLANE_COUNT]; /* of the last frame */
     double *squares[PLANE_COUNT];  /* sums of the squared change */
 };
@@ -58,8 +57,7 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
     *state = (struct state){.width_px = first->width_px,
                             .height_px = first->height_px,
                             .plane_count = first->plane_count,
-                            .has_luma = (first->quantity->bit & SHOWABLE) != 0,
-                            .gain = exp2(first->viewing->exposure_ev)};
+                            .has_luma = (first->quantity->bit & SHOWABLE) != 0};
     for (int p = 0; p < PLANE_COUNT; p++) {
         state->residual[p] = neph_arena_allocate(first->memory, pixel_count, sizeof(double));
         state->squares[p] = neph_arena_allocate(first->memory, pixel_count, sizeof(double));
@@ -93,29 +91,8 @@ NEPH_VECTOR static void add_luma(const double *restrict reference, const double 
 struct work {
     struct state *state;
     const struct neph_frame_pair *pair;
+    const struct neph_luma_planes *luma; /* NULL: not has_luma */
 };
-
-/* Pixels per step, so that intermediate values stay in the cache. */
-enum { PIECE_PX = 256 };
-
-static void follow_luma(const struct work *work, size_t first, int count, double weight)
-{
-    const struct state *state = work->state;
-    double reference[PIECE_PX], test[PIECE_PX], luminance[PIECE_PX];
-    for (int done = 0; done < count; done += PIECE_PX) {
-        const size_t at = first + (size_t)done;
-        const size_t length = (size_t)(count - done < PIECE_PX ? count - done : PIECE_PX);
-        const float *planes[2][3];
-        for (int c = 0; c < 3; c++) {
-            planes[0][c] = work->pair->reference[c] + at;
-            planes[1][c] = work->pair->test[c] + at;
-        }
-        neph_display_luma(planes[0], length, state->gain, reference, luminance);
-        neph_display_luma(planes[1], length, state->gain, test, luminance);
-        add_luma(reference, test, length, weight, state->residual[LUMA_PLANE] + at,
-                 state->squares[LUMA_PLANE] + at);
-    }
-}
 
 static void follow_row(int row, void *context)
 {
@@ -127,15 +104,19 @@ static void follow_row(int row, void *context)
         add_linear(work->pair->reference[p] + first, work->pair->test[p] + first, width, weight,
                    state->residual[p] + first, state->squares[p] + first);
     if (state->has_luma)
-        follow_luma(work, first, state->width_px, weight);
+        add_luma(work->luma->reference + first, work->luma->test + first, width, weight,
+                 state->residual[LUMA_PLANE] + first, state->squares[LUMA_PLANE] + first);
 }
 
 static enum neph_status extract(void *state_, const struct neph_frame_pair *pair,
                                 struct neph_diag *diag)
 {
     struct state *state = state_;
-    struct work work = {state, pair};
-    enum neph_status status = neph_parallel_rows(state->height_px, follow_row, &work, diag);
+    struct work work = {state, pair, NULL};
+    enum neph_status status = state->has_luma ? neph_pair_luma_get(pair, &work.luma, diag)
+                                              : NEPH_OK;
+    if (!status)
+        status = neph_parallel_rows(state->height_px, follow_row, &work, diag);
     state->frame_count++;
     return status;
 }

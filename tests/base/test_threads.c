@@ -92,6 +92,16 @@ static void test_processor_count_follows_affinity(void **state)
     assert_int_equal(count, 1);
 }
 
+static void test_thread_count(void **state)
+{
+    assert_int_equal(neph_thread_count(), neph_processor_count());
+    neph_set_thread_count(3);
+    assert_int_equal(neph_thread_count(), 3);
+    assert_int_equal(setenv("NEPH_THREADS", "many", 1), 0);
+    assert_int_equal(neph_thread_count(), neph_processor_count());
+    assert_int_equal(unsetenv("NEPH_THREADS"), 0);
+}
+
 static void answer(void *context)
 {
     atomic_store((atomic_int *)context, 1);

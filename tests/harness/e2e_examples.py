@@ -64,6 +64,7 @@ RULES = [
     (r"pick", f"{SIZE} -q", {0, 1}, False),
     (r"compare", "-q", {0, 1}, True),
     (r"flicker", "-q", {0, 1}, True),
+    (r"limits", "-q", {0}, True),
     (r"view", "-q", {0}, True),
     (r"post", "-q", {0}, True),
     (r"conform \w+ \w+$", "-q", {0, 1}, False),
@@ -170,6 +171,15 @@ def make_frames(folder):
         name = folder / ("old", "new")[seed % 2]
         name.mkdir(exist_ok=True)
         frames.grey_exr(name / f"seed_{seed}.exr", WIDTH, HEIGHT, values(seed))
+    for name in "runs", "nights":
+        (folder / name).mkdir()
+    for run in range(1, 12):
+        frames.grey_exr(folder / f"runs/seed_{run}.exr", WIDTH, HEIGHT, values(run), Z=depths)
+    for run in range(5):
+        (folder / f"nights/{run}").mkdir()
+        for frame in range(16):
+            frames.grey_exr(folder / f"nights/{run}/{frame:02}.exr", WIDTH, HEIGHT,
+                            values(frame * (run + 1)), Z=depths)
     (folder / "game").mkdir()
     for frame in range(16):
         picture(folder / f"game/frame{frame:04}.png", frame)

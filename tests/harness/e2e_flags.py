@@ -16,8 +16,8 @@ TEXT_COLUMN = 29
 # Verbs that share a table of options, or run one after the other in one folder.
 FAMILIES = {"export": "render", "flicker": "compare"}
 # Names that look like the plural of another and have a meaning of their own: the number of frames,
-# seeds or steps of a ray; a list of masks.
-PLURALS = {"frames", "seeds", "steps", "masks"}
+# seeds or steps of a ray; a list of masks; a file of limits.
+PLURALS = {"frames", "seeds", "steps", "masks", "limits"}
 
 Flag = collections.namedtuple("Flag", "verb letter argument text")
 

@@ -153,6 +153,36 @@ class Nightly(neph_case.NephCase):
         self.assertIn(worst["series"], failed)
         self.assert_the_page_shows(worst["series"])
 
+    def test_limits_of_repeated_runs(self):
+        self.neph(*FOG, code=1, **LONELY)
+        report = self.data()
+        errors = [row["series"] for row in report["series"] if "contrast" not in row["series"]]
+        names = []
+        for run, factor in enumerate((1, 1.02, 0.97, 1.05, 0.99, 1.01)):
+            for row in report["series"]:
+                if "/tracer/" in row["series"]:
+                    row["tonight"] *= factor
+            names.append(self.put(f"{run}/nightly.json", json.dumps(report)))
+        self.neph("limits", *names[:4], code=64, said="4 nightly runs are named, at least 5")
+        self.neph("limits", *names, names[0], code=65, said="have the same numbers, others differ")
+        limits = self.json("limits", *names)
+        self.assertEqual(limits["runs"], 6)
+        self.assertEqual([row["series"] for row in limits["limits"] if row["limit"] is not None],
+                         errors)
+        path = self.folder / "limits.json"
+        self.neph(*FOG, "--limits", path, **LONELY)  # without a baseline
+        self.assertEqual((self.data()["compared"], self.data()["findings"]), (len(errors), []))
+        low = next(row for row in limits["limits"] if row["series"].endswith("rel_rmse/exact") and
+                   row["confidence"])
+        low["limit"] = low["lowest"] / 2
+        path.write_text(json.dumps(limits))
+        self.neph(*FOG, "--limits", path, code=1, **LONELY)
+        found = self.data()["findings"]
+        self.assertEqual([(row["found"], row["series"]) for row in found],
+                         [("worse", low["series"])])
+        self.assertIn("is beyond the limit", found[0]["words"])
+        self.neph(*FOG, "--limits", names[0], code=65, said="is not a file of limits of nightly")
+
     def assert_the_page_shows(self, series):
         """With both frames, its history and the command; e2e_night_page.py checks it in detail."""
         page = self.folder / "nightly/report"

@@ -31,7 +31,7 @@ static void fill(struct neph_movement *movement, const double *lumas, int count)
     movement->gain = 1.0;
     for (int f = 0; f < count; f++) {
         struct neph_image *test = make_frame(lumas[f]);
-        assert_int_equal(neph_movement_add(movement, reference, test, NULL), NEPH_OK);
+        assert_int_equal(neph_movement_add(movement, reference, test, NULL, NULL), NEPH_OK);
         neph_image_destroy(test);
     }
     neph_image_destroy(reference);

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * The cost of each extractor: CPU seconds and memory, single and together, on synthetic frames. Not
- * a test. Each row is measured in a process of its own, so that the peak of memory belongs to the
- * row.
+ * The cost of each extractor: CPU seconds and memory, single and together, on synthetic frames; and
+ * frames a second of the command `neph flicker` with files. Not a test. Each row is measured in a
+ * process of its own, so that the peak of memory belongs to the row.
  *
  *   bench_metrics                                960x540 and 1920x1080
+ *   bench_metrics --frames 64 neph_flicker       only the command
  *   bench_metrics --size 3840x2160 --frames 4 error flip
  *   bench_metrics --json > costs.json
  *   bench_metrics --size 8192x8192 --frames 2 error ssim flip      the largest supported size
  */
+#include "tests/metrics/bench_program.h"
 #include "tests/metrics/synthetic.h"
 
 #include "base/clock.h"
@@ -271,9 +273,43 @@ static bool run_totals(const struct request *request, struct row *row, json_t *l
     return ran;
 }
 
+static void print_program(const struct bench_program *bench, const struct bench_program_cost *cost)
+{
+    printf("neph flicker %dx%d, %d frames: %.1f frames a second, %.4f CPU-seconds a frame, %.0f %% "
+           "of them in the system\n",
+           bench->width_px, bench->height_px, bench->frame_count, bench->frame_count / cost->wall_s,
+           (cost->user_s + cost->system_s) / bench->frame_count,
+           100.0 * cost->system_s / (cost->user_s + cost->system_s));
+    fflush(stdout);
+}
+
+/* The command with its files, at one size. */
+static bool run_program(const struct request *request, const int size[2], json_t *list)
+{
+    const int given = request->frame_count / 4 * 4;
+    const struct bench_program bench = {size[0], size[1], given < 16 ? 16 : given};
+    struct bench_program_cost cost;
+    struct neph_diag diag = {0};
+    const enum neph_status status = bench_program_run(&bench, &cost, &diag);
+    if (status)
+        fprintf(stderr, "neph flicker: %s\n", diag.message);
+    else if (request->json)
+        json_array_append_new(
+            list, json_pack("{s:s, s:i, s:i, s:i, s:f, s:f, s:f}", "name", "neph flicker",
+                            "width_px", bench.width_px, "height_px", bench.height_px, "frames",
+                            bench.frame_count, "frames_per_s", bench.frame_count / cost.wall_s,
+                            "cpu_s_per_frame", (cost.user_s + cost.system_s) / bench.frame_count,
+                            "system_s_per_frame", cost.system_s / bench.frame_count));
+    else
+        print_program(&bench, &cost);
+    return !status;
+}
+
 static bool run_all(const struct request *request, json_t *list)
 {
     bool ran = true;
+    for (int s = 0; s < request->size_count && is_wanted(request, "neph_flicker"); s++)
+        ran = run_program(request, request->sizes[s], list) && ran;
     for (int s = 0; s < request->size_count; s++)
         for (int intervals = 0; intervals < 2; intervals++) {
             struct row row = {.width_px = request->sizes[s][0],
@@ -321,7 +357,8 @@ static error_t parse(int key, char *argument, struct argp_state *state)
         request->json = true;
         return 0;
     case ARGP_KEY_ARG:
-        if (!neph_extractor_find(argument) || request->name_count == CHOICES_MAX)
+        if ((!neph_extractor_find(argument) && strcmp(argument, "neph_flicker") != 0) ||
+            request->name_count == CHOICES_MAX)
             argp_error(state, "there is no extractor '%s'", argument);
         request->names[request->name_count++] = argument;
         return 0;

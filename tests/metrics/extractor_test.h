@@ -188,6 +188,7 @@ static inline void extraction_end(struct extraction *extraction)
 {
     if (extraction->extractor->close)
         extraction->extractor->close(extraction->state);
+    neph_pair_luma_end(extraction->codes);
     neph_arena_finish(extraction->memory);
     free(extraction->memory);
     extraction->memory = NULL;

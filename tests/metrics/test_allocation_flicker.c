@@ -5,6 +5,7 @@
 #include "tests/allocation.h"
 
 #include "metrics/extractors/extractors.h"
+#include "metrics/extractors/pair_codes.h"
 
 enum { W = 21, H = 4, N = 16 };
 
@@ -19,6 +20,7 @@ static enum neph_status live(void *context, struct neph_diag *diag)
     const struct life *life = context;
     const struct neph_extractor *extractor = life->extractor;
     struct neph_arena memory = {0};
+    struct neph_pair_codes codes = {.memory = &memory};
     static const float dark[W * H], bright[W * H] = {1.0f};
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     const struct neph_settings settings = neph_options_default(extractor->options);
@@ -31,18 +33,21 @@ static enum neph_status live(void *context, struct neph_diag *diag)
                                    .scene_mean = NAN,
                                    .frame_count = N,
                                    .viewing = &viewing,
+                                   .codes = &codes,
                                    .memory = &memory};
     void *state = __real_calloc(1, extractor->state_size);
     assert_non_null(state);
     enum neph_status status = extractor->init(state, &pair, &settings, diag);
     for (int t = 0; t < N && !status; t++) {
         pair.frame = t;
+        neph_pair_codes_forget(&codes);
         pair.reference[1] = t >= life->moves_at ? bright : dark;
         status = extractor->extract(state, &pair, diag);
     }
     if (!status && extractor->flush)
         status = extractor->flush(state, diag);
     extractor->close(state);
+    neph_pair_luma_end(&codes);
     neph_arena_finish(&memory);
     free(state);
     return status;
