@@ -93,6 +93,10 @@ static const struct neph_cli_option shared_options[] = {
      .at = offsetof(struct neph_cli_shared, time_limit_s), .minimum = 1, .maximum = 1000000},
     {"untimed", 0, NULL, .help = "No times: evaluations of density in place of them"},
     {"warm-up", 0, "N", .help = "Frames before the first that is measured"},
+    {"window", 0, "MODE",
+     .help = "Frames with different data windows: union (inside the display window; outside a "
+             "window is 0 and transparent), intersection (the pixels that all have), or strict "
+             "(refused)"},
     {"white", 0, "CD_PER_M2", .help = "Luminance of the display value 1 (default: 100)"},
     {.name = NULL},
 };

@@ -31,6 +31,7 @@ struct request {
     struct neph_cli_words above, below; /* limits */
     const char *mask, *csv, *junit, *page, *maps;
     struct neph_frame_choice frame_choice;
+    const char *window; /* mode of differing data windows */
     const char *second; /* words of the second reference */
     const char *versus; /* words of the other test */
     double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: the default */
@@ -58,6 +59,7 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORD, AT(mask)},
     {"part", .kind = NEPH_CLI_WORD, AT(frame_choice.part)},
     {"layer", .kind = NEPH_CLI_WORD, AT(frame_choice.layer)},
+    {"window", .kind = NEPH_CLI_WORD, AT(window), "union"},
     {"rings", 0, NULL,
      "Also the ring masks at depth edges, by distance and side (flicker always measures them, and "
      "shows them with this)",
@@ -586,7 +588,7 @@ static enum neph_status measure(const struct request *request,
     struct neph_comparison *asked = &work.asked[NEPH_PAGE_TEST];
     struct neph_compared *compared = &work.compared[NEPH_PAGE_TEST];
     *asked = *comparison;
-    enum neph_status status = neph_sides_check(sides, comparison, diag);
+    enum neph_status status = neph_sides_check(sides, request->window, asked, diag);
     if (!status)
         status = neph_cli_page_begin(request->page, &work.page, diag);
     if (!status && asked->with_movement)
@@ -659,6 +661,7 @@ static enum neph_status run_z(const struct request *request, const struct neph_s
                     .variance = request->variance,
                     .samples = request->samples,
                     .negative_allowed = request->negative_is_fine ? SIZE_MAX : 0},
+        .window = request->window,
         .maps = request->maps,
         .group = junit_group(request, junit),
         .json = request->shared.json,

@@ -5,7 +5,6 @@
 #include "base/text.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/frame_labels.h"
-#include "harness/compare/frame_size.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -225,14 +224,15 @@ enum neph_status neph_sides_find(const struct neph_side_words *words, int warm_u
     return status ? status : neph_arena_check(&sides->arena, diag);
 }
 
-enum neph_status neph_sides_check(const struct neph_sides *sides,
-                                  const struct neph_comparison *comparison, struct neph_diag *diag)
+enum neph_status neph_sides_check(const struct neph_sides *sides, const char *window,
+                                  struct neph_comparison *comparison, struct neph_diag *diag)
 {
     const struct neph_sequence *const sequences[] = {&comparison->reference, &comparison->second,
                                                      &comparison->test, &sides->other};
     struct neph_image *test = NULL, *other = NULL;
     const int first = comparison->warm_up_frames;
-    enum neph_status status = neph_frame_sizes_check(sequences, 4, diag);
+    enum neph_status status = neph_windows_find(sequences, 4, window, &comparison->frame_choice,
+                                                &comparison->windows, diag);
     if (status || first >= comparison->test.count || sides->other.count == 0)
         return status;
     const char *path = sides->other.paths[first];

@@ -7,7 +7,7 @@
 #include "base/arena.h"
 #include "base/files.h"
 #include "base/interrupt.h"
-#include "harness/compare/frame.h"
+#include "harness/compare/frame_windows.h"
 #include "harness/compare/sequence.h"
 #include "harness/data.h"
 #include "harness/engines/vulkan_device.h"
@@ -449,6 +449,8 @@ static enum neph_status make_pictures(struct work *work, const char *const *word
     enum neph_status status = find_settings(work, diag);
     if (!status)
         status = neph_sequence_find(word_count, words, false, &work->frames, diag);
+    if (!status)
+        status = neph_part_check(&work->frames, work->request->frame_choice.part, diag);
     struct neph_progress progress = neph_progress_start(shared->quiet || shared->json,
                                                         work->frames.count);
     if (!status)

@@ -303,8 +303,8 @@ static enum neph_status unite_masks(struct work *work, struct neph_diag *diag)
 static enum neph_status add_file_mask(struct work *work, struct neph_diag *diag)
 {
     struct neph_image *picture = NULL;
-    enum neph_status status = neph_frame_read(work->asked->mask_file, NULL, SIZE_MAX, &picture,
-                                              diag);
+    enum neph_status status = neph_frame_read_mask(work->asked->mask_file,
+                                                   &work->asked->frame_choice, &picture, diag);
     if (!status && work->mask_count == NEPH_MASKS_MAX)
         status = neph_fail(diag, NEPH_ERR_INPUT, "more than %d masks", NEPH_MASKS_MAX);
     if (!status)

@@ -8,7 +8,7 @@
 
 #include "base/arena.h"
 #include "harness/compare/findings.h"
-#include "harness/compare/frame.h"
+#include "harness/compare/frame_windows.h"
 #include "harness/compare/movement.h"
 #include "harness/compare/sequence.h"
 #include "harness/compare/versus.h"
@@ -36,7 +36,8 @@ struct neph_comparison {
     const struct neph_meter_number *wanted; /* the numbers to take; only their masks and "all" are
                                                made. Ends with a NULL metric; borrowed. NULL: all */
     const char *mask;                       /* a mask that must exist; NULL: none */
-    struct neph_frame_choice frame_choice;  /* part and layer of all frames */
+    struct neph_frame_choice frame_choice;  /* part, layer and data window of all frames */
+    struct neph_windows windows;            /* of the files, as neph_windows_find() found them */
     const char *mask_file;                  /* image of a user's mask, inside above 0.5; or NULL */
     bool detail_masks;                      /* include the rings at depth edges */
     const char *maps_directory;             /* output folder for the extractors' maps; or NULL */
@@ -102,6 +103,7 @@ enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons,
  *   "reference", "test"  {"first": its file (the warm-up included), "count"}; the reference is null
  *                   when there is none
  *   "warm_up_frames", "frames", "frozen", "interrupted"
+ *   "window"        as neph_windows_json()
  *   "measurements"  array of objects as neph_measurement_json(), with "viewing"
  *   "findings"      verdicts, see harness/compare/findings.h
  *   "not_taken"     array of {"extractor", "quantity", "because"}

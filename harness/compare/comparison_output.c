@@ -197,6 +197,10 @@ static void print_numbers(const struct neph_compared *compared, bool details, bo
 void neph_comparison_print(const struct neph_compared *compared, bool details, bool all)
 {
     const struct neph_viewing *viewing = &compared->viewing;
+    char windows[256];
+    neph_windows_sentence(&compared->asked->windows, windows, sizeof(windows));
+    if (windows[0])
+        printf("%s\n", windows);
     print_numbers(compared, details, all);
     print_versus(&compared->versus, details);
     print_findings(&compared->findings, details);
@@ -359,6 +363,7 @@ json_t *neph_compared_json(const struct neph_compared *compared)
         compared->interrupted, "measurements", numbers_json(compared), "findings",
         neph_findings_json(&compared->findings), "not_taken", not_taken_json(compared), "maps",
         maps);
+    neph_json_set(&json, "window", neph_windows_json(&asked->windows));
     if (compared->movement.frame_count > 0)
         neph_json_set(&json, "movement", movement_json(&compared->movement));
     if (compared->has_versus) {

@@ -276,15 +276,72 @@ enum neph_status neph_frame_read_as_written(const char *path,
     return status;
 }
 
+/* Values outside the data window: black, and without an object or a medium. */
+static float value_outside(const char *channel)
+{
+    static const struct {
+        const char *start; /* of the name; a layer ends with a dot */
+        float value;
+    } values[] = {
+        {"Z", INFINITY},
+        {"motion.depth", INFINITY},
+        {"volume.distance", INFINITY},
+        {"transmittance.", 1.0f},
+    };
+    for (size_t i = 0; i < sizeof(values) / sizeof(values[0]); i++) {
+        const char *start = values[i].start;
+        const size_t length = strlen(start);
+        if (strncmp(channel, start, length) == 0 &&
+            (start[length - 1] == '.' || channel[length] == '\0'))
+            return values[i].value;
+    }
+    return 0.0f;
+}
+
+static enum neph_status place(const char *path, const struct neph_window *window,
+                              struct neph_image *image, struct neph_diag *diag)
+{
+    const enum neph_status status = neph_image_place(image, window, value_outside, diag);
+    if (status)
+        neph_prefix(diag, "'%s': ", path);
+    return status;
+}
+
 enum neph_status neph_frame_read(const char *path, const struct neph_frame_choice *choice,
                                  size_t negative_allowed, struct neph_image **image,
                                  struct neph_diag *diag)
 {
-    const enum neph_status status = neph_frame_read_as_written(path, choice, negative_allowed,
-                                                               image, diag);
-    if (!status) {
-        remove_nonfinite_channels(*image);
-        mark_sky(*image);
-    }
+    struct neph_image *frame = NULL;
+    enum neph_status status = neph_frame_read_as_written(path, choice, negative_allowed, &frame,
+                                                         diag);
+    if (status)
+        return status;
+    remove_nonfinite_channels(frame);
+    mark_sky(frame);
+    if (choice && choice->window.size_px[0] > 0)
+        status = place(path, &choice->window, frame, diag);
+    if (status)
+        neph_image_destroy(frame);
+    else
+        *image = frame;
+    return status;
+}
+
+enum neph_status neph_frame_read_mask(const char *path, const struct neph_frame_choice *choice,
+                                      struct neph_image **image, struct neph_diag *diag)
+{
+    const struct neph_frame_choice as_written = {.part = choice->part};
+    struct neph_image *mask = NULL;
+    enum neph_status status = neph_frame_read(path, &as_written, SIZE_MAX, &mask, diag);
+    if (status)
+        return status;
+    const struct neph_window window = neph_image_window(mask), *wanted = &choice->window;
+    if (wanted->size_px[0] > 0 && window.display_px[0] == wanted->display_px[0] &&
+        window.display_px[1] == wanted->display_px[1])
+        status = place(path, wanted, mask, diag);
+    if (status)
+        neph_image_destroy(mask);
+    else
+        *image = mask;
     return status;
 }

@@ -1,0 +1,180 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Files of frames that other programs write: data windows that differ, depth by name, parts."""
+import math
+import unittest
+
+import frames
+import neph_case
+
+
+class Windows(neph_case.NephCase):
+    """Frames with a display window of 20x12 pixels."""
+    display = (20, 12)
+
+    def write(self, name, corner, size, value_at, display=None, **further):
+        """value_at is called with places in the display window."""
+        path = self.folder / name
+        path.parent.mkdir(exist_ok=True)
+        places = [(x, y) for y in range(corner[1], corner[1] + size[1])
+                  for x in range(corner[0], corner[0] + size[0])]
+        values = [value_at(x, y) for x, y in places]
+        channels = {c: values for c in "RGB"} | {
+            channel: [at(x, y) for x, y in places] for channel, at in further.items()}
+        path.write_bytes(frames.exr_bytes(*size, channels, corner=corner,
+                                          display=display or self.display))
+        return path
+
+    def mae(self, *words, quantity="radiance"):
+        """The mean absolute error, its pixels, and what is said of the windows."""
+        found = self.json("compare", *words, "-m", "mae")
+        row = next(row for row in found["measurements"]
+                   if (row["quantity"], row["mask"]) == (quantity, "all"))
+        return row["value"], row["pixel_count"], found["window"]
+
+    def inside(self, x, y):
+        return 0.5 if 4 <= x < 16 and 3 <= y < 9 else 0.0
+
+    def test_a_tight_box_is_compared_with_the_whole(self):
+        whole = self.write("whole.exr", (0, 0), self.display, self.inside)
+        box = self.write("box.exr", (4, 3), (12, 6), lambda x, y: 0.625)
+        value, count, window = self.mae(whole, box)
+        self.assertEqual((value, count), (0.125 * 12 * 6 / 240, 240))
+        self.assertEqual(window, {"mode": "union", "differ": True, "measured": {
+            "corner_px": [0, 0], "size_px": [20, 12], "display_px": [20, 12]}})
+        said = self.neph("compare", whole, box).stdout
+        self.assertIn("the data windows differ: of 20x12 measured pixels 12x6 are in all", said)
+        self.assertEqual(self.mae(whole, box, "--window", "intersection")[:2], (0.125, 72))
+        self.neph("compare", whole, box, "--window", "strict", code=65,
+                  said=("(4, 3) of 20x12", "hint: --window union or intersection"))
+        self.neph("compare", whole, box, "--window", "box", code=64, said="strict")
+
+    def test_equal_crops_are_compared_as_they_are(self):
+        crop = self.write("crop.exr", (4, 3), (12, 6), lambda x, y: 0.5)
+        value, count, window = self.mae(crop, crop)
+        self.assertEqual((value, count, window["measured"]), (0, 72, None))
+        self.assertNotIn("--window", self.neph("compare", crop, crop).stdout)
+
+    def test_crops_of_different_places(self):
+        value_at = lambda x, y: 0.25 + x / 64
+        a, b = (self.write(name, (left, 3), (12, 6), value_at)
+                for name, left in (("a.exr", 4), ("b.exr", 5)))
+        edges = (value_at(4, 0) + value_at(16, 0)) / 13
+        value, count, window = self.mae(a, b)
+        self.assertEqual((count, window["measured"]["corner_px"]), (13 * 6, [4, 3]))
+        self.assertAlmostEqual(value, edges, delta=1e-7)  # floats of the files
+        self.assertEqual(self.mae(a, b, "--window", "intersection")[:2], (0, 11 * 6))
+        apart = self.write("apart.exr", (17, 3), (3, 3), value_at)
+        self.assertIn("none is in all files", self.neph("compare", a, apart).stdout)
+        self.neph("compare", a, apart, "--window", "intersection", code=65,
+                  said="no pixel of the display window is in every data window")
+
+    def test_overscan_is_cut_to_the_display_window(self):
+        value_at = lambda x, y: 0.5 if 0 <= x < 20 and 0 <= y < 12 else 9.0
+        wide = self.write("wide.exr", (-2, -1), (24, 14), value_at)
+        plain = self.write("plain.exr", (0, 0), self.display, lambda x, y: 0.5)
+        for words in ((wide, plain), (plain, wide), (wide, wide)):
+            self.assertEqual(self.mae(*words)[:2], (0, 240))
+        self.assertIn("reach beyond the display window", self.neph("compare", wide, wide).stdout)
+        self.assertEqual(self.mae(wide, wide, "--window", "strict")[:2], (0, 24 * 14))
+
+    def test_display_windows_that_differ_are_refused(self):
+        a = self.write("a.exr", (4, 3), (4, 4), lambda x, y: 0.5)
+        b = self.write("b.exr", (4, 3), (4, 4), lambda x, y: 0.5, display=(30, 12))
+        png = self.folder / "c.png"
+        png.write_bytes(frames.png_bytes(21, 12, [0] * (3 * 21 * 12)))
+        for words in ((a, b), ("--window", "intersection", a, b), (a, png)):
+            self.neph("compare", *words, code=65, said="the size of the display window changes")
+        huge = self.write("huge.exr", (0, 0), (1, 1), lambda x, y: 0.5, display=(40000, 1))
+        far = self.write("far.exr", (39999, 0), (1, 1), lambda x, y: 0.5, display=(40000, 1))
+        self.neph("compare", huge, far, code=65, said="together have 40000x1 pixels")
+
+    def test_outside_is_the_sky_and_transparent(self):
+        near = lambda x, y: 2.0
+        layers = {"Z": near, **{f"transmittance.{c}": lambda x, y: 0.5 for c in "RGB"}}
+        whole = self.write("whole.exr", (0, 0), self.display, self.inside, **{
+            "Z": lambda x, y: 2.0 if self.inside(x, y) else 1e10,
+            **{f"transmittance.{c}": lambda x, y: 0.5 if self.inside(x, y) else 1.0
+               for c in "RGB"}})
+        box = self.write("box.exr", (4, 3), (12, 6), lambda x, y: 0.5, **layers)
+        for pair in ((whole, box), (box, whole)):
+            found = self.json("compare", *pair, "-m", "mae")
+            self.assertEqual({row["value"] for row in found["measurements"]} - {None}, {0})
+            counts = {row["mask"]: row["pixel_count"] for row in found["measurements"]
+                      if row["quantity"] == "radiance"}
+            self.assertEqual((counts["all"], counts["sky"]), (240, 240 - 72))
+
+    def test_a_window_that_changes_from_frame_to_frame(self):
+        value_at = lambda x, y: 0.5 + (x + y) % 3 / 16 if 2 <= x < 6 and 1 <= y < 5 else 0.0
+        for t in range(16):
+            corner, size = (1 + t % 2, 1), (6 - t % 2, 4)
+            self.write(f"reference/f.{t:02}.exr", corner, size, value_at, display=(8, 6))
+            self.write(f"test/f.{t:02}.exr", corner, size, display=(8, 6),
+                       value_at=lambda x, y: value_at(x, y) and value_at(x, y) + t % 3 / 1024)
+        folders = "-r", self.folder / "reference", self.folder / "test"
+        found = self.json("compare", *folders, "-m", "mae")
+        rows = [row for row in found["measurements"] if "frame" in row]
+        self.assertEqual(len(rows), 16)
+        for row in rows:
+            t, places = row["frame"], 16 / 24  # with content, of 6x4 in the union
+            self.assertAlmostEqual(row["value"], t % 3 / 1024 * places, delta=1e-7)
+        self.assertIn("of 6x4 measured pixels 5x4", self.neph("flicker", *folders).stdout)
+        done = self.neph("flicker", *folders, "--window", "strict", code=65).stderr
+        self.assertIn("the data window changes", done)
+        self.assertNotIn("mask", done)
+        page = self.json("view", *folders, "-o", self.folder / "page")
+        self.assertEqual(page["window"]["measured"]["size_px"], [6, 4])
+        self.assertEqual((page["width_px"], page["height_px"]), (6, 4))
+        self.neph("view", *folders, "--window", "strict", "-o", self.folder / "page", code=65)
+
+    def test_a_mask_has_the_frames_windows(self):
+        whole = self.write("whole.exr", (0, 0), self.display, lambda x, y: x / 32)
+        box = self.write("box.exr", (4, 3), (12, 6), lambda x, y: x / 32 + 1)
+        masks = [self.write("small.exr", (4, 3), (2, 2), lambda x, y: 1.0),
+                 self.write("full.exr", (0, 0), self.display,
+                            lambda x, y: 1.0 if 4 <= x < 6 and 3 <= y < 5 else 0.0)]
+        (self.folder / "mask.png").write_bytes(frames.png_bytes(20, 12, [
+            255 * (4 <= x < 6 and 3 <= y < 5) for y in range(12) for x in range(20)
+            for _ in "RGB"]))
+        for mask in (*masks, self.folder / "mask.png"):
+            for mode in ("union", "intersection"):
+                found = self.json("compare", whole, box, "-m", "mae", "--mask", mask, "--window",
+                                  mode)["measurements"][0]
+                self.assertEqual((found["value"], found["pixel_count"]), (1.0, 4), (mask, mode))
+
+    def test_noise_of_renders_with_different_windows(self):
+        variances = {f"variance.{c}": lambda x, y: 1e-6 if self.inside(x, y) else 0.0
+                     for c in "RGB"}
+        wave = lambda x, y: 1e-3 * math.sin(x * 7 + y * 13)
+        whole = self.write("whole.exr", (0, 0), self.display, **variances,
+                           value_at=lambda x, y: self.inside(x, y) and 0.5 + wave(x, y))
+        box = self.write("box.exr", (4, 3), (12, 6), lambda x, y: 0.5 - wave(y, x), **variances)
+        self.assertIn("of 20x12 measured pixels 12x6",
+                      self.neph("compare", "--z", whole, box).stdout)
+        found = self.json("compare", "--z", whole, box)
+        self.assertTrue(found["window"]["differ"])
+        self.assertEqual(found["planes"][0]["noisy_pixels"], 72)
+
+
+class Parts(neph_case.NephCase):
+    def test_parts_beside_files_without(self):
+        grey = lambda value: {c: [value] * 64 for c in "RGB"}
+        plain, parts, png = (self.folder / name for name in ("plain.exr", "parts.exr", "a.png"))
+        plain.write_bytes(frames.exr_bytes(8, 8, grey(1.0), [("name", "string", b"one")]))
+        parts.write_bytes(frames.multipart_exr_bytes(8, 8, {
+            "left": grey(1.5), "right": grey(2.0), "mask": {"Y": [1.0] * 8 + [0.0] * 56}}))
+        png.write_bytes(frames.png_bytes(8, 8, [0] * 192))
+        mae = lambda *words: self.json("compare", *words, "-m", "mae")["measurements"][0]
+        self.assertEqual(mae(plain, parts, "--part", "right")["value"], 1.0)
+        self.assertEqual(mae(plain, plain, "--part", "one")["value"], 0.0)
+        self.assertEqual(mae(plain, plain, "--part", 0)["value"], 0.0)
+        for path in (plain, png):
+            for words in (("compare", path, path), ("view", path), ("post", path, "-s", "tone=on")):
+                self.neph(*words, "--part", "right", code=65, cwd=self.folder,
+                          said=("no file has the part 'right'", "hint: leave out --part"))
+        found = mae(parts, parts, "--part", "mask", "--mask", parts)
+        self.assertEqual(found["pixel_count"], 8)
+
+
+if __name__ == "__main__":
+    unittest.main()
