@@ -59,6 +59,7 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORD, AT(mask)},
     {"part", .kind = NEPH_CLI_WORD, AT(frame_choice.part)},
     {"layer", .kind = NEPH_CLI_WORD, AT(frame_choice.layer)},
+    {"depth", .kind = NEPH_CLI_WORD, AT(frame_choice.depth)},
     {"window", .kind = NEPH_CLI_WORD, AT(window), "union"},
     {"rings", 0, NULL,
      "Also the ring masks at depth edges, by distance and side (flicker always measures them, and "

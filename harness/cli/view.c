@@ -33,6 +33,7 @@ static const struct neph_cli_option options[] = {
      "Radiance and depth are the channels NAME.R and so on (Blender: ViewLayer.Combined)",
      NEPH_CLI_WORD, AT(view.frame_choice.layer)},
     {"part", .kind = NEPH_CLI_WORD, AT(view.frame_choice.part)},
+    {"depth", .kind = NEPH_CLI_WORD, AT(view.frame_choice.depth)},
     {"window", .kind = NEPH_CLI_WORD, AT(window), "union"},
     {"quantity", 0, "NAME[,NAME]",
      "Only radiance, volume, transmittance or depth (default: all that the frames have)",

@@ -180,6 +180,40 @@ static enum neph_status take_layer(const char *path, struct neph_image *image, c
     return status;
 }
 
+/* The name of the chosen depth while layers and vectors are renamed. */
+static const char set_aside[] = "neph depth";
+
+static void set_depth_aside(struct neph_image *image, const char *name)
+{
+    if (name)
+        rename_channel(image, name, set_aside);
+}
+
+static void list_channels(const struct neph_image *image, char *text, size_t size)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (int c = 0; c < image->channel_count && used < size; c++)
+        used += (size_t)snprintf(text + used, size - used, " %s", image->channels[c].name);
+}
+
+static enum neph_status take_depth(const char *path, struct neph_image *image, const char *name,
+                                   struct neph_diag *diag)
+{
+    char names[300];
+    if (!name || (!neph_image_channel(image, set_aside) && neph_image_channel(image, "Z")))
+        return NEPH_OK;
+    if (neph_image_channel(image, set_aside)) {
+        neph_image_remove_channel(image, "Z");
+        rename_channel(image, set_aside, "Z");
+        return NEPH_OK;
+    }
+    list_channels(image, names, sizeof(names));
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' has no channel '%s' for the depth, and no Z", path, name);
+    neph_hint(diag, "its channels are%s", names);
+    return NEPH_ERR_INPUT;
+}
+
 static enum neph_status check_primaries(const char *path, const struct neph_image *image,
                                         struct neph_diag *diag)
 {
@@ -254,6 +288,8 @@ enum neph_status neph_frame_read_as_written(const char *path,
     enum neph_status status = find_format(path, &format, diag);
     if (!status)
         status = format->read(path, choice ? choice->part : NULL, &frame, diag);
+    if (!status && choice)
+        set_depth_aside(frame, choice->depth);
     if (!status && choice && choice->layer)
         status = take_layer(path, frame, choice->layer, diag);
     if (!status)
@@ -262,6 +298,8 @@ enum neph_status neph_frame_read_as_written(const char *path,
         status = set_vector_aside(path, frame, diag);
     if (!status)
         status = make_grey_rgb(frame, diag);
+    if (!status && choice)
+        status = take_depth(path, frame, choice->depth, diag);
     if (!status)
         status = check_primaries(path, frame, diag);
     const char *display = status ? NULL : neph_image_attribute(frame, NEPH_DISPLAY_ATTRIBUTE);

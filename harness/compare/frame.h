@@ -25,6 +25,8 @@ struct neph_frame_choice {
                           its only part with colour */
     const char *layer; /* its channels "<layer>.R" become R, and so on; other colours are dropped.
                           NULL: names are unchanged */
+    const char *depth; /* full name of the channel that becomes Z, before a layer is taken. A file
+                          without it keeps its Z. NULL: Z */
     struct neph_window window; /* the data window of the frame (harness/compare/frame_windows.h):
                                   pixels that the file does not have are 0, in depth the sky, and
                                   transparent. Size 0: the file's */
@@ -43,7 +45,7 @@ struct neph_frame_choice {
  * - `negative_allowed`: accepted number of negative values, as for neph_validity_gate().
  *
  * NEPH_ERR_GATE: a value is NaN or infinite (depth may be +inf), or too many are negative.
- * NEPH_ERR_INPUT: another or damaged format, colours that are not Rec.709 (such as CIE XYZ), or
+ * NEPH_ERR_INPUT: another or damaged format, no channel of the depth's name, colours that are not Rec.709 (such as CIE XYZ), or
  * another display window than that of `choice->window`.
  * NEPH_ERR_NOT_FOUND, NEPH_ERR_IO. */
 enum neph_status neph_frame_read(const char *path, const struct neph_frame_choice *choice,

@@ -156,6 +156,38 @@ class Windows(neph_case.NephCase):
         self.assertEqual(found["planes"][0]["noisy_pixels"], 72)
 
 
+class Depth(neph_case.NephCase):
+    def write(self, name, **channels):
+        grey = {c: [0.5] * 64 for c in "RGB"}
+        (self.folder / name).write_bytes(frames.exr_bytes(8, 8, grey | channels))
+        return self.folder / name
+
+    def depth_error(self, *words):
+        """The mean absolute error of depth over the pixels that are solid, and their number."""
+        found = self.json("compare", *words, "--depth", "ViewLayer.Depth.Z", "-m", "mae")
+        return next((row["value"], row["pixel_count"]) for row in found["measurements"]
+                    if (row["quantity"], row["mask"]) == ("depth", "all"))
+
+    def test_depth_by_name(self):
+        def blender(value, sky=1e10):
+            return {"ViewLayer.Depth.Z": [value] * 32 + [sky] * 32,
+                    **{f"ViewLayer.Combined.{c}": [0.5] * 64 for c in "RGBA"}}
+        plain = self.write("plain.exr", Z=[5.0] * 32 + [math.inf] * 32)
+        vector = self.write("vector.exr", **blender(5.25), **{c: [1.0] * 64 for c in "XYZ"})
+        test, other = (self.write(name, **blender(depth))
+                       for name, depth in (("test.exr", 5.5), ("other.exr", 6.5)))
+        for words, expected in (((plain, test), 0.5), ((test, other), 1.0), ((plain, vector), 0.25),
+                                ((test, other, "--layer", "ViewLayer.Combined"), 1.0)):
+            self.assertEqual(self.depth_error(*words), (expected, 32), words)
+        for sky in (0.0, 65504.0, 65535.0, 1e9, 1e11):
+            sky = self.write("sky.exr", **blender(5.0, sky))
+            self.assertEqual(self.depth_error(test, sky), (0.5, 32), sky)
+        self.neph("view", plain, test, "--depth", "ViewLayer.Depth.Z", "-q", "-o",
+                  self.folder / "page")
+        self.neph("compare", plain, self.write("none.exr"), "--depth", "Depth.Z", code=65,
+                  said=("none.exr' has no channel 'Depth.Z'", "hint: its channels are B G R"))
+
+
 class Parts(neph_case.NephCase):
     def test_parts_beside_files_without(self):
         grey = lambda value: {c: [value] * 64 for c in "RGB"}
