@@ -40,8 +40,8 @@ static const struct neph_cli_option shared_options[] = {
     {"chain", 0, "FILE", .help = "Picture chain in place of the scene's; off: none"},
     {"csv", 0, "FILE", "Results as CSV", NEPH_CLI_FILE,
      .at = offsetof(struct neph_cli_shared, csv)},
-    {"depth", 0, "CHANNEL",
-     .help = "Depth is the channel of this full name, such as ViewLayer.Depth.Z (a file without "
+    {"depth", 0, "SOURCE",
+     .help = "Depth is the channel of that full name, such as ViewLayer.Depth.Z (a file without "
              "it: its Z)"},
     {"engine", 'e', "NAME[,NAME]", "Engine; `neph engines` lists them", NEPH_CLI_ONE,
      .at = offsetof(struct neph_cli_shared, engine)},

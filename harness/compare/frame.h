@@ -45,8 +45,8 @@ struct neph_frame_choice {
  * - `negative_allowed`: accepted number of negative values, as for neph_validity_gate().
  *
  * NEPH_ERR_GATE: a value is NaN or infinite (depth may be +inf), or too many are negative.
- * NEPH_ERR_INPUT: another or damaged format, no channel of the depth's name, colours that are not Rec.709 (such as CIE XYZ), or
- * another display window than that of `choice->window`.
+ * NEPH_ERR_INPUT: another or damaged format, no channel of the depth's name, colours that are not
+ * Rec.709 (such as CIE XYZ), or another display window than that of `choice->window`.
  * NEPH_ERR_NOT_FOUND, NEPH_ERR_IO. */
 enum neph_status neph_frame_read(const char *path, const struct neph_frame_choice *choice,
                                  size_t negative_allowed, struct neph_image **image,
