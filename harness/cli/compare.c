@@ -31,6 +31,7 @@ struct request {
     struct neph_cli_words above, below; /* limits */
     const char *mask, *csv, *junit, *page, *maps;
     struct neph_frame_choice frame_choice;
+    struct neph_clips clips;
     const char *window; /* mode of differing data windows */
     const char *second; /* words of the second reference */
     const char *versus; /* words of the other test */
@@ -692,6 +693,7 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
     struct neph_sides sides = {.without_reference = false};
     struct neph_junit junit = {.name = temporal ? "neph flicker" : "neph compare"};
     neph_cli_parse(syntax, argc, argv, &request);
+    request.frame_choice.clips = &request.clips;
     const double start_s = neph_wall_s();
     const struct neph_side_words words = {
         .references = request.references.list,
@@ -710,6 +712,7 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
     status = write_junit(&request, status, &junit, diag);
     neph_junit_finish(&junit);
     neph_sides_finish(&sides);
+    neph_clips_close(&request.clips);
     return status;
 }
 

@@ -1,18 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/cli/compare_sides.h"
 
-#include "base/files.h"
 #include "base/text.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/frame_labels.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static bool is_file(const char *word)
-{
-    return neph_path_exists(word) && !neph_path_is_dir(word);
-}
 
 static enum neph_status find(const struct neph_side_words *words, int count,
                              const char *const *list, struct neph_sequence *sequence,
@@ -56,7 +50,8 @@ static enum neph_status find_split(const struct neph_side_words *words, int give
 static bool are_two_tests(const struct neph_side_words *words)
 {
     return words->operand_count == 2 &&
-           !(words->is_flicker && is_file(words->operands[0]) && is_file(words->operands[1]));
+           !(words->is_flicker && neph_sequence_is_frame(words->operands[0]) &&
+             neph_sequence_is_frame(words->operands[1]));
 }
 
 static enum neph_status find_pair(const struct neph_side_words *words, struct neph_sequence *first,

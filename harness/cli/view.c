@@ -19,6 +19,7 @@ struct request {
     struct neph_viewer view;
     struct neph_cli_words reference;
     struct neph_cli_list quantities, overlays;
+    struct neph_clips clips;
     const char *window; /* mode of differing data windows */
     double limit_mb;
 };
@@ -275,9 +276,11 @@ enum neph_status neph_cli_view(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {.limit_mb = 0.0};
     neph_cli_parse(&syntax, argc, argv, &request);
+    request.view.frame_choice.clips = &request.clips;
     enum neph_status status = prepare(&request, diag);
     if (!status)
         status = write_page(&request, diag);
     neph_viewer_finish(&request.view);
+    neph_clips_close(&request.clips);
     return status;
 }

@@ -56,6 +56,24 @@ static enum neph_status find_format(const char *path, const struct format **form
     return NEPH_ERR_INPUT;
 }
 
+/* Read the image of a file, or a frame of a file with several. */
+static enum neph_status read_image(const char *path, const struct neph_frame_choice *choice,
+                                   struct neph_image **image, struct neph_diag *diag)
+{
+    struct neph_clips alone = {.used = 0};
+    struct neph_path file;
+    const struct format *format = NULL;
+    int frame;
+    if (!neph_clip_split(path, &file, &frame)) {
+        const enum neph_status status = find_format(path, &format, diag);
+        return status ? status : format->read(path, choice ? choice->part : NULL, image, diag);
+    }
+    const enum neph_status status = neph_clips_read(
+        choice && choice->clips ? choice->clips : &alone, path, image, diag);
+    neph_clips_close(&alone);
+    return status;
+}
+
 static enum neph_status check(const char *path, const struct neph_image *image,
                               size_t negative_allowed, struct neph_diag *diag)
 {
@@ -283,11 +301,8 @@ enum neph_status neph_frame_read_as_written(const char *path,
                                             size_t negative_allowed, struct neph_image **image,
                                             struct neph_diag *diag)
 {
-    const struct format *format = NULL;
     struct neph_image *frame = NULL;
-    enum neph_status status = find_format(path, &format, diag);
-    if (!status)
-        status = format->read(path, choice ? choice->part : NULL, &frame, diag);
+    enum neph_status status = read_image(path, choice, &frame, diag);
     if (!status && choice)
         set_depth_aside(frame, choice->depth);
     if (!status && choice && choice->layer)

@@ -6,6 +6,7 @@
 #define NEPH_HARNESS_COMPARE_FRAME_H
 
 #include "base/image_window.h"
+#include "harness/compare/clips.h"
 
 /* Attribute of a frame of a sequence: its frame rate in Hz. */
 #define NEPH_FRAME_RATE_ATTRIBUTE "neph.frame_rate_hz"
@@ -27,12 +28,15 @@ struct neph_frame_choice {
                           NULL: names are unchanged */
     const char *depth; /* full name of the channel that becomes Z, before a layer is taken. A file
                           without it keeps its Z. NULL: Z */
+    struct neph_clips *clips;  /* open files with several frames; NULL: a file is opened for each
+                                  frame, and read from its start */
     struct neph_window window; /* the data window of the frame (harness/compare/frame_windows.h):
                                   pixels that the file does not have are 0, in depth the sky, and
                                   transparent. Size 0: the file's */
 };
 
-/* Read an OpenEXR or PNG file, recognized by its content, and check it with gate G0
+/* Read an OpenEXR or PNG file, recognized by its content, or a frame of an animated PNG
+ * (harness/compare/clips.h), and check it with gate G0
  * (metrics/validity.h); the diag names the file.
  *
  * - Display images have the attribute "encoding": "sRGB" for a PNG, else the value of

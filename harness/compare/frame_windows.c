@@ -110,8 +110,11 @@ static bool read_head(const char *path, const char *part, struct head *head)
     uint64_t file_bytes = 0;
     bool is_known = false;
     int fd;
+    struct neph_path file;
+    int frame;
     *head = (struct head){.is_whole = false};
-    if (neph_file_open(path, &fd, &file_bytes, NULL))
+    if (neph_file_open(neph_clip_split(path, &file, &frame) ? file.text : path, &fd, &file_bytes,
+                       NULL))
         return false;
     if (pread(fd, bytes, sizeof(bytes), 0) == (ssize_t)sizeof(bytes))
         is_known = memcmp(bytes, exr_magic, 4) == 0 ? read_exr(path, fd, file_bytes, part, head)

@@ -2,7 +2,10 @@
 # SPDX-License-Identifier: MIT
 """Files of frames that other programs write: data windows that differ, depth by name, parts."""
 import math
+import random
+import struct
 import unittest
+import zlib
 
 import frames
 import neph_case
@@ -206,6 +209,118 @@ class Parts(neph_case.NephCase):
                           said=("no file has the part 'right'", "hint: leave out --part"))
         found = mae(parts, parts, "--part", "mask", "--mask", parts)
         self.assertEqual(found["pixel_count"], 8)
+
+
+class Animations(neph_case.NephCase):
+    width, height = 7, 5
+
+    def shots(self, random, count, bits):
+        """Rectangles with all ways to draw and to dispose of them, on an opaque first frame."""
+        most = 2 ** bits - 1
+        for at in range(count):
+            w = random.randint(1, self.width) if at else self.width
+            h = random.randint(1, self.height) if at else self.height
+            x, y = random.randint(0, self.width - w), random.randint(0, self.height - h)
+            alphas = [0, most, random.randint(1, most)] if at else [most]
+            blend = random.randint(0, 1) if at else 0
+            codes = [c for _ in range(w * h) for c in (
+                *(random.randint(0, most) for _ in range(3)),
+                random.choice(alphas) if blend else most)]
+            # A cleared rectangle would be transparent: the next frame fills it.
+            yield x, y, w, h, codes, (1, 24), 2 * random.randint(0, 1) if at else 0, blend
+
+    def compose(self, shots, most):
+        """The frames, by the specification."""
+        canvas = [[(0, 0, 0, 0)] * self.width for _ in range(self.height)]
+        for x, y, w, h, codes, _, dispose, blend in shots:
+            before = [list(row) for row in canvas]
+            for i in range(w * h):
+                row, column = y + i // w, x + i % w
+                *colour, alpha = codes[4 * i:4 * i + 4]
+                under = canvas[row][column]
+                if blend and alpha < most:
+                    share = alpha / most
+                    colour = [int(new * share + old * (1 - share) + 0.5)
+                              for new, old in zip(colour, under)]
+                canvas[row][column] = (*colour, most)
+            yield [c for row in canvas for pixel in row for c in pixel[:3]]
+            if dispose == 1:
+                for row in range(y, y + h):
+                    canvas[row][x:x + w] = [(0, 0, 0, 0)] * w
+            elif dispose == 2:
+                canvas = before
+
+    def write(self, name, data):
+        (self.folder / name).write_bytes(data)
+        return self.folder / name
+
+    def test_frames_are_composed_by_the_specification(self):
+        for seed, bits in ((1, 8), (2, 16), (3, 8)):
+            dice = random.Random(seed)
+            shots = list(self.shots(dice, 12, bits))
+            if seed == 3:  # the canvas is cleared, and drawn as a whole
+                x, y, w, h, codes, delay, _, blend = shots[4]
+                shots[4] = (x, y, w, h, codes, delay, 1, blend)
+                shots[5] = (0, 0, self.width, self.height, shots[0][4], delay, 0, 0)
+            still = [9] * (4 * self.width * self.height) if seed == 2 else None
+            clip = self.write(f"clip{seed}.png", frames.apng_bytes(self.width, self.height, shots,
+                                                                   bits, still))
+            for at, codes in enumerate(self.compose(shots, 2 ** bits - 1)):
+                if bits == 16:  # frames.png_bytes() writes 8
+                    expected = frames.apng_bytes(self.width, self.height, [(
+                        0, 0, self.width, self.height, [c for i in range(0, len(codes), 3)
+                                                        for c in (*codes[i:i + 3], 65535)],
+                        (1, 24), 0, 0)], 16)
+                else:
+                    expected = frames.png_bytes(self.width, self.height, codes)
+                self.write(f"f.{at:02}.png", expected)
+            found = self.json("compare", "-r", self.folder / "f.%02d.png", clip, "-m", "mae")
+            rows = [row for row in found["measurements"] if "frame" in row]
+            self.assertEqual([row["value"] for row in rows], [0] * 12, seed)
+            single = self.json("compare", self.folder / "f.07.png", clip / "0007.png", "-m", "mae")
+            self.assertEqual(single["measurements"][0]["value"], 0)
+
+    def test_animations_are_sequences(self):
+        def clip(name, amplitude, delay, count=24):
+            shots = [(0, 0, 8, 8, [*[100 + amplitude * (t % 2)] * 3, 255] * 64,
+                      (50 if t == count - 1 else delay, 30), 0, 0) for t in range(count)]
+            return self.write(name, frames.apng_bytes(8, 8, shots))
+        before, after = clip("v1.png", 20, 1), clip("v2.png", 5, 1)
+        said = self.neph("flicker", before, after).stdout
+        self.assertRegex(said, "^v2.png: .*; better, p = ")
+        found = self.json("flicker", "-r", before, after)
+        self.assertEqual((found["frames"], found["test"]["first"]), (24, f"{after}/0000.png"))
+        self.assertEqual(found["measurements"][0]["viewing"]["frame_rate_hz"], 30)
+        found = self.json("view", before, after, "-o", self.folder / "page")
+        self.assertEqual(found["frames"], 24)
+        self.neph("compare", before, clip("short.png", 5, 1, 20), code=65, said="24")
+        uneven = [(0, 0, 8, 8, [t, t, t, 255] * 64, (1 + t % 2, 30), 0, 0) for t in range(24)]
+        uneven = self.write("uneven.png", frames.apng_bytes(8, 8, uneven))
+        found = self.json("flicker", "-r", uneven, uneven)
+        self.assertEqual(found["measurements"][0]["viewing"]["frame_rate_hz"], 60)
+        (self.folder / "folder").mkdir()
+        before.rename(self.folder / "folder/a.png")
+        self.neph("compare", self.folder / "folder", self.folder / "folder", code=65,
+                  said=("is an animated PNG: it has 24 frames", "hint: name it by itself"))
+
+    def test_damaged_animations(self):
+        grey = [128, 128, 128, 255]
+        shots = [(0, 0, 4, 4, grey * 16, (1, 30), 0, 0), (1, 1, 2, 2, grey * 4, (1, 30), 0, 0)]
+        good = frames.apng_bytes(4, 4, shots)
+        last = good.index(b"fdAT")
+        bare = frames.apng_bytes(4, 4, [(0, 0, 2, 2, grey * 4, (1, 30), 0, 0), shots[1]],
+                                 still=grey * 16)
+        huge = bytearray(good)
+        huge[16:24] = struct.pack(">II", 16384, 16384)
+        huge[29:33] = struct.pack(">I", zlib.crc32(huge[12:29]))
+        for data, words in (
+                (good[:last], "ends too early"), (good[:-12], "ends too early"),
+                (good[:last + 8] + b"?" + good[last + 9:], "checksum"),
+                (good[:last - 42] + good[last - 4:], "out of order"),  # without its fcTL
+                (frames.apng_bytes(4, 4, [shots[0], (3, 3, 2, 2, grey * 4, (1, 30), 0, 0)]),
+                 "not inside"), (bare, "translucent"), (huge, "too small")):
+            path = self.write("bad.png", bytes(data))
+            self.neph("compare", path, path, code=65, said=words, timeout_s=5)
 
 
 if __name__ == "__main__":

@@ -64,6 +64,8 @@ static void test_frames(void **state)
     assert_every_failure_is_reported("an EXR in another window", read_placed,
                                      CORPUS "exr/smooth_zip.exr");
     assert_every_failure_is_reported("a PNG", read_frame, CORPUS "png/rgb_8.png");
+    assert_every_failure_is_reported("an animated PNG", read_frame,
+                                     CORPUS "png/animation.png/0002.png");
 }
 
 int main(void)
