@@ -87,8 +87,8 @@ static enum neph_status place_channel(struct neph_channel *channel, const struct
     return NEPH_OK;
 }
 
-static enum neph_status update_header(struct neph_image *image, const struct neph_window *to,
-                                      struct neph_diag *diag)
+enum neph_status neph_image_set_window(struct neph_image *image, const struct neph_window *to,
+                                       struct neph_diag *diag)
 {
     if (!image->header) {
         struct neph_file_header *header = calloc(1, sizeof(*header));
@@ -126,5 +126,5 @@ enum neph_status neph_image_place(struct neph_image *image, const struct neph_wi
         return status;
     image->width_px = (int)window->size_px[0];
     image->height_px = (int)window->size_px[1];
-    return update_header(image, window, diag);
+    return neph_image_set_window(image, window, diag);
 }

@@ -18,6 +18,11 @@ struct neph_window neph_image_window(const struct neph_image *image);
 
 bool neph_window_is_equal(const struct neph_window *a, const struct neph_window *b);
 
+/* Say that the samples of an image are those of this window, which has the size of the image: in
+ * its header, and in the attribute "crop" (base/exr.h) if the window is not the display window. */
+enum neph_status neph_image_set_window(struct neph_image *image, const struct neph_window *window,
+                                       struct neph_diag *diag);
+
 /* Give an image another data window: samples outside it are removed, and pixels that the image does
  * not have get the value `outside` of their channel's name. The attribute "crop" (base/exr.h) is
  * updated. NEPH_ERR_INPUT: the image has a display window of another size. NEPH_ERR_MEMORY, also

@@ -4,6 +4,7 @@
 #include "base/colour_names.h"
 #include "base/exr.h"
 #include "base/files.h"
+#include "base/oiio.h"
 #include "base/png.h"
 #include "metrics/validity.h"
 
@@ -32,27 +33,33 @@ static const struct format {
     {"PNG", {0x89, 'P', 'N', 'G'}, read_png},
 };
 
+static const struct format by_openimageio = {"others", {0}, neph_oiio_read_part};
+
 static enum neph_status find_format(const char *path, const struct format **format,
                                     struct neph_diag *diag)
 {
-    unsigned char magic[4] = {0};
+    unsigned char head[16] = {0};
     int fd;
     const enum neph_status status = neph_file_open(path, &fd, NULL, diag);
     if (status)
         return status;
-    const ssize_t got = pread(fd, magic, sizeof(magic), 0);
+    const ssize_t got = pread(fd, head, sizeof(head), 0);
     const int error = errno;
     close(fd);
     if (got < 0)
         return neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': %s", path, strerror(error));
     for (size_t i = 0; i < sizeof(formats) / sizeof(formats[0]); i++)
-        if (memcmp(magic, formats[i].magic, sizeof(magic)) == 0) {
+        if (memcmp(head, formats[i].magic, sizeof(formats[i].magic)) == 0) {
             *format = &formats[i];
             return NEPH_OK;
         }
-    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is neither an OpenEXR nor a PNG file", path);
-    neph_hint(diag, got < (ssize_t)sizeof(magic) ? "it is empty or cut short"
-                                                 : "convert it to one of the two");
+    if (neph_oiio_format(head, (size_t)got)) {
+        *format = &by_openimageio;
+        return NEPH_OK;
+    }
+    neph_fail(diag, NEPH_ERR_INPUT,
+              "'%s' is no image: EXR, PNG, TIFF, HDR, PFM, PPM, JPEG, WebP and DPX are read", path);
+    neph_hint(diag, got < 4 ? "it is empty or cut short" : "convert it to EXR or PNG");
     return NEPH_ERR_INPUT;
 }
 

@@ -120,13 +120,18 @@ static enum neph_status list_folder(const char *folder, name_filter *passes, con
 static enum neph_status expand_folder(const char *word, struct neph_sequence *list,
                                       struct neph_diag *diag)
 {
+    static const char *const extensions[] = {".exr", ".png", ".tif", ".tiff", ".hdr",  ".pfm",
+                                             ".ppm", ".pgm", ".jpg", ".jpeg", ".webp", ".dpx"};
     const int before = list->count;
-    enum neph_status status = list_folder(word, has_extension, ".exr", list, diag);
-    if (!status && list->count == before)
-        status = list_folder(word, has_extension, ".png", list, diag);
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(extensions) / sizeof(extensions[0]) && !status; i++)
+        if (list->count == before)
+            status = list_folder(word, has_extension, extensions[i], list, diag);
     if (!status && list->count == before)
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND,
-                           "the folder '%s' has no .exr and no .png files", word);
+                           "the folder '%s' has no .exr and no .png files, nor others that are "
+                           "read",
+                           word);
     return status;
 }
 

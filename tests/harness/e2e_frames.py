@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Files of frames that other programs write: data windows that differ, depth by name, parts."""
+import array
 import math
+import pathlib
 import random
 import struct
 import unittest
@@ -9,6 +11,8 @@ import zlib
 
 import frames
 import neph_case
+
+NEPH = pathlib.Path(neph_case.NEPH)
 
 
 class Windows(neph_case.NephCase):
@@ -321,6 +325,63 @@ class Animations(neph_case.NephCase):
                  "not inside"), (bare, "translucent"), (huge, "too small")):
             path = self.write("bad.png", bytes(data))
             self.neph("compare", path, path, code=65, said=words, timeout_s=5)
+
+
+@unittest.skipUnless(NEPH.with_name("neph-image").exists(), "neph was built without OpenImageIO")
+class OtherFormats(neph_case.NephCase):
+    """Files as their specifications have them, without a library."""
+    def write(self, name, data):
+        (self.folder / name).write_bytes(data)
+        return self.folder / name
+
+    def tiff(self, codes, width, height, bits=8, channels=3, kind=1, further=()):
+        """Uncompressed, one strip; kind 1: integers, 3: floats (TIFF 6.0)."""
+        pixels = array.array({(8, 1): "B", (16, 1): "H", (32, 3): "f"}[bits, kind], codes)
+        start, data = 8, pixels.tobytes()
+        tags = sorted([(256, 4, width), (257, 4, height), (258, 3, bits), (259, 3, 1),
+                       (262, 3, 2 if channels > 1 else 1), (273, 4, start), (277, 3, channels),
+                       (278, 4, height), (279, 4, len(data)), (339, 3, kind), *further])
+        directory = struct.pack("<H", len(tags)) + b"".join(
+            struct.pack("<HHII", tag, form, 1, value) for tag, form, value in tags)
+        return (b"II*\0" + struct.pack("<I", start + len(data)) + data + directory +
+                struct.pack("<I", 0))
+
+    def mae(self, *words):
+        return self.json("compare", *words, "-m", "mae")["measurements"][0]["value"]
+
+    def test_formats_by_their_specifications(self):
+        codes = [(7 * i) % 256 for i in range(6 * 4 * 3)]
+        png = self.write("a.png", frames.png_bytes(6, 4, codes))
+        ppm = self.write("a.ppm", b"P6\n6 4\n255\n" + bytes(codes))
+        tiff = self.write("a.tif", self.tiff(codes, 6, 4))
+        self.assertLess(max(self.mae(png, ppm), self.mae(png, tiff)), 1e-7)  # codes as floats
+        light = [i / 64 for i in range(6 * 4 * 3)]
+        planes = {c: light[k::3] for k, c in enumerate("RGB")}
+        exr = self.write("a.exr", frames.exr_bytes(6, 4, planes))
+        rows = [light[18 * y:18 * (y + 1)] for y in range(4)]
+        pfm = self.write("a.pfm", b"PF\n6 4\n-1.0\n" + b"".join(
+            struct.pack("<18f", *row) for row in reversed(rows)))  # from the last row on
+        floats = self.write("b.tif", self.tiff(light, 6, 4, 32, kind=3))
+        self.assertEqual((self.mae(exr, pfm), self.mae(exr, floats)), (0, 0))
+        self.neph("compare", exr, ppm, code=65, said="no common scale")
+        self.neph("view", png, ppm, "-q", "-o", self.folder / "page")
+
+    def test_what_is_refused(self):
+        codes = [100] * (6 * 4 * 3)
+        wide = self.write("wide.tif", self.tiff([30000] * 72, 6, 4, 16))
+        cut = self.write("cut.tif", self.tiff(codes, 6, 4)[:60])
+        short = self.write("short.ppm", b"P6\n6 4\n255\n" + bytes(20))
+        large = self.write("large.ppm", b"P6\n16384 16384\n255\n" + bytes(20))
+        huge = self.write("huge.ppm", b"P6\n100000 100000\n255\n" + bytes(20))
+        text = self.write("text.hdr", b"#?RADIANCE\n\nnonsense")
+        for path, words in ((wide, "integers of 16 bits, and no word about their colour"),
+                            (cut, "damaged"), (short, "damaged"), (large, "damaged"),
+                            (huge, "allowed are 1 to 16384 per side"), (text, "damaged")):
+            done = self.neph("compare", path, path, code=65, said=(path.name, words), timeout_s=10)
+            self.assertEqual(done.stdout, "")
+        self.neph("compare", short, short, NEPH_IMAGE="/nowhere/neph-image", code=69,
+                  said=("/nowhere/neph-image", "libopenimageio-dev"))
+        self.neph("compare", short, short, "--part", "left", code=65, said="numbered from 0")
 
 
 if __name__ == "__main__":
