@@ -3,6 +3,7 @@
 
 #include "base/apng.h"
 #include "base/files.h"
+#include "base/video.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -11,10 +12,17 @@
 
 static const char suffix[] = ".png";
 
-int neph_clip_count(const char *file)
+bool neph_clip_is(const char *file)
 {
-    const int count = neph_apng_count(file);
-    return count > 1 ? count : 0;
+    return neph_apng_count(file) > 1 || neph_video_is(file);
+}
+
+enum neph_status neph_clip_count(const char *file, int *count, struct neph_diag *diag)
+{
+    if (neph_video_is(file))
+        return neph_video_count(file, count, diag);
+    *count = neph_apng_count(file);
+    return NEPH_OK;
 }
 
 struct neph_path neph_clip_frame_path(const char *file, int frame)
@@ -37,10 +45,17 @@ bool neph_clip_split(const char *path, struct neph_path *file, int *frame)
     return true;
 }
 
+static bool is_free(const struct neph_clips *clips, int i)
+{
+    return !clips->open[i].apng && !clips->open[i].video;
+}
+
 static void close_place(struct neph_clips *clips, int i)
 {
     neph_apng_close(clips->open[i].apng);
+    neph_video_close(clips->open[i].video);
     clips->open[i].apng = NULL;
+    clips->open[i].video = NULL;
 }
 
 void neph_clips_close(struct neph_clips *clips)
@@ -49,50 +64,55 @@ void neph_clips_close(struct neph_clips *clips)
         close_place(clips, i);
 }
 
+static bool has_file(const struct neph_clips *clips, int i, const char *file)
+{
+    return !is_free(clips, i) && strcmp(clips->open[i].file.text, file) == 0;
+}
+
 /* The place of an open file, else the one that is free, or was used least recently. */
 static int find_place(const struct neph_clips *clips, const char *file)
 {
     int found = 0;
     for (int i = 0; i < NEPH_CLIPS_OPEN; i++)
-        if (clips->open[i].apng && strcmp(clips->open[i].file.text, file) == 0)
+        if (has_file(clips, i, file))
             return i;
     for (int i = 1; i < NEPH_CLIPS_OPEN; i++)
-        if (clips->open[found].apng &&
-            (!clips->open[i].apng || clips->open[i].used < clips->open[found].used))
+        if (!is_free(clips, found) &&
+            (is_free(clips, i) || clips->open[i].used < clips->open[found].used))
             found = i;
     return found;
 }
 
 static enum neph_status open_file(struct neph_clips *clips, const struct neph_path *file,
-                                  struct neph_apng **apng, struct neph_diag *diag)
+                                  int *place, struct neph_diag *diag)
 {
     const int i = find_place(clips, file->text);
     clips->open[i].used = ++clips->used;
-    *apng = clips->open[i].apng;
-    if (*apng && strcmp(clips->open[i].file.text, file->text) == 0)
+    *place = i;
+    if (has_file(clips, i, file->text))
         return NEPH_OK;
     close_place(clips, i);
-    const enum neph_status status = neph_apng_open(file->text, apng, diag);
-    if (!status) {
-        clips->open[i].file = *file;
-        clips->open[i].apng = *apng;
-    }
-    return status;
+    clips->open[i].file = *file;
+    return neph_video_is(file->text) ? neph_video_open(file->text, &clips->open[i].video, diag)
+                                     : neph_apng_open(file->text, &clips->open[i].apng, diag);
 }
 
 enum neph_status neph_clips_read(struct neph_clips *clips, const char *path,
                                  struct neph_image **image, struct neph_diag *diag)
 {
     struct neph_path file;
-    struct neph_apng *apng = NULL;
-    int frame = 0;
+    int frame = 0, place = 0;
     if (!neph_clip_split(path, &file, &frame))
         return neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no file '%s'", path);
-    const enum neph_status status = open_file(clips, &file, &apng, diag);
+    const enum neph_status status = open_file(clips, &file, &place, diag);
     if (status)
         return status;
-    if (frame >= neph_apng_frame_count(apng))
+    struct neph_apng *apng = clips->open[place].apng;
+    struct neph_video *video = clips->open[place].video;
+    const int count = apng ? neph_apng_frame_count(apng) : neph_video_frame_count(video);
+    if (frame >= count)
         return neph_fail(diag, NEPH_ERR_INPUT, "'%s' has %d frames, and none of number %d",
-                         file.text, neph_apng_frame_count(apng), frame);
-    return neph_apng_read(apng, frame, path, image, diag);
+                         file.text, count, frame);
+    return apng ? neph_apng_read(apng, frame, path, image, diag)
+                : neph_video_read(video, frame, image, diag);
 }

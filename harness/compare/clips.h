@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Files with several frames: animated PNG. In a sequence their frames have paths as if the file was
- * a folder: "clip.png/0003.png".
+ * Files with several frames: animated PNG and videos. In a sequence their frames have paths as if
+ * the file was a folder: "clip.png/0003.png", "clip.mp4/0003.png".
  */
 #ifndef NEPH_HARNESS_COMPARE_CLIPS_H
 #define NEPH_HARNESS_COMPARE_CLIPS_H
@@ -9,8 +9,11 @@
 #include "base/image.h"
 #include "base/path.h"
 
-/* The number of frames of a file that is a sequence by itself; 0: it is no such file. */
-int neph_clip_count(const char *file);
+/* Whether a file is a sequence by itself. */
+bool neph_clip_is(const char *file);
+
+/* The number of its frames. Errors of neph_video_count(). */
+enum neph_status neph_clip_count(const char *file, int *count, struct neph_diag *diag);
 
 /* The path of a frame of such a file. */
 struct neph_path neph_clip_frame_path(const char *file, int frame);
@@ -24,8 +27,9 @@ enum { NEPH_CLIPS_OPEN = 8 };
 struct neph_clips {
     struct {
         struct neph_path file;
-        struct neph_apng *apng; /* owned; NULL: a free place */
-        int used;               /* order of use */
+        struct neph_apng *apng;   /* owned; or NULL */
+        struct neph_video *video; /* owned; or NULL; both NULL: a free place */
+        int used;                 /* order of use */
     } open[NEPH_CLIPS_OPEN];
     int used;
 };
@@ -33,7 +37,7 @@ struct neph_clips {
 void neph_clips_close(struct neph_clips *clips);
 
 /* Read a frame by its path. NEPH_ERR_INPUT: it is beyond the last one. Errors of
- * neph_apng_read(). */
+ * neph_apng_read() and neph_video_open(). */
 enum neph_status neph_clips_read(struct neph_clips *clips, const char *path,
                                  struct neph_image **image, struct neph_diag *diag);
 

@@ -3,6 +3,7 @@
 
 #include "base/files.h"
 #include "base/interrupt.h"
+#include "base/video.h"
 #include "harness/compare/alone.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/frame_labels.h"
@@ -498,6 +499,12 @@ static enum neph_status check_forms(struct work *work, int index, struct neph_di
     return status;
 }
 
+static const char *copy_video(struct neph_compared *made, const struct neph_image *image)
+{
+    const char *text = neph_image_attribute(image, NEPH_VIDEO_ATTRIBUTE);
+    return text ? neph_arena_copy_text(&made->arena, text) : NULL;
+}
+
 /* Set up a comparison with its first frame. */
 static enum neph_status begin_work(const struct pass *pass, struct work *work,
                                    struct neph_diag *diag)
@@ -505,6 +512,8 @@ static enum neph_status begin_work(const struct pass *pass, struct work *work,
     const char *declared = neph_image_attribute(work->test, NEPH_CYCLE_ATTRIBUTE);
     snprintf(work->declared_cycles, sizeof(work->declared_cycles), "%s", declared ? declared : "");
     record_unknown_channels(work, work->test);
+    work->made->reference_video = copy_video(work->made, work->reference);
+    work->made->test_video = copy_video(work->made, work->test);
     work->is_picture = is_picture(work->reference);
     take_frame_rate(work);
     work->made->movement.gain = exp2(work->viewing.exposure_ev);

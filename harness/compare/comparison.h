@@ -13,6 +13,8 @@
 #include "harness/compare/sequence.h"
 #include "harness/compare/versus.h"
 
+#include <stdio.h>
+
 /* A callback that receives a map of a frame, or of the sequence (frame < 0), as neph_meter_map()
  * returns it. The image is freed after the call. */
 typedef enum neph_status neph_map_taker(void *context, const struct neph_map *map,
@@ -72,7 +74,8 @@ struct neph_compared {
     struct neph_movement movement;    /* empty unless requested; owned */
     struct neph_not_taken *not_taken;
     int not_taken_count;
-    const char **maps; /* file names; owned */
+    const char *reference_video, *test_video; /* NEPH_VIDEO_ATTRIBUTE of their frames; NULL: none */
+    const char **maps;                        /* file names; owned */
     int map_count;
     bool has_versus;                /* `versus` is set */
     struct neph_differences versus; /* difference from another test; owned */
@@ -104,6 +107,7 @@ enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons,
  *                   when there is none
  *   "warm_up_frames", "frames", "frozen", "interrupted"
  *   "window"        as neph_windows_json()
+ *   "video"         only for videos: {"reference", "test"}, each a text or null: base/video.h
  *   "measurements"  array of objects as neph_measurement_json(), with "viewing"
  *   "findings"      verdicts, see harness/compare/findings.h
  *   "not_taken"     array of {"extractor", "quantity", "because"}
@@ -116,6 +120,10 @@ json_t *neph_compared_json(const struct neph_compared *compared);
 /* Print the result of a comparison on stdout. `details`: include mask kinds with many members.
  * `all`: print every number; otherwise only the most important flicker numbers. */
 void neph_comparison_print(const struct neph_compared *compared, bool details, bool all);
+
+/* Print how frames were read where that is not obvious: data windows that differ, and videos.
+ * Returns the number of lines. */
+int neph_comparison_print_reading(const struct neph_compared *compared, FILE *out);
 
 /* Write the numbers as CSV (RFC 4180) with a header line; path "-" is stdout. */
 enum neph_status neph_comparison_write_csv(const char *path, const struct neph_compared *compared,

@@ -194,13 +194,28 @@ static void print_numbers(const struct neph_compared *compared, bool details, bo
         printf("%d more numbers: --metric flicker, --json or --csv\n", left_out);
 }
 
+int neph_comparison_print_reading(const struct neph_compared *compared, FILE *out)
+{
+    const char *reference = compared->reference_video, *test = compared->test_video;
+    char windows[256];
+    int lines = 0;
+    neph_windows_sentence(&compared->asked->windows, windows, sizeof(windows));
+    if (windows[0])
+        lines += fprintf(out, "%s\n", windows) > 0;
+    if (reference && test && strcmp(reference, test) == 0)
+        lines += fprintf(out, "videos: %s; codes are taken for sRGB\n", test) > 0;
+    else if (reference || test)
+        lines += fprintf(out, "video%s%s%s%s%s; codes are taken for sRGB\n",
+                         reference ? " of the reference: " : "", reference ? reference : "",
+                         reference && test ? ";" : "", test ? " of the test: " : "",
+                         test ? test : "") > 0;
+    return lines;
+}
+
 void neph_comparison_print(const struct neph_compared *compared, bool details, bool all)
 {
     const struct neph_viewing *viewing = &compared->viewing;
-    char windows[256];
-    neph_windows_sentence(&compared->asked->windows, windows, sizeof(windows));
-    if (windows[0])
-        printf("%s\n", windows);
+    neph_comparison_print_reading(compared, stdout);
     print_numbers(compared, details, all);
     print_versus(&compared->versus, details);
     print_findings(&compared->findings, details);
@@ -364,6 +379,10 @@ json_t *neph_compared_json(const struct neph_compared *compared)
         neph_findings_json(&compared->findings), "not_taken", not_taken_json(compared), "maps",
         maps);
     neph_json_set(&json, "window", neph_windows_json(&asked->windows));
+    if (compared->reference_video || compared->test_video)
+        neph_json_set(&json, "video",
+                      json_pack("{s:s?, s:s?}", "reference", compared->reference_video, "test",
+                                compared->test_video));
     if (compared->movement.frame_count > 0)
         neph_json_set(&json, "movement", movement_json(&compared->movement));
     if (compared->has_versus) {

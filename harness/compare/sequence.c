@@ -332,13 +332,14 @@ bool neph_sequence_is_frame(const char *word)
     struct neph_path file;
     int frame;
     return neph_clip_split(word, &file, &frame) ||
-           (neph_path_exists(word) && !neph_path_is_dir(word) && neph_clip_count(word) == 0);
+           (neph_path_exists(word) && !neph_path_is_dir(word) && !neph_clip_is(word));
 }
 
-static enum neph_status list_clip(const char *file, int count, struct neph_sequence *list,
+static enum neph_status list_clip(const char *file, struct neph_sequence *list,
                                   struct neph_diag *diag)
 {
-    enum neph_status status = NEPH_OK;
+    int count = 0;
+    enum neph_status status = neph_clip_count(file, &count, diag);
     for (int i = 0; i < count && !status; i++)
         status = append(list, strdup(neph_clip_frame_path(file, i).text), diag);
     return status;
@@ -383,9 +384,8 @@ static enum neph_status expand(const char *word, bool by_position, struct neph_s
     const int before = list->count;
     struct neph_frame_series series;
     bool is_series;
-    const int clip_frames = neph_clip_count(word);
-    if (clip_frames > 0)
-        return list_clip(word, clip_frames, list, diag);
+    if (neph_clip_is(word))
+        return list_clip(word, list, diag);
     if (neph_sequence_is_frame(word))
         return append(list, strdup(word), diag);
     const enum neph_status status = list_word(word, list, diag);

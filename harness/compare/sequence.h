@@ -12,7 +12,8 @@
 
 /* One help line for commands with such words. */
 #define NEPH_SEQUENCE_HELP                                                                         \
-    "a file (of an animated PNG all frames), a folder (its .exr files, else its .png files), a "   \
+    "a file (of an animated PNG or a video all frames), a folder (its .exr files, else its .png "  \
+    "files), a "                                                                                   \
     "numbered pattern such as "                                                                    \
     "frame.%04d.exr, 'frame.####.exr' or 'frame.$F4.exr', or a quoted glob such as "               \
     "'frame.*.exr'; "                                                                              \

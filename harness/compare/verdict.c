@@ -282,16 +282,6 @@ static void print_ways(const struct neph_compared *compared, bool is_on_page, FI
             compared->numbers.count, compared->numbers.count == 1 ? "" : "s");
 }
 
-/* Say which pixels of differing data windows are measured. Returns the number of lines. */
-static int print_windows(const struct neph_compared *compared, FILE *out)
-{
-    char text[256];
-    neph_windows_sentence(&compared->asked->windows, text, sizeof(text));
-    if (text[0])
-        fprintf(out, "%s\n", text);
-    return text[0] != '\0';
-}
-
 void neph_verdict(const struct neph_compared *compared, const struct neph_verdict_form *form,
                   FILE *out)
 {
@@ -305,7 +295,7 @@ void neph_verdict(const struct neph_compared *compared, const struct neph_verdic
     if (!form->is_brief) {
         if (form->note && lines < lines_max)
             lines += fprintf(out, "%s\n", form->note) > 0;
-        lines += print_windows(compared, out);
+        lines += neph_comparison_print_reading(compared, out);
         lines += print_findings(compared, mask, label, &answer, lines_max - lines, out);
         lines += print_findings(compared, mask, label, &caution, lines_max - lines, out);
         lines += print_left_out(compared, out);

@@ -5,6 +5,7 @@ import array
 import math
 import pathlib
 import random
+import shutil
 import struct
 import unittest
 import zlib
@@ -382,6 +383,70 @@ class OtherFormats(neph_case.NephCase):
         self.neph("compare", short, short, NEPH_IMAGE="/nowhere/neph-image", code=69,
                   said=("/nowhere/neph-image", "libopenimageio-dev"))
         self.neph("compare", short, short, "--part", "left", code=65, said="numbered from 0")
+
+
+class Videos(neph_case.NephCase):
+    width, height = 8, 6
+
+    def codes(self, t):
+        """Limited Y'CbCr of each pixel: a grey that changes, then colours."""
+        return [((16 + (9 * i + 5 * t) % 220), 128 + 20 * (i % 3 - 1), 128 - 15 * (i % 5 - 2))
+                for i in range(self.width * self.height)]
+
+    def y4m(self, name, count=20, head="C444"):
+        data = b"YUV4MPEG2 W%d H%d F%d:1 Ip A%d:1 %s\n" % (self.width, self.height, 24, 1,
+                                                         head.encode())
+        for t in range(count):
+            planes = zip(*self.codes(t))
+            data += b"FRAME\n" + b"".join(bytes(plane) for plane in planes)
+        (self.folder / name).write_bytes(data)
+        return self.folder / name
+
+    def expected(self, t):
+        """RGB of 16 bits by ITU-R BT.601-7, 2.5.1 and 2.5.2, clamped."""
+        made = []
+        for y, b, r in self.codes(t):
+            luma, cb, cr = (y - 16) / 219, (b - 128) / 224, (r - 128) / 224
+            red, blue = luma + 1.402 * cr, luma + 1.772 * cb
+            green = (luma - 0.299 * red - 0.114 * blue) / 0.587
+            made += [round(65535 * min(max(c, 0), 1)) for c in (red, green, blue)] + [65535]
+        return made
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "ffmpeg is not installed")
+    def test_frames_of_a_video(self):
+        video = self.y4m("a.y4m")
+        for t in range(20):
+            (self.folder / f"f.{t:02}.png").write_bytes(frames.apng_bytes(
+                self.width, self.height,
+                [(0, 0, self.width, self.height, self.expected(t), (1, 24), 0, 0)], 16))
+        words = "-r", self.folder / "f.%02d.png", video
+        found = self.json("compare", *words, "-m", "mae,max_abs")
+        values = [row["value"] for row in found["measurements"] if "frame" in row]
+        self.assertEqual(len(values), 40)
+        # Both round to 16 bits, which a code in the middle may do differently.
+        self.assertLess(max(values), 2.4 / 65535)
+        self.assertEqual(found["video"]["test"], "rawvideo, yuv444p, limited range (not stated), "
+                                                 "matrix BT.601 (not stated)")
+        said = self.neph("flicker", *words).stdout
+        self.assertIn("matrix BT.601 (not stated); codes are taken for sRGB", said)
+        self.assertIn("24 frames a second", said)
+        self.assertIn("videos: rawvideo", self.neph("compare", video, video).stdout)
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "ffmpeg is not installed")
+    def test_broken_videos(self):
+        video = self.y4m("a.y4m")
+        cut = self.folder / "cut.y4m"
+        cut.write_bytes(video.read_bytes()[:300])
+        huge = self.folder / "huge.y4m"
+        huge.write_bytes(video.read_bytes().replace(b"W8 H6", b"W99999 H99999"))
+        for path in (huge, self.put("none.mp4", "\0\0\0\x14ftypisom" + "x" * 50)):
+            self.neph("compare", path, path, code=65, said=path.name, timeout_s=20)
+        self.neph("compare", video, cut, code=65)
+
+    def test_without_ffmpeg(self):
+        video = self.y4m("a.y4m", 2)
+        self.neph("compare", video, video, code=69, PATH="/nowhere",
+                  said=("ffprobe", "apt-get install ffmpeg"))
 
 
 if __name__ == "__main__":
