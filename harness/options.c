@@ -38,6 +38,9 @@ static const struct neph_cli_option shared_options[] = {
     {"by-position", 0, NULL,
      .help = "Frames belong together by their place in the sequence, whatever their numbers"},
     {"chain", 0, "FILE", .help = "Picture chain in place of the scene's; off: none"},
+    {"convert", 0, NULL,
+     .help = "Convert frames of other colour spaces (by chromaticities, colorInteropID or "
+             "oiio:ColorSpace) to linear Rec.709"},
     {"csv", 0, "FILE", "Results as CSV", NEPH_CLI_FILE,
      .at = offsetof(struct neph_cli_shared, csv)},
     {"depth", 0, "SOURCE",

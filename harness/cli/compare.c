@@ -61,6 +61,7 @@ static const struct neph_cli_option options[] = {
     {"part", .kind = NEPH_CLI_WORD, AT(frame_choice.part)},
     {"layer", .kind = NEPH_CLI_WORD, AT(frame_choice.layer)},
     {"depth", .kind = NEPH_CLI_WORD, AT(frame_choice.depth)},
+    {"convert", .kind = NEPH_CLI_FLAG, AT(frame_choice.convert)},
     {"window", .kind = NEPH_CLI_WORD, AT(window), "union"},
     {"rings", 0, NULL,
      "Also the ring masks at depth edges, by distance and side (flicker always measures them, and "
@@ -633,6 +634,7 @@ static enum neph_status check_z(const struct request *request, const struct neph
         {request->shared.settings.count > 0, "set"},
         {request->mask, "mask"},
         {request->rings, "rings"},
+        {request->frame_choice.convert, "convert"},
         {request->second, "second-reference"},
         {request->versus, "versus"},
         {request->warm_up_frames > 0, "warm-up"},

@@ -35,6 +35,7 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORD, AT(view.frame_choice.layer)},
     {"part", .kind = NEPH_CLI_WORD, AT(view.frame_choice.part)},
     {"depth", .kind = NEPH_CLI_WORD, AT(view.frame_choice.depth)},
+    {"convert", .kind = NEPH_CLI_FLAG, AT(view.frame_choice.convert)},
     {"window", .kind = NEPH_CLI_WORD, AT(window), "union"},
     {"quantity", 0, "NAME[,NAME]",
      "Only radiance, volume, transmittance or depth (default: all that the frames have)",

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/compare/comparison.h"
 
+#include "base/colour_convert.h"
 #include "base/files.h"
 #include "base/interrupt.h"
 #include "base/video.h"
@@ -499,10 +500,21 @@ static enum neph_status check_forms(struct work *work, int index, struct neph_di
     return status;
 }
 
-static const char *copy_video(struct neph_compared *made, const struct neph_image *image)
+static const char *copy_attribute(struct neph_compared *made, const struct neph_image *image,
+                                  const char *name)
 {
-    const char *text = neph_image_attribute(image, NEPH_VIDEO_ATTRIBUTE);
+    const char *text = neph_image_attribute(image, name);
     return text ? neph_arena_copy_text(&made->arena, text) : NULL;
+}
+
+/* Record how the files were read. */
+static void record_reading(struct neph_compared *made, const struct neph_image *reference,
+                           const struct neph_image *test)
+{
+    made->reference_video = copy_attribute(made, reference, NEPH_VIDEO_ATTRIBUTE);
+    made->test_video = copy_attribute(made, test, NEPH_VIDEO_ATTRIBUTE);
+    made->reference_space = copy_attribute(made, reference, NEPH_CONVERTED_ATTRIBUTE);
+    made->test_space = copy_attribute(made, test, NEPH_CONVERTED_ATTRIBUTE);
 }
 
 /* Set up a comparison with its first frame. */
@@ -512,8 +524,7 @@ static enum neph_status begin_work(const struct pass *pass, struct work *work,
     const char *declared = neph_image_attribute(work->test, NEPH_CYCLE_ATTRIBUTE);
     snprintf(work->declared_cycles, sizeof(work->declared_cycles), "%s", declared ? declared : "");
     record_unknown_channels(work, work->test);
-    work->made->reference_video = copy_video(work->made, work->reference);
-    work->made->test_video = copy_video(work->made, work->test);
+    record_reading(work->made, work->reference, work->test);
     work->is_picture = is_picture(work->reference);
     take_frame_rate(work);
     work->made->movement.gain = exp2(work->viewing.exposure_ev);

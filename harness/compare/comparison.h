@@ -74,6 +74,8 @@ struct neph_compared {
     struct neph_movement movement;    /* empty unless requested; owned */
     struct neph_not_taken *not_taken;
     int not_taken_count;
+    /* Colour spaces of the files of converted frames; NULL: not converted */
+    const char *reference_space, *test_space;
     const char *reference_video, *test_video; /* NEPH_VIDEO_ATTRIBUTE of their frames; NULL: none */
     const char **maps;                        /* file names; owned */
     int map_count;
@@ -107,6 +109,7 @@ enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons,
  *                   when there is none
  *   "warm_up_frames", "frames", "frozen", "interrupted"
  *   "window"        as neph_windows_json()
+ *   "converted"     only for converted colours: {"reference", "test"}, the space of each or null
  *   "video"         only for videos: {"reference", "test"}, each a text or null: base/video.h
  *   "measurements"  array of objects as neph_measurement_json(), with "viewing"
  *   "findings"      verdicts, see harness/compare/findings.h

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/compare/frame.h"
 
+#include "base/colour_convert.h"
 #include "base/colour_names.h"
 #include "base/exr.h"
 #include "base/files.h"
@@ -240,16 +241,28 @@ static enum neph_status take_depth(const char *path, struct neph_image *image, c
 }
 
 static enum neph_status check_primaries(const char *path, const struct neph_image *image,
-                                        struct neph_diag *diag)
+                                        bool is_converted, struct neph_diag *diag)
 {
     static const char *const colours[] = {"R", "G", "B", "Y"};
     const char *primaries = neph_image_attribute(image, "primaries");
-    if (!primaries || !has_any(image, colours, 4))
+    if (!primaries || is_converted || !has_any(image, colours, 4))
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not in Rec.709: its chromaticities are %s", path,
               primaries);
-    neph_hint(diag, "convert it to linear Rec.709, white D65: luminance and all images assume it");
+    neph_hint(diag, "--convert converts it to linear Rec.709, white D65, which luminance and all "
+                    "images assume");
     return NEPH_ERR_INPUT;
+}
+
+static enum neph_status convert(const char *path, struct neph_image *image, struct neph_diag *diag)
+{
+    float *rgb[3];
+    const enum neph_status status = neph_image_rgb(image, NULL, rgb)
+                                        ? neph_colour_convert(image, diag)
+                                        : NEPH_OK;
+    if (status)
+        neph_prefix(diag, "'%s': ", path);
+    return status;
 }
 
 /* X Y Z together are one vector or one colour: then Z is not depth, and Y is not a grey image. */
@@ -323,12 +336,14 @@ enum neph_status neph_frame_read_as_written(const char *path,
     if (!status && choice)
         status = take_depth(path, frame, choice->depth, diag);
     if (!status)
-        status = check_primaries(path, frame, diag);
+        status = check_primaries(path, frame, choice && choice->convert, diag);
     const char *display = status ? NULL : neph_image_attribute(frame, NEPH_DISPLAY_ATTRIBUTE);
     if (display) /* written by `neph post` for a display */
         status = neph_image_set_attribute(frame, "encoding", diag, "%s", display);
     if (!status)
         status = check(path, frame, negative_allowed, diag);
+    if (!status && choice && choice->convert)
+        status = convert(path, frame, diag);
     if (status)
         neph_image_destroy(frame);
     else

@@ -28,6 +28,8 @@ struct neph_frame_choice {
                           NULL: names are unchanged */
     const char *depth; /* full name of the channel that becomes Z, before a layer is taken. A file
                           without it keeps its Z. NULL: Z */
+    bool convert;      /* other colour spaces become linear Rec. 709
+                                  (base/colour_convert.h) after the gate */
     struct neph_clips *clips;  /* open files with several frames; NULL: a file is opened for each
                                   frame, and read from its start */
     struct neph_window window; /* the data window of the frame (harness/compare/frame_windows.h):

@@ -196,6 +196,43 @@ class Depth(neph_case.NephCase):
                   said=("none.exr' has no channel 'Depth.Z'", "hint: its channels are B G R"))
 
 
+class Colours(neph_case.NephCase):
+    AP1 = (0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767)
+    # ACEScg to linear Rec.709: "Utility - Linear - sRGB" of the ACES 1.x configurations
+    TO_REC709 = ((1.70505, -0.62179, -0.08326), (-0.13026, 1.14080, -0.01055),
+                 (-0.02400, -0.12897, 1.15297))
+
+    def write(self, name, pixels, *attributes):
+        (self.folder / name).write_bytes(frames.exr_bytes(
+            8, 8, dict(zip("RGB", zip(*pixels))), attributes))
+        return self.folder / name
+
+    def test_spaces_are_converted_when_asked(self):
+        given = [(0.2 + i / 128, 0.3 + i / 100, 0.5 - i / 200) for i in range(64)]
+        expected = [[sum(m * v for m, v in zip(row, pixel)) for row in self.TO_REC709]
+                    for pixel in given]
+        plain = self.write("plain.exr", expected)
+        drawn = "chromaticities", "chromaticities", struct.pack("<8f", *self.AP1)
+        named = "colorInteropID", "string", b"lin_ap1_scene"
+        for at, attributes in enumerate(((drawn,), (named,), (named, drawn))):
+            test = self.write(f"test{at}.exr", given, *attributes)
+            self.neph("compare", plain, test, code=65, said="--convert")
+            for words, side in (((plain, test), "test"), ((test, plain), "reference")):
+                found = self.json("compare", *words, "--convert", "-m", "max_abs")
+                value = found["measurements"][0]["value"]
+                self.assertLess(value, 2e-5, attributes)  # digits of the matrix
+                self.assertIn(side, [side for side, space in found["converted"].items() if space])
+        self.assertIn("converted to linear Rec.709: the test from lin_ap1_scene",
+                      self.neph("compare", plain, test, "--convert").stdout)
+        self.neph("view", plain, test, "--convert", "-q", "-o", self.folder / "page")
+        self.neph("compare", "--z", plain, test, "--convert", code=64, said="takes no --convert")
+        other = self.write("other.exr", given, ("colorInteropID", "string", b"acescct"))
+        both = self.write("both.exr", given, drawn,
+                          ("colorInteropID", "string", b"lin_rec2020_scene"))
+        for path, words in ((other, "'acescct' cannot be converted"), (both, "are not those of")):
+            self.neph("compare", plain, path, "--convert", code=65, said=(path.name, words))
+
+
 class Parts(neph_case.NephCase):
     def test_parts_beside_files_without(self):
         grey = lambda value: {c: [value] * 64 for c in "RGB"}
@@ -428,9 +465,9 @@ class Videos(neph_case.NephCase):
         self.assertEqual(found["video"]["test"], "rawvideo, yuv444p, limited range (not stated), "
                                                  "matrix BT.601 (not stated)")
         said = self.neph("flicker", *words).stdout
-        self.assertIn("matrix BT.601 (not stated); codes are taken for sRGB", said)
+        self.assertIn("decoded as sRGB: the test from rawvideo, yuv444p, limited range", said)
         self.assertIn("24 frames a second", said)
-        self.assertIn("videos: rawvideo", self.neph("compare", video, video).stdout)
+        self.assertIn("as sRGB: both from rawvideo", self.neph("compare", video, video).stdout)
 
     @unittest.skipUnless(shutil.which("ffmpeg"), "ffmpeg is not installed")
     def test_broken_videos(self):
