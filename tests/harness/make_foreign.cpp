@@ -76,6 +76,129 @@ void write_reading(const std::string &path)
 
 } // namespace
 
+/* ---- schemes of programs --------------------------------------------------------------------- */
+
+namespace
+{
+
+struct scheme {
+    const char *program, *layer, *depth; /* "": none */
+    std::vector<std::string> channels;
+    std::vector<std::string> red_green_blue; /* of the file */
+    int x, y; /* corner of the data window; the display window is 30x20 */
+};
+
+const std::vector<std::string> rgb = {"R", "G", "B"};
+
+/* Blender's multilayer files; the Movie Render Queue; the Recorder; Mantra; Arnold and V-Ray with
+ * windows around the object; the integrator aov; the film gbuffer. */
+const std::vector<scheme> schemes = {
+    {"blender",
+     "ViewLayer.Combined",
+     "ViewLayer.Depth.Z",
+     {"ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B",
+      "ViewLayer.Combined.A", "ViewLayer.Depth.Z", "ViewLayer.Vector.X", "ViewLayer.Vector.Y",
+      "ViewLayer.Vector.Z", "ViewLayer.Vector.W"},
+     {"ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B"},
+     0,
+     0},
+    {"unreal",
+     "",
+     "FinalImageMovieRenderQueue_WorldDepth.R",
+     {"R", "G", "B", "A", "FinalImageMovieRenderQueue_WorldDepth.R"},
+     rgb,
+     0,
+     0},
+    {"unity", "", "", {"R", "G", "B", "A"}, rgb, 0, 0},
+    {"houdini", "", "Pz", {"R", "G", "B", "A", "Pz", "N.x", "N.y", "N.z"}, rgb, 0, 0},
+    {"arnold",
+     "",
+     "",
+     {"R", "G", "B", "A", "Z", "diffuse.R", "diffuse.G", "diffuse.B", "P.X", "P.Y", "P.Z"},
+     rgb,
+     5,
+     3},
+    {"vray",
+     "effectsResult",
+     "Z",
+     {"R", "G", "B", "A", "Z", "effectsResult.R", "effectsResult.G", "effectsResult.B"},
+     {"effectsResult.R", "effectsResult.G", "effectsResult.B"},
+     7,
+     2},
+    {"mitsuba", "", "dd.T", {"R", "G", "B", "A", "dd.T", "nn.X", "nn.Y", "nn.Z"}, rgb, 0, 0},
+    {"pbrt",
+     "",
+     "",
+     {"R", "G", "B", "Px", "Py", "Pz", "dzdx", "dzdy", "Nx", "Ny", "Nz", "u", "v", "Albedo.R",
+      "Albedo.G", "Albedo.B", "Variance.R", "Variance.G", "Variance.B"},
+     rgb,
+     0,
+     0},
+};
+
+struct packing {
+    TypeDesc type;
+    const char *compression;
+    int tile;
+};
+
+size_t find(const std::vector<std::string> &names, const std::string &name)
+{
+    for (size_t i = 0; i < names.size(); i++)
+        if (names[i] == name)
+            return i;
+    throw std::runtime_error("no channel " + name);
+}
+
+void write_scheme(const std::string &path, const scheme &wanted, const packing &packed)
+{
+    const auto channels = static_cast<int>(wanted.channels.size());
+    ImageSpec spec(width, height, channels, packed.type);
+    spec.channelnames = wanted.channels;
+    spec.alpha_channel = spec.z_channel = -1;
+    spec.x = wanted.x;
+    spec.y = wanted.y;
+    spec.full_width = 30;
+    spec.full_height = 20;
+    spec.tile_width = spec.tile_height = packed.tile;
+    spec.attribute("compression", packed.compression);
+    const auto output = ImageOutput::create(path);
+    if (!output || !output->open(path, spec) ||
+        !output->write_image(TypeDesc::FLOAT,
+                             make_samples({"", packed.type, channels, 0}).data()) ||
+        !output->close())
+        throw std::runtime_error(path + ": " + (output ? output->geterror() : geterror()));
+    write_reading(path);
+    const auto input = ImageInput::open(path);
+    const auto &names = input->spec().channelnames;
+    std::ofstream out(path + ".scheme");
+    for (size_t c = 0; c < 3; c++)
+        out << "RGB"[c] << ' ' << find(names, wanted.red_green_blue[c]) << '\n';
+    const std::string depth = wanted.depth;
+    if (!depth.empty() || std::string(wanted.program) == "arnold")
+        out << "Z " << find(names, depth.empty() ? "Z" : depth) << '\n';
+    if (*wanted.layer)
+        out << "layer " << wanted.layer << '\n';
+    if (*wanted.depth)
+        out << "depth " << wanted.depth << '\n';
+}
+
+void write_schemes(const std::string &folder)
+{
+    static const packing packings[] = {
+        {TypeDesc::HALF, "none", 0},  {TypeDesc::HALF, "zip", 0},   {TypeDesc::HALF, "piz", 16},
+        {TypeDesc::FLOAT, "none", 0}, {TypeDesc::FLOAT, "zips", 0}, {TypeDesc::FLOAT, "piz", 0},
+        {TypeDesc::FLOAT, "rle", 16}, {TypeDesc::HALF, "zip", 16},
+    };
+    for (const scheme &wanted : schemes)
+        for (const packing &packed : packings)
+            write_scheme(folder + "/" + wanted.program + "_" + packed.type.c_str() + "_" +
+                             packed.compression + "_" + std::to_string(packed.tile) + ".exr",
+                         wanted, packed);
+}
+
+} // namespace
+
 int main(int argc, char **argv)
 {
     std::vector<kind> kinds;
@@ -104,6 +227,7 @@ int main(int argc, char **argv)
             write_file(path, wanted);
             write_reading(path);
         }
+        write_schemes(argc > 1 ? argv[1] : ".");
     } catch (const std::exception &error) {
         fprintf(stderr, "%s\n", error.what());
         return 1;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Files of all formats, types and channel counts, compared with OpenImageIO's own reading of them.
+ * Files of all formats, types and channel counts, and OpenEXR files in the schemes of eight
+ * programs, compared with OpenImageIO's own reading of them.
  */
 #include "base/child.h"
 #include "base/files.h"
@@ -43,6 +44,49 @@ static const float *find_channel(const struct neph_image *frame, int channel_cou
     return neph_image_channel(frame, channel_count == 1 ? "R" : names[c]);
 }
 
+/* How a file in the scheme of a program is read: see make_foreign.cpp. */
+struct scheme {
+    char layer[128], depth[128];
+    int index[4]; /* of R, G, B and Z in the file; -1: none */
+};
+
+static bool load_scheme(const char *folder, const char *name, struct scheme *scheme)
+{
+    char key[128], value[128];
+    FILE *file = fopen(neph_path_format("%s/%s.scheme", folder, name).text, "r");
+    *scheme = (struct scheme){.index = {-1, -1, -1, -1}};
+    if (!file)
+        return false;
+    while (fscanf(file, "%127s %127s", key, value) == 2) {
+        if (strcmp(key, "layer") == 0)
+            snprintf(scheme->layer, sizeof(scheme->layer), "%s", value);
+        else if (strcmp(key, "depth") == 0)
+            snprintf(scheme->depth, sizeof(scheme->depth), "%s", value);
+        else
+            scheme->index[strchr("RGBZ", key[0]) - "RGBZ"] = (int)strtol(value, NULL, 10);
+    }
+    fclose(file);
+    return true;
+}
+
+/* Bit for bit, and no other depth. */
+static void compare_scheme(const char *name, const struct neph_image *frame,
+                           const struct reading *reading, const struct scheme *scheme)
+{
+    static const char *const names[] = {"R", "G", "B", "Z"};
+    const size_t count = neph_image_pixel_count(frame);
+    assert_int_equal(count, reading->width_px * reading->height_px);
+    for (int c = 0; c < 4; c++) {
+        const float *samples = neph_image_channel(frame, names[c]);
+        if (!samples != (scheme->index[c] < 0))
+            print_error("%s: channel %s\n", name, names[c]);
+        assert_true(!samples == (scheme->index[c] < 0));
+        if (samples)
+            assert_memory_equal(samples, reading->samples + (size_t)scheme->index[c] * count,
+                                count * sizeof(*samples));
+    }
+}
+
 static void compare(const char *name, const struct neph_image *frame, const struct reading *reading)
 {
     const size_t count = neph_image_pixel_count(frame);
@@ -76,7 +120,7 @@ static bool is_taken(const char *name)
     static const char *const others[] = {"uint8_3_0.tif", "half_4_16.tif", "uint8_1_0.ppm",
                                          "uint8_3_0.jpg", "float_3_0.hdr"};
     const char *dot = strrchr(name, '.');
-    if (name[0] == '.' || !dot || strcmp(dot, ".samples") == 0)
+    if (name[0] == '.' || !dot || strcmp(dot, ".samples") == 0 || strcmp(dot, ".scheme") == 0)
         return false;
     bool is_of_the_day = strcmp(dot, ".exr") == 0 || strcmp(dot, ".png") == 0;
     for (size_t i = 0; i < sizeof(others) / sizeof(others[0]); i++)
@@ -112,14 +156,21 @@ static void test_all_kinds_as_openimageio_reads_them(void **state)
         struct neph_image *frame = NULL;
         const struct neph_path path = neph_path_in(scratch->folder, entry->d_name);
         struct reading reading = load_reading(scratch->folder, entry->d_name);
-        neph_assert_ok(neph_frame_read(path.text, NULL, 0, &frame, &diag), &diag);
-        compare(entry->d_name, frame, &reading);
+        struct scheme scheme;
+        const bool has_scheme = load_scheme(scratch->folder, entry->d_name, &scheme);
+        const struct neph_frame_choice choice = {.layer = scheme.layer[0] ? scheme.layer : NULL,
+                                                 .depth = scheme.depth[0] ? scheme.depth : NULL};
+        neph_assert_ok(neph_frame_read(path.text, &choice, 0, &frame, &diag), &diag);
+        if (has_scheme)
+            compare_scheme(entry->d_name, frame, &reading, &scheme);
+        else
+            compare(entry->d_name, frame, &reading);
         neph_image_destroy(frame);
         free(reading.bytes);
         count++;
     }
     closedir(folder);
-    assert_int_equal(count, neph_test_is_night() ? 49 : 18 + 5);
+    assert_int_equal(count, 8 * 8 + (neph_test_is_night() ? 49 : 18 + 5));
 }
 
 /* Damaged files of each format: neph has an image or an error, and goes on. */
