@@ -184,6 +184,7 @@ enum neph_status neph_exr_choose_part(const char *path, const char *headers, siz
     int count = 1;
     if (!next_part(headers, size, &second, &found)) {
         *part = first;
+        part->is_wanted = wanted && (has_name(part, wanted) || has_number(part, wanted));
         return NEPH_OK;
     }
     if (!wanted) {
@@ -195,5 +196,6 @@ enum neph_status neph_exr_choose_part(const char *path, const char *headers, siz
     if (count != 1)
         return fail_choice(path, headers, size, wanted, count, diag);
     *part = found;
+    part->is_wanted = wanted != NULL;
     return NEPH_OK;
 }

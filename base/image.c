@@ -210,6 +210,15 @@ const char *neph_image_attribute(const struct neph_image *image, const char *nam
     return attribute ? attribute->value : NULL;
 }
 
+void neph_image_remove_attribute(struct neph_image *image, const char *name)
+{
+    struct neph_attribute *attribute = find_attribute(image, name);
+    if (!attribute)
+        return;
+    free(attribute->value);
+    *attribute = image->attributes[--image->attribute_count];
+}
+
 /* ---- attributes and header of a file --------------------------------------------------------- */
 
 /* Scale a position or length from an image of `from_px` pixels to one of `to_px`; false: no whole

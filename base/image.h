@@ -102,6 +102,9 @@ enum neph_status neph_image_set_attribute(struct neph_image *image, const char *
 /* The value of an attribute, or NULL. */
 const char *neph_image_attribute(const struct neph_image *image, const char *name);
 
+/* Remove an attribute; a missing one is fine. */
+void neph_image_remove_attribute(struct neph_image *image, const char *name);
+
 /* Copy the texts and the file header. If `to` has another size, data window and display window are
  * scaled by the ratio of the sizes. NEPH_ERR_INPUT: the scaled windows do not lie on whole pixels.
  */

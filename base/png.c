@@ -7,8 +7,10 @@
 #include "base/png.h"
 
 #include "base/files.h"
+#include "base/icc.h"
+#include "base/png_codes.h"
+#include "base/srgb.h"
 
-#include <math.h>
 #include <setjmp.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -16,6 +18,7 @@
 #include <string.h>
 
 #include <png.h>
+#include <zlib.h>
 
 static const size_t file_limit_bytes = (size_t)1 << 32;
 
@@ -59,12 +62,13 @@ enum neph_status neph_png_write_rgb8(const char *path, int width_px, int height_
 /* Everything that must survive a longjmp() of libpng is here and not in local variables. */
 struct reader {
     const char *path;
-    char *file;
+    const char *file; /* borrowed; ends with a zero byte */
     size_t file_size, position;
     int width_px, height_px;
+    size_t channel_count;
+    uint32_t code_max;
     void *samples; /* rows in libpng's layout */
     png_bytep *rows;
-    struct neph_image *image; /* result of neph_png_read_image() */
     png_structp png;
     png_infop info;
     jmp_buf escape;
@@ -186,23 +190,21 @@ static void decode(struct reader *reader, void (*read)(struct reader *))
     free(reader->rows);
 }
 
-/* Read the file and call `read` on it; after a failure nothing is left to free. */
-static enum neph_status read_file(struct reader *reader, void (*read)(struct reader *))
+static bool is_png(const struct reader *reader)
 {
-    reader->status = neph_file_read(reader->path, file_limit_bytes, &reader->file,
-                                    &reader->file_size, reader->diag);
-    if (reader->status)
-        return reader->status;
-    if (reader->file_size < 8 || png_sig_cmp((png_const_bytep)reader->file, 0, 8) != 0)
+    return reader->file_size >= 8 && png_sig_cmp((png_const_bytep)reader->file, 0, 8) == 0;
+}
+
+/* Call `read` on a file in memory; after a failure nothing is left to free. */
+static enum neph_status read_bytes(struct reader *reader, void (*read)(struct reader *))
+{
+    if (!is_png(reader))
         reader->status = neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is not a PNG file",
                                    reader->path);
     else
         decode(reader, read);
-    free(reader->file);
-    if (reader->status) {
+    if (reader->status)
         free(reader->samples);
-        neph_image_destroy(reader->image);
-    }
     return reader->status;
 }
 
@@ -210,7 +212,14 @@ enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *heigh
                                      uint16_t **rgb, struct neph_diag *diag)
 {
     struct reader reader = {.path = path, .diag = diag};
-    enum neph_status status = read_file(&reader, read_codes);
+    char *file = NULL;
+    enum neph_status status = neph_file_read(path, file_limit_bytes, &file, &reader.file_size,
+                                             diag);
+    if (status)
+        return status;
+    reader.file = file;
+    status = read_bytes(&reader, read_codes);
+    free(file);
     if (status)
         return status;
     *width_px = reader.width_px;
@@ -221,12 +230,6 @@ enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *heigh
 
 /* ---- images in linear light ------------------------------------------------------------------ */
 
-static uint32_t big_endian_32(const char *bytes)
-{
-    const unsigned char *b = (const unsigned char *)bytes;
-    return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | (uint32_t)b[3];
-}
-
 /* The data of the first chunk of that name and at least that size before the pixels, or NULL.
  * Searched here because libpng drops colour chunks that it finds wrong, and does not know cICP. */
 static const char *find_chunk(const struct reader *reader, const char *name, size_t size_bytes)
@@ -234,7 +237,7 @@ static const char *find_chunk(const struct reader *reader, const char *name, siz
     size_t at = 8;
     while (reader->file_size - at >= 12) {
         const char *chunk = reader->file + at;
-        const size_t chunk_bytes = big_endian_32(chunk);
+        const size_t chunk_bytes = neph_png_u32(chunk);
         if (chunk_bytes > reader->file_size - at - 12 || memcmp(chunk + 4, "IDAT", 4) == 0)
             return NULL;
         if (memcmp(chunk + 4, name, 4) == 0 && chunk_bytes >= size_bytes)
@@ -247,19 +250,20 @@ static const char *find_chunk(const struct reader *reader, const char *name, siz
 /* Refuse animations (chunk acTL, third edition of the specification, 11.3.6), since only one of
  * their frames would be compared. An animation of one frame is accepted if its control chunk (fcTL)
  * is before the pixels; otherwise the pixels are not part of the animation. */
-static void check_not_animated(struct reader *reader)
+static enum neph_status check_not_animated(const struct reader *reader)
 {
-    const char *animation = find_chunk(reader, "acTL", 8);
+    const char *animation = is_png(reader) ? find_chunk(reader, "acTL", 8) : NULL;
     if (!animation)
-        return;
-    const uint32_t frame_count = big_endian_32(animation);
+        return NEPH_OK;
+    const uint32_t frame_count = neph_png_u32(animation);
     const bool is_first = find_chunk(reader, "fcTL", 26) != NULL;
     if (frame_count == 1 && is_first)
-        return;
+        return NEPH_OK;
     neph_fail(reader->diag, NEPH_ERR_INPUT, "'%s' is an animated PNG: it has %llu frames",
               reader->path, (unsigned long long)frame_count + !is_first);
-    neph_hint(reader->diag, "write each frame to a separate file");
-    fail_and_jump(reader, NEPH_ERR_INPUT);
+    neph_hint(reader->diag, frame_count > 1 ? "name it by itself: its frames are a sequence"
+                                            : "write each frame to a separate file");
+    return NEPH_ERR_INPUT;
 }
 
 _Noreturn static void refuse_colour(struct reader *reader, const char *what)
@@ -277,9 +281,27 @@ static bool is_srgb_primaries(const char *chunk)
     static const int expected[8] = {31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000};
     static const int rounding = 100; /* writers round to three digits */
     for (int i = 0; i < 8; i++)
-        if (llabs((long long)big_endian_32(chunk + 4 * i) - expected[i]) > rounding)
+        if (llabs((long long)neph_png_u32(chunk + 4 * i) - expected[i]) > rounding)
             return false;
     return true;
+}
+
+/* Whether the data of an iCCP chunk (a name, a zero byte, the method 0, a deflated profile) is a
+ * profile of sRGB. Profiles of curves and a matrix have a few kilobytes. */
+static bool is_srgb_profile(const char *chunk, size_t size)
+{
+    enum { ROOM = 1 << 20 };
+    const size_t head = strnlen(chunk, size) + 2;
+    uLongf profile_bytes = ROOM;
+    if (head > size || chunk[head - 1] != 0)
+        return false;
+    Bytef *profile = malloc(ROOM);
+    const bool is_srgb = profile &&
+                         uncompress(profile, &profile_bytes, (const Bytef *)chunk + head,
+                                    (uLong)(size - head)) == Z_OK &&
+                         neph_icc_is_srgb(profile, profile_bytes);
+    free(profile);
+    return is_srgb;
 }
 
 /* Check the colour space by the precedence of the PNG specification (third edition, 4.3): cICP,
@@ -295,6 +317,8 @@ static void check_colour_space(struct reader *reader)
     if (cicp || png_get_valid(reader->png, reader->info, PNG_INFO_sRGB))
         return; /* libpng sets the flag also for profiles that it recognises as sRGB */
     const char *profile = find_chunk(reader, "iCCP", 1);
+    if (profile && is_srgb_profile(profile, neph_png_u32(profile - 8)))
+        return;
     if (profile) {
         /* The file in memory ends with a NUL, so the name does, too. */
         snprintf(what, sizeof(what), "it has the colour profile '%.79s'", profile);
@@ -303,8 +327,8 @@ static void check_colour_space(struct reader *reader)
         refuse_colour(reader, what);
     }
     const char *gamma = find_chunk(reader, "gAMA", 4);
-    if (gamma && llabs((long long)big_endian_32(gamma) - srgb_gamma) > gamma_rounding) {
-        snprintf(what, sizeof(what), "its gAMA is %.5f, not 0.45455", big_endian_32(gamma) / 1e5);
+    if (gamma && llabs((long long)neph_png_u32(gamma) - srgb_gamma) > gamma_rounding) {
+        snprintf(what, sizeof(what), "its gAMA is %.5f, not 0.45455", neph_png_u32(gamma) / 1e5);
         refuse_colour(reader, what);
     }
     const char *primaries = find_chunk(reader, "cHRM", 32);
@@ -312,73 +336,12 @@ static void check_colour_space(struct reader *reader)
         refuse_colour(reader, "its cHRM chunk has primaries other than Rec.709");
 }
 
-/* IEC 61966-2-1:1999, 5.2. */
-static double convert_srgb_to_linear(double encoded)
-{
-    return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);
-}
-
-static uint32_t read_code(const struct reader *reader, size_t index, uint32_t code_max)
-{
-    return code_max == 255 ? ((const uint8_t *)reader->samples)[index]
-                           : ((const uint16_t *)reader->samples)[index];
-}
-
-static void check_opaque(struct reader *reader, size_t pixel_count, uint32_t code_max)
-{
-    for (size_t i = 0; i < pixel_count; i++)
-        if (read_code(reader, 4 * i + 3, code_max) != code_max) {
-            neph_fail(reader->diag, NEPH_ERR_INPUT,
-                      "'%s' is translucent (first at pixel (%zu, %zu)); its background is unknown",
-                      reader->path, i % (size_t)reader->width_px, i / (size_t)reader->width_px);
-            neph_hint(reader->diag, "flatten it onto its background");
-            fail_and_jump(reader, NEPH_ERR_INPUT);
-        }
-}
-
-static void make_image(struct reader *reader, size_t channel_count, uint32_t code_max)
-{
-    float *planes[3];
-    enum neph_status status = neph_image_create(reader->width_px, reader->height_px, &reader->image,
-                                                reader->diag);
-    if (!status)
-        status = neph_image_add_rgb(reader->image, NULL, planes, reader->diag);
-    if (!status)
-        status = neph_image_set_attribute(reader->image, "encoding", reader->diag, "sRGB");
-    float *linear = calloc((size_t)code_max + 1, sizeof(*linear));
-    if (!linear && !status)
-        status = neph_fail_memory(reader->diag);
-    if (status) {
-        free(linear);
-        fail_and_jump(reader, status);
-    }
-    for (uint32_t code = 0; code <= code_max; code++)
-        linear[code] = (float)convert_srgb_to_linear((double)code / code_max);
-    for (size_t i = 0; i < neph_image_pixel_count(reader->image); i++)
-        for (size_t c = 0; c < 3; c++)
-            planes[c][i] = linear[read_code(reader, channel_count * i + c, code_max)];
-    free(linear);
-}
-
-/* Set pixel_aspect from the pixel densities: fewer pixels per unit mean larger pixels. */
-static void add_pixel_aspect(struct reader *reader)
-{
-    const float aspect = png_get_pixel_aspect_ratio(reader->png, reader->info); /* 0: unknown */
-    if (aspect == 0.0f || aspect == 1.0f)
-        return;
-    const enum neph_status status = neph_image_set_attribute(reader->image, "pixel_aspect",
-                                                             reader->diag, "%.9g", (double)aspect);
-    if (status)
-        fail_and_jump(reader, status);
-}
-
-static void read_display_image(struct reader *reader)
+static void read_display_codes(struct reader *reader)
 {
     /* A damaged colour chunk is an error: libpng would drop it, and the file would be read as
      * sRGB. */
     png_set_crc_action(reader->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     read_size(reader);
-    check_not_animated(reader);
     check_colour_space(reader);
     /* Convert to 8 or 16 bits of RGB, and alpha if the file has it. The conversions are exact: 1, 2
      * and 4 bits of grey are multiplied by 255, 85 and 17. */
@@ -386,24 +349,96 @@ static void read_display_image(struct reader *reader)
     png_set_gray_to_rgb(reader->png);
     const bool has_alpha = (png_get_color_type(reader->png, reader->info) & PNG_COLOR_MASK_ALPHA) ||
                            png_get_valid(reader->png, reader->info, PNG_INFO_tRNS);
-    const size_t channel_count = has_alpha ? 4 : 3;
     const bool is_wide = png_get_bit_depth(reader->png, reader->info) == 16;
-    const uint32_t code_max = is_wide ? 65535 : 255;
-    read_rows(reader, (size_t)reader->width_px * channel_count * (is_wide ? 2 : 1));
-    if (has_alpha)
-        check_opaque(reader, (size_t)reader->width_px * (size_t)reader->height_px, code_max);
-    make_image(reader, channel_count, code_max);
-    add_pixel_aspect(reader);
+    reader->channel_count = has_alpha ? 4 : 3;
+    reader->code_max = is_wide ? 65535 : 255;
+    read_rows(reader, (size_t)reader->width_px * reader->channel_count * (is_wide ? 2 : 1));
+}
+
+enum neph_status neph_png_decode(const char *path, const char *file, size_t size,
+                                 struct neph_png_codes *codes, struct neph_diag *diag)
+{
+    struct reader reader = {.path = path, .file = file, .file_size = size, .diag = diag};
+    const enum neph_status status = read_bytes(&reader, read_display_codes);
+    if (status)
+        return status;
+    *codes = (struct neph_png_codes){.width_px = reader.width_px,
+                                     .height_px = reader.height_px,
+                                     .channel_count = reader.channel_count,
+                                     .code_max = reader.code_max,
+                                     .samples = reader.samples};
+    return NEPH_OK;
+}
+
+static enum neph_status check_opaque(const char *path, const struct neph_png_codes *codes,
+                                     struct neph_diag *diag)
+{
+    const size_t width = (size_t)codes->width_px, count = width * (size_t)codes->height_px;
+    for (size_t i = 0; i < count && codes->channel_count == 4; i++)
+        if (neph_png_code(codes, 4 * i + 3) != codes->code_max) {
+            neph_fail(diag, NEPH_ERR_INPUT,
+                      "'%s' is translucent (first at pixel (%zu, %zu)); its background is unknown",
+                      path, i % width, i / width);
+            neph_hint(diag, "flatten it onto its background");
+            return NEPH_ERR_INPUT;
+        }
+    return NEPH_OK;
+}
+
+static enum neph_status fill_planes(const struct neph_png_codes *codes, float *planes[3],
+                                    struct neph_diag *diag)
+{
+    const size_t count = (size_t)codes->width_px * (size_t)codes->height_px;
+    float *linear = calloc((size_t)codes->code_max + 1, sizeof(*linear));
+    if (!linear)
+        return neph_fail_memory(diag);
+    for (uint32_t code = 0; code <= codes->code_max; code++)
+        linear[code] = (float)neph_srgb_to_linear((double)code / codes->code_max);
+    for (size_t i = 0; i < count; i++)
+        for (size_t c = 0; c < 3; c++)
+            planes[c][i] = linear[neph_png_code(codes, codes->channel_count * i + c)];
+    free(linear);
+    return NEPH_OK;
+}
+
+enum neph_status neph_png_make_image(const char *path, const struct neph_png_codes *codes,
+                                     struct neph_image **image, struct neph_diag *diag)
+{
+    float *planes[3];
+    struct neph_image *made = NULL;
+    enum neph_status status = check_opaque(path, codes, diag);
+    if (!status)
+        status = neph_image_create(codes->width_px, codes->height_px, &made, diag);
+    if (!status)
+        status = neph_image_add_rgb(made, NULL, planes, diag);
+    if (!status)
+        status = neph_image_set_attribute(made, "encoding", diag, "sRGB");
+    if (!status)
+        status = fill_planes(codes, planes, diag);
+    if (status)
+        neph_image_destroy(made);
+    else
+        *image = made;
+    return status;
 }
 
 enum neph_status neph_png_read_image(const char *path, struct neph_image **image,
                                      struct neph_diag *diag)
 {
     struct reader reader = {.path = path, .diag = diag};
-    enum neph_status status = read_file(&reader, read_display_image);
+    struct neph_png_codes codes = {.samples = NULL};
+    char *file = NULL;
+    enum neph_status status = neph_file_read(path, file_limit_bytes, &file, &reader.file_size,
+                                             diag);
     if (status)
         return status;
-    free(reader.samples);
-    *image = reader.image;
-    return NEPH_OK;
+    reader.file = file;
+    status = check_not_animated(&reader);
+    if (!status)
+        status = neph_png_decode(path, file, reader.file_size, &codes, diag);
+    free(file);
+    if (!status)
+        status = neph_png_make_image(path, &codes, image, diag);
+    free(codes.samples);
+    return status;
 }

@@ -40,11 +40,11 @@ enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *heigh
  * code becomes 1. Attributes of the image:
  *
  *   encoding      "sRGB": values are relative to a display's white, not radiance
- *   pixel_aspect  width / height of a pixel, if the file gives one that is not 1
  *
- * An alpha channel is dropped when it is opaque everywhere. A file without colour chunks is read as
- * sRGB. A file with them must be sRGB by one of: an sRGB chunk, a profile that libpng recognises as
- * sRGB, a cICP of 1/13/0/1, or gAMA 0.45455 and the chromaticities of Rec.709.
+ * The pixel density (pHYs) has no effect: programs round it to unequal numbers. An alpha channel is
+ * dropped when it is opaque everywhere. A file without colour chunks is read as sRGB. A file with
+ * them must be sRGB by one of: an sRGB chunk, a profile of sRGB (base/icc.h), a cICP of 1/13/0/1,
+ * or gAMA 0.45455 and the chromaticities of Rec.709.
  *
  * NEPH_ERR_INPUT: another colour space, translucent pixels, an animation, sides above
  * NEPH_IMAGE_SIDE_MAX_PX, truncated or damaged (also by checksums of colour chunks), or not a PNG.

@@ -38,8 +38,14 @@ static const struct neph_cli_option shared_options[] = {
     {"by-position", 0, NULL,
      .help = "Frames belong together by their place in the sequence, whatever their numbers"},
     {"chain", 0, "FILE", .help = "Picture chain in place of the scene's; off: none"},
+    {"convert", 0, NULL,
+     .help = "Convert frames of other colour spaces (by chromaticities, colorInteropID or "
+             "oiio:ColorSpace) to linear Rec.709"},
     {"csv", 0, "FILE", "Results as CSV", NEPH_CLI_FILE,
      .at = offsetof(struct neph_cli_shared, csv)},
+    {"depth", 0, "SOURCE",
+     .help = "Depth is the channel of that full name, such as ViewLayer.Depth.Z (a file without "
+             "it: its Z)"},
     {"engine", 'e', "NAME[,NAME]", "Engine; `neph engines` lists them", NEPH_CLI_ONE,
      .at = offsetof(struct neph_cli_shared, engine)},
     {"error", 0, "E", .help = "Relative RMSE of radiance against the truth"},
@@ -93,6 +99,10 @@ static const struct neph_cli_option shared_options[] = {
      .at = offsetof(struct neph_cli_shared, time_limit_s), .minimum = 1, .maximum = 1000000},
     {"untimed", 0, NULL, .help = "No times: evaluations of density in place of them"},
     {"warm-up", 0, "N", .help = "Frames before the first that is measured"},
+    {"window", 0, "MODE",
+     .help = "Frames with different data windows: union (inside the display window; outside a "
+             "window is 0 and transparent), intersection (the pixels that all have), or strict "
+             "(refused)"},
     {"white", 0, "CD_PER_M2", .help = "Luminance of the display value 1 (default: 100)"},
     {.name = NULL},
 };

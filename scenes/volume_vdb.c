@@ -4,25 +4,21 @@
  */
 #include "scenes/volume_vdb.h"
 
-#include "base/child.h"
 #include "base/files.h"
+#include "base/helper.h"
 #include "scenes/volume_file.h"
 #include "scenes/volume_format.h"
 
-#include <errno.h>
 #include <inttypes.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
-#include <sysexits.h>
 #include <unistd.h>
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_VDB_LAYOUT_COUNT == 2, "a new kind");
 
-enum { REASON_BYTES = 1000, PATH_BYTES = 64, UUID_BYTES = 40, BOX_BYTES = 80, ARGUMENTS_MAX = 11 };
+enum { UUID_BYTES = 40, BOX_BYTES = 80 };
 
 /* Zip is read at 50 MB/s or more; a file that takes ten times as long is treated as hostile. */
 static const size_t cpu_bytes_per_s = 5000000;
@@ -31,145 +27,19 @@ static const double wall_per_cpu = 20.0; /* on a busy machine */
 
 static const float padding = 1e-9f; /* NEPH_VDB_BLENDER */
 
-static const char program_name[] = "neph-vdb";
-
-/* ---- the program and its log ----------------------------------------------------------------- */
+static const struct neph_helper helper = {
+    .name = "neph-vdb",
+    .variable = "NEPH_VDB",
+    .built = NEPH_VDB_PROGRAM,
+    .library = "OpenVDB",
+    .reads = "OpenVDB files",
+    .missing = "it is built together with neph; copy it into the folder of neph, or set the "
+               "variable NEPH_VDB to its path",
+};
 
 enum neph_status neph_volume_find_openvdb(char **program, struct neph_diag *diag)
 {
-    const char *named = getenv("NEPH_VDB");
-    char *path = named && named[0] ? strdup(named) : neph_path_beside_program(program_name);
-    if (!path)
-        path = strdup(NEPH_VDB_PROGRAM);
-    if (!path)
-        return neph_fail_memory(diag);
-    if (neph_child_program_exists(path)) {
-        *program = path;
-        return NEPH_OK;
-    }
-    neph_fail(diag, NEPH_ERR_UNAVAILABLE, "the program '%s', which reads OpenVDB files, is missing",
-              path);
-    neph_hint(diag, "it is built together with neph; copy it into the folder of neph, or set the "
-                    "variable NEPH_VDB to its path");
-    free(path);
-    return NEPH_ERR_UNAVAILABLE;
-}
-
-/* Anonymous memory that another process can open by path. */
-struct shared {
-    int fd;
-    char path[PATH_BYTES];
-};
-
-static enum neph_status shared_create(const char *name, struct shared *shared,
-                                      struct neph_diag *diag)
-{
-    shared->fd = memfd_create(name, MFD_CLOEXEC);
-    if (shared->fd < 0)
-        return neph_fail(diag, NEPH_ERR_MEMORY, "memfd_create: %s", strerror(errno));
-    snprintf(shared->path, sizeof(shared->path), "/proc/%ld/fd/%d", (long)getpid(), shared->fd);
-    return NEPH_OK;
-}
-
-static void shared_destroy(struct shared *shared)
-{
-    if (shared->fd >= 0)
-        close(shared->fd);
-}
-
-/* The last line of the log: the reason, and the way out ("" if there is none). */
-struct reason {
-    char text[REASON_BYTES];
-    const char *hint;
-};
-
-/* Splits the line, in printable ASCII: names in damaged files may contain any bytes. */
-static void find_hint(struct reason *reason)
-{
-    char *tab = strchr(reason->text, '\t');
-    reason->hint = tab ? tab + 1 : "";
-    if (tab)
-        *tab = '\0';
-    for (char *at = reason->text; at < reason->text + sizeof(reason->text); at++)
-        if (*at && ((unsigned char)*at < ' ' || (unsigned char)*at > '~'))
-            *at = '?';
-}
-
-static void last_line(int log_fd, char reason[REASON_BYTES])
-{
-    struct stat info = {.st_size = 0};
-    fstat(log_fd, &info);
-    const off_t start = info.st_size > REASON_BYTES - 1 ? info.st_size - (REASON_BYTES - 1) : 0;
-    ssize_t length = pread(log_fd, reason, REASON_BYTES - 1, start);
-    while (length > 0 && reason[length - 1] == '\n')
-        length--;
-    reason[length > 0 ? length : 0] = '\0';
-    const char *newline = strrchr(reason, '\n');
-    if (newline)
-        memmove(reason, newline + 1, strlen(newline + 1) + 1);
-}
-
-static enum neph_status explain(const struct neph_child_result *result, int log_fd,
-                                struct neph_diag *diag)
-{
-    struct reason reason = {.text = ""};
-    last_line(log_fd, reason.text);
-    find_hint(&reason);
-    if (result->signal == SIGXCPU)
-        return neph_fail(diag, NEPH_ERR_INPUT, "damaged: OpenVDB did not end within %.0f s",
-                         result->cpu_s);
-    if (result->signal)
-        return neph_fail(diag, NEPH_ERR_INPUT, "damaged: OpenVDB crashed on it (signal %d)",
-                         result->signal);
-    switch (result->exit_code) {
-    case EX_DATAERR:
-        neph_fail(diag, NEPH_ERR_INPUT, "%s", reason.text);
-        if (*reason.hint)
-            neph_hint(diag, "%s", reason.hint);
-        return NEPH_ERR_INPUT;
-    case EX_IOERR:
-        return neph_fail(diag, NEPH_ERR_IO, "%s", reason.text);
-    case EX_OSERR:
-        return neph_fail(diag, NEPH_ERR_MEMORY, "%s", reason.text);
-    }
-    return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s does not work: exit code %d, '%s'",
-                     program_name, result->exit_code, reason.text);
-}
-
-/* The library path of this process, so that the program finds the same libraries. */
-static char *library_folders(void)
-{
-    const char *folders = getenv("LD_LIBRARY_PATH");
-    return neph_format("LD_LIBRARY_PATH=%s", folders ? folders : "");
-}
-
-/* Runs the program with these arguments; fills in argv[0]. */
-static enum neph_status run_program(const char *argv[ARGUMENTS_MAX], double time_limit_s,
-                                    struct neph_diag *diag)
-{
-    char *program = NULL, *libraries = NULL;
-    struct shared log;
-    enum neph_status status = neph_volume_find_openvdb(&program, diag);
-    if (!status && !(libraries = library_folders()))
-        status = neph_fail_memory(diag);
-    if (!status)
-        status = shared_create("neph-vdb-log", &log, diag);
-    if (!status) {
-        argv[0] = program;
-        const struct neph_child_params params = {
-            .argv = argv,
-            .log_path = log.path,
-            .environment = (const char *const[]){libraries, NULL},
-            .time_limit_s = time_limit_s};
-        struct neph_child_result result = {0};
-        status = neph_child_run(&params, &result, diag);
-        if (status == NEPH_ERR_ENGINE)
-            status = explain(&result, log.fd, diag);
-        shared_destroy(&log);
-    }
-    free(libraries);
-    free(program);
-    return status;
+    return neph_helper_find(&helper, program, diag);
 }
 
 /* ---- reading --------------------------------------------------------------------------------- */
@@ -190,7 +60,7 @@ static const char *get_use(const struct neph_volume_request *request)
 }
 
 static enum neph_status run_reader(const struct neph_volume_request *request, size_t file_bytes,
-                                   const struct shared *voxels, struct neph_diag *diag)
+                                   const struct neph_shared *voxels, struct neph_diag *diag)
 {
     const size_t cpu_s = cpu_start_s + file_bytes / cpu_bytes_per_s;
     char memory_limit[32], cpu_limit[32], side_max[32], index_box[BOX_BYTES];
@@ -198,10 +68,10 @@ static enum neph_status run_reader(const struct neph_volume_request *request, si
     snprintf(cpu_limit, sizeof(cpu_limit), "%zu", cpu_s);
     snprintf(side_max, sizeof(side_max), "%d", NEPH_GRID_SIDE_MAX);
     format_box(request->index_box, index_box);
-    const char *argv[ARGUMENTS_MAX] = {
+    const char *argv[NEPH_HELPER_ARGUMENTS_MAX] = {
         NULL,      "read",   voxels->path,     request->path, memory_limit,
         cpu_limit, side_max, get_use(request), index_box,     request->grid_name};
-    return run_program(argv, wall_per_cpu * (double)cpu_s, diag);
+    return neph_helper_run(&helper, argv, wall_per_cpu * (double)cpu_s, diag);
 }
 
 /* The output of the program. */
@@ -310,20 +180,18 @@ static enum neph_status read_grid(const struct neph_volume_request *request, str
     return status;
 }
 
-static enum neph_status map_and_read(const struct neph_volume_request *request, int fd,
-                                     struct neph_grid **grid, struct neph_diag *diag)
+static enum neph_status map_and_read(const struct neph_volume_request *request,
+                                     const struct neph_shared *shared, struct neph_grid **grid,
+                                     struct neph_diag *diag)
 {
-    struct stat info;
-    if (fstat(fd, &info) != 0)
-        return neph_fail(diag, NEPH_ERR_IO, "fstat: %s", strerror(errno));
-    struct voxels voxels = {.size = (size_t)info.st_size};
-    void *bytes = voxels.size > 0 ? mmap(NULL, voxels.size, PROT_READ, MAP_SHARED, fd, 0) : NULL;
-    if (bytes == MAP_FAILED)
-        return neph_fail(diag, NEPH_ERR_MEMORY, "mmap: %s", strerror(errno));
+    const void *bytes = NULL;
+    struct voxels voxels = {.used = 0};
+    enum neph_status status = neph_shared_map(shared, &bytes, &voxels.size, diag);
     voxels.bytes = bytes;
-    enum neph_status status = read_grid(request, &voxels, grid, diag);
+    if (!status)
+        status = read_grid(request, &voxels, grid, diag);
     if (bytes)
-        munmap(bytes, voxels.size);
+        munmap((void *)bytes, voxels.size);
     return status;
 }
 
@@ -332,14 +200,14 @@ enum neph_status neph_volume_read_vdb(const struct neph_volume_request *request,
                                       const struct neph_volume_source *source,
                                       struct neph_grid **grid, struct neph_diag *diag)
 {
-    struct shared voxels;
-    enum neph_status status = shared_create("neph-vdb-voxels", &voxels, diag);
+    struct neph_shared voxels;
+    enum neph_status status = neph_shared_create("neph-vdb-voxels", &voxels, diag);
     if (status)
         return status;
     status = run_reader(request, source->size_bytes, &voxels, diag);
     if (!status)
-        status = map_and_read(request, voxels.fd, grid, diag);
-    shared_destroy(&voxels);
+        status = map_and_read(request, &voxels, grid, diag);
+    neph_shared_destroy(&voxels);
     return status;
 }
 
@@ -430,17 +298,17 @@ static void format_uuid(const char hash[NEPH_HASH_HEX_SIZE], char uuid[UUID_BYTE
 static enum neph_status write_file(const char *temporary, const struct neph_grid *grid,
                                    enum neph_vdb_layout layout, struct neph_diag *diag)
 {
-    struct shared voxels;
-    enum neph_status status = shared_create("neph-vdb-voxels", &voxels, diag);
+    struct neph_shared voxels;
+    enum neph_status status = neph_shared_create("neph-vdb-voxels", &voxels, diag);
     if (status)
         return status;
     char uuid[UUID_BYTES];
     format_uuid(grid->hash, uuid);
-    const char *argv[ARGUMENTS_MAX] = {NULL, "write", voxels.path, temporary, uuid};
+    const char *argv[NEPH_HELPER_ARGUMENTS_MAX] = {NULL, "write", voxels.path, temporary, uuid};
     status = put_grid(voxels.path, grid, layout, diag);
     if (!status)
-        status = run_program(argv, 0.0, diag);
-    shared_destroy(&voxels);
+        status = neph_helper_run(&helper, argv, 0.0, diag);
+    neph_shared_destroy(&voxels);
     return status;
 }
 

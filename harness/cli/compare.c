@@ -35,6 +35,8 @@ struct request {
     const struct neph_limits *limits; /* of that file; NULL: none */
     const char *mask, *csv, *junit, *page, *maps;
     struct neph_frame_choice frame_choice;
+    struct neph_clips clips;
+    const char *window; /* mode of differing data windows */
     const char *second; /* words of the second reference */
     const char *versus; /* words of the other test */
     double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: the default */
@@ -62,6 +64,9 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORD, AT(mask)},
     {"part", .kind = NEPH_CLI_WORD, AT(frame_choice.part)},
     {"layer", .kind = NEPH_CLI_WORD, AT(frame_choice.layer)},
+    {"depth", .kind = NEPH_CLI_WORD, AT(frame_choice.depth)},
+    {"convert", .kind = NEPH_CLI_FLAG, AT(frame_choice.convert)},
+    {"window", .kind = NEPH_CLI_WORD, AT(window), "union"},
     {"rings", 0, NULL,
      "Also the ring masks at depth edges, by distance and side (flicker always measures them, and "
      "shows them with this)",
@@ -615,7 +620,7 @@ static enum neph_status measure(const struct request *request,
     struct neph_comparison *asked = &work.asked[NEPH_PAGE_TEST];
     struct neph_compared *compared = &work.compared[NEPH_PAGE_TEST];
     *asked = *comparison;
-    enum neph_status status = neph_sides_check(sides, comparison, diag);
+    enum neph_status status = neph_sides_check(sides, request->window, asked, diag);
     if (!status)
         status = neph_cli_page_begin(request->page, &work.page, diag);
     if (!status && asked->with_movement)
@@ -659,6 +664,7 @@ static enum neph_status check_z(const struct request *request, const struct neph
         {request->shared.settings.count > 0, "set"},
         {request->mask, "mask"},
         {request->rings, "rings"},
+        {request->frame_choice.convert, "convert"},
         {request->second, "second-reference"},
         {request->versus, "versus"},
         {request->warm_up_frames > 0, "warm-up"},
@@ -690,6 +696,7 @@ static enum neph_status run_z(const struct request *request, const struct neph_s
                     .variance = request->variance,
                     .samples = request->samples,
                     .negative_allowed = request->negative_is_fine ? SIZE_MAX : 0},
+        .window = request->window,
         .maps = request->maps,
         .group = junit_group(request, junit),
         .json = request->shared.json,
@@ -723,6 +730,7 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
     if (request.shared.jobs > 0)
         neph_set_thread_count(request.shared.jobs);
     neph_heap_keep();
+    request.frame_choice.clips = &request.clips;
     const double start_s = neph_wall_s();
     const struct neph_side_words words = {
         .references = request.references.list,
@@ -748,6 +756,7 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
     neph_junit_finish(&junit);
     neph_sides_finish(&sides);
     neph_limits_finish(&limits);
+    neph_clips_close(&request.clips);
     return status;
 }
 

@@ -1,19 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/cli/compare_sides.h"
 
-#include "base/files.h"
 #include "base/text.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/frame_labels.h"
-#include "harness/compare/frame_size.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static bool is_file(const char *word)
-{
-    return neph_path_exists(word) && !neph_path_is_dir(word);
-}
 
 static enum neph_status find(const struct neph_side_words *words, int count,
                              const char *const *list, struct neph_sequence *sequence,
@@ -57,7 +50,8 @@ static enum neph_status find_split(const struct neph_side_words *words, int give
 static bool are_two_tests(const struct neph_side_words *words)
 {
     return words->operand_count == 2 &&
-           !(words->is_flicker && is_file(words->operands[0]) && is_file(words->operands[1]));
+           !(words->is_flicker && neph_sequence_is_frame(words->operands[0]) &&
+             neph_sequence_is_frame(words->operands[1]));
 }
 
 static enum neph_status find_pair(const struct neph_side_words *words, struct neph_sequence *first,
@@ -225,14 +219,15 @@ enum neph_status neph_sides_find(const struct neph_side_words *words, int warm_u
     return status ? status : neph_arena_check(&sides->arena, diag);
 }
 
-enum neph_status neph_sides_check(const struct neph_sides *sides,
-                                  const struct neph_comparison *comparison, struct neph_diag *diag)
+enum neph_status neph_sides_check(const struct neph_sides *sides, const char *window,
+                                  struct neph_comparison *comparison, struct neph_diag *diag)
 {
     const struct neph_sequence *const sequences[] = {&comparison->reference, &comparison->second,
                                                      &comparison->test, &sides->other};
     struct neph_image *test = NULL, *other = NULL;
     const int first = comparison->warm_up_frames;
-    enum neph_status status = neph_frame_sizes_check(sequences, 4, diag);
+    enum neph_status status = neph_windows_find(sequences, 4, window, &comparison->frame_choice,
+                                                &comparison->windows, diag);
     if (status || first >= comparison->test.count || sides->other.count == 0)
         return status;
     const char *path = sides->other.paths[first];

@@ -42,11 +42,12 @@ struct neph_sides {
 enum neph_status neph_sides_find(const struct neph_side_words *words, int warm_up_frames,
                                  struct neph_sides *sides, struct neph_diag *diag);
 
-/* Find errors before any measurement that would otherwise end it later: frames of several sizes;
- * one test with linear data and one with display values. `comparison` has the reference and the
- * test. NEPH_ERR_INPUT; errors of neph_frame_read(). */
-enum neph_status neph_sides_check(const struct neph_sides *sides,
-                                  const struct neph_comparison *comparison, struct neph_diag *diag);
+/* Find the data window of all frames by the mode `window` (neph_windows_find()), and errors before
+ * any measurement that would otherwise end it later: frames of several sizes; one test with linear
+ * data and one with display values. `comparison` has the reference and the test. NEPH_ERR_INPUT;
+ * errors of neph_windows_find() and neph_frame_read(). */
+enum neph_status neph_sides_check(const struct neph_sides *sides, const char *window,
+                                  struct neph_comparison *comparison, struct neph_diag *diag);
 
 void neph_sides_finish(struct neph_sides *sides);
 

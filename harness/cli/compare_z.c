@@ -2,7 +2,7 @@
 #include "harness/cli/compare_z.h"
 
 #include "base/files.h"
-#include "harness/compare/frame_size.h"
+#include "harness/compare/frame_windows.h"
 #include "harness/compare/maps.h"
 #include "harness/compare/noise_verdict.h"
 
@@ -34,8 +34,17 @@ static enum neph_status check_map(const struct neph_cli_z *request, struct neph_
     return NEPH_OK;
 }
 
+static enum neph_status print_json(const struct neph_noise_verdict *verdict,
+                                   const struct neph_windows *windows, struct neph_diag *diag)
+{
+    json_t *json = neph_noise_json(verdict);
+    neph_json_set(&json, "window", neph_windows_json(windows));
+    return neph_json_print(json, diag);
+}
+
 static enum neph_status report(const struct neph_cli_z *request,
-                               const struct neph_noise_verdict *verdict, struct neph_junit *junit,
+                               const struct neph_noise_verdict *verdict,
+                               const struct neph_windows *windows, struct neph_junit *junit,
                                struct neph_diag *diag)
 {
     char text[512];
@@ -45,9 +54,12 @@ static enum neph_status report(const struct neph_cli_z *request,
                    verdict->is_bias ? NEPH_JUNIT_FAILED : NEPH_JUNIT_PASSED,
                    verdict->is_bias ? text : "");
     if (request->json)
-        status = neph_json_print(neph_noise_json(verdict), diag);
+        status = print_json(verdict, windows, diag);
     else
         neph_noise_print(verdict, request->quiet, request->all, stdout);
+    neph_windows_sentence(windows, text, sizeof(text));
+    if (text[0] && !request->json && !request->quiet)
+        printf("%s\n", text);
     fflush(stdout);
     if (status || !verdict->is_bias)
         return status;
@@ -56,7 +68,8 @@ static enum neph_status report(const struct neph_cli_z *request,
 }
 
 static enum neph_status judge(const struct neph_cli_z *request,
-                              const struct neph_noisy_render renders[2], struct neph_junit *junit,
+                              const struct neph_noisy_render renders[2],
+                              const struct neph_windows *windows, struct neph_junit *junit,
                               struct neph_diag *diag)
 {
     struct neph_noise_verdict verdict;
@@ -71,7 +84,7 @@ static enum neph_status judge(const struct neph_cli_z *request,
     if (!status && request->maps)
         status = write_map(request->maps, image, diag);
     neph_image_destroy(image);
-    return status ? status : report(request, &verdict, junit, diag);
+    return status ? status : report(request, &verdict, windows, junit, diag);
 }
 
 enum neph_status neph_cli_z_run(const struct neph_cli_z *request, struct neph_junit *junit,
@@ -81,14 +94,15 @@ enum neph_status neph_cli_z_run(const struct neph_cli_z *request, struct neph_ju
     struct neph_noisy_render renders[2] = {{.file_count = 0}, {.file_count = 0}};
     struct neph_frame_form form = {.path = NULL};
     struct neph_noisy_reading reading = request->reading;
+    struct neph_windows windows;
     reading.form = &form;
     enum neph_status status = request->maps ? check_map(request, diag) : NEPH_OK;
     if (!status)
-        status = neph_frame_sizes_check(sides, 2, diag);
+        status = neph_windows_find(sides, 2, request->window, &reading.choice, &windows, diag);
     for (int s = 0; s < 2 && !status; s++)
         status = neph_noisy_render_read(sides[s], &reading, &renders[s], diag);
     if (!status)
-        status = judge(request, renders, junit, diag);
+        status = judge(request, renders, &windows, junit, diag);
     for (int s = 0; s < 2; s++)
         neph_noisy_render_finish(&renders[s]);
     neph_frame_form_finish(&form);

@@ -11,8 +11,9 @@
 struct neph_cli_z {
     const struct neph_sequence *reference, *test; /* all files of each are one render */
     struct neph_noisy_reading reading;
-    const char *maps;  /* folder for the map of scores; NULL: none */
-    const char *group; /* of the test case */
+    const char *window; /* mode of differing data windows: neph_windows_find() */
+    const char *maps;   /* folder for the map of scores; NULL: none */
+    const char *group;  /* of the test case */
     bool json, quiet, all;
 };
 

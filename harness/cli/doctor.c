@@ -6,6 +6,7 @@
 
 #include "base/child.h"
 #include "base/confine.h"
+#include "base/oiio.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
@@ -40,6 +41,12 @@ static bool has_windows(const char *library)
     return neph_window_has_library();
 }
 
+static bool has_openimageio(const char *name)
+{
+    (void)name;
+    return neph_oiio_is_available();
+}
+
 /* User engines may write only in their folder. Tested in the temporary folder, where these folders
  * are created. */
 static bool has_confinement(const char *name)
@@ -61,6 +68,16 @@ static const struct {
      "OpenVDB files, and voxels in cycles",
      {NULL},
      "copy it from the build folder into neph's folder, or set NEPH_VDB to its path"},
+    {"neph-image",
+     has_openimageio,
+     "frames in TIFF, HDR, PFM, PPM, JPEG, WebP and DPX",
+     {"libopenimageio-dev", "OpenImageIO-devel", "openimageio"},
+     ", and build neph again"},
+    {"ffmpeg",
+     neph_child_program_exists,
+     "frames of videos",
+     {"ffmpeg", "ffmpeg-free", "ffmpeg"},
+     ""},
     {"node",
      neph_child_program_exists,
      "static charts in the report",

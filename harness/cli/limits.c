@@ -12,7 +12,6 @@
 #include "harness/cli/compare_choice.h"
 #include "harness/cli/limits_night.h"
 #include "harness/compare/alone.h"
-#include "harness/compare/frame_size.h"
 #include "harness/compare/headlines.h"
 #include "harness/compare/repeats.h"
 #include "harness/progress.h"
@@ -251,6 +250,10 @@ static enum neph_status measure_run(struct work *work, int run, struct neph_diag
     if (!status)
         status = check_same_count(work, run, comparison.test.count - comparison.warm_up_frames,
                                   diag);
+    if (!status)
+        status = neph_windows_find(
+            (const struct neph_sequence *[]){&comparison.reference, &comparison.test}, 2, "union",
+            &comparison.frame_choice, &comparison.windows, diag);
     if (!status)
         status = neph_comparison_run(&comparison, false, &compared, diag);
     if (!status && run == 0)

@@ -7,7 +7,7 @@
 #include "base/arena.h"
 #include "base/files.h"
 #include "base/interrupt.h"
-#include "harness/compare/frame.h"
+#include "harness/compare/frame_windows.h"
 #include "harness/compare/sequence.h"
 #include "harness/data.h"
 #include "harness/engines/vulkan_device.h"
@@ -29,6 +29,7 @@ struct request {
     struct neph_cli_words reference;
     const char *preset, *chain, *scene;
     struct neph_frame_choice frame_choice;
+    struct neph_clips clips;
     int repeat;
     int seed, bits; /* bits -1: chosen by the encoding */
     double rate_hz; /* NaN: the rate that the frames state */
@@ -449,6 +450,8 @@ static enum neph_status make_pictures(struct work *work, const char *const *word
     enum neph_status status = find_settings(work, diag);
     if (!status)
         status = neph_sequence_find(word_count, words, false, &work->frames, diag);
+    if (!status)
+        status = neph_part_check(&work->frames, work->request->frame_choice.part, diag);
     struct neph_progress progress = neph_progress_start(shared->quiet || shared->json,
                                                         work->frames.count);
     if (!status)
@@ -494,6 +497,7 @@ enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
     neph_cli_parse(&syntax, argc, argv, &request);
+    request.frame_choice.clips = &request.clips;
     const struct neph_cli_shared *shared = &request.shared;
     json_t *results = json_array();
     enum neph_status status = work_on(&request, shared->output, shared->operands,
@@ -503,6 +507,7 @@ enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
                          request.reference.list, request.reference.count, &results, diag);
     if (!status && !request.list && !shared->quiet)
         neph_cli_print_folder("post", shared->output);
+    neph_clips_close(&request.clips);
     const enum neph_status printed = neph_cli_print_json(
         results, !status && !request.list && shared->json, diag);
     return status ? status : printed;

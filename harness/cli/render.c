@@ -77,10 +77,10 @@ static const struct neph_cli_option options[] = {
      "Add layers of the scene for `neph compare` and `neph flicker`: masks of clouds, fog, thin "
      "objects and the sun, and motion vectors of solids and sky before a camera that moves",
      NEPH_CLI_FLAG, AT(scene_layers)},
-    {"depth", 0, "FILES",
+    {"depth", 0, "SOURCE",
      "Engine realtime: Z [m along the camera's axis; inf: sky] of these EXR files in place of the "
      "scene's solids, which still shade the media, and R G B, which is the background of the media "
-     "(without: black). FILES: " NEPH_SEQUENCE_HELP "; one file serves all frames",
+     "(without: black). SOURCE: " NEPH_SEQUENCE_HELP "; one file serves all frames",
      NEPH_CLI_WORD, AT(depth)},
     {"stats", 0, NULL,
      "Cost of each frame: density evaluations, rays, steps, bytes, device time per pass (engines "

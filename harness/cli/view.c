@@ -19,6 +19,8 @@ struct request {
     struct neph_viewer view;
     struct neph_cli_words reference;
     struct neph_cli_list quantities, overlays;
+    struct neph_clips clips;
+    const char *window; /* mode of differing data windows */
     double limit_mb;
 };
 
@@ -32,6 +34,9 @@ static const struct neph_cli_option options[] = {
      "Radiance and depth are the channels NAME.R and so on (Blender: ViewLayer.Combined)",
      NEPH_CLI_WORD, AT(view.frame_choice.layer)},
     {"part", .kind = NEPH_CLI_WORD, AT(view.frame_choice.part)},
+    {"depth", .kind = NEPH_CLI_WORD, AT(view.frame_choice.depth)},
+    {"convert", .kind = NEPH_CLI_FLAG, AT(view.frame_choice.convert)},
+    {"window", .kind = NEPH_CLI_WORD, AT(window), "union"},
     {"quantity", 0, "NAME[,NAME]",
      "Only radiance, volume, transmittance or depth (default: all that the frames have)",
      NEPH_CLI_NAMES, AT(quantities)},
@@ -152,6 +157,16 @@ static enum neph_status find_sets(struct request *request, struct neph_diag *dia
     return status;
 }
 
+static enum neph_status find_windows(struct request *request, struct neph_diag *diag)
+{
+    struct neph_viewer *view = &request->view;
+    const struct neph_sequence *sequences[NEPH_VIEWER_SETS_MAX];
+    for (int i = 0; i < view->set_count; i++)
+        sequences[i] = &view->sets[i].frames;
+    return neph_windows_find(sequences, view->set_count, request->window, &view->frame_choice,
+                             &view->windows, diag);
+}
+
 static enum neph_status find_quantities(struct request *request, struct neph_diag *diag)
 {
     for (int i = 0; i < request->quantities.count; i++) {
@@ -210,6 +225,8 @@ static enum neph_status prepare(struct request *request, struct neph_diag *diag)
     choose_viewing(view);
     enum neph_status status = find_sets(request, diag);
     if (!status)
+        status = find_windows(request, diag);
+    if (!status)
         status = find_quantities(request, diag);
     return status ? status : find_overlays(request, diag);
 }
@@ -221,16 +238,21 @@ static enum neph_status tell(const struct request *request, const struct neph_vi
 {
     const struct neph_viewer *view = &request->view;
     const char *folder = request->shared.output;
+    char text[256];
     if (request->shared.json)
-        return neph_json_print(json_pack("{s:o, s:i, s:i, s:i, s:i, s:I}", "page",
+        return neph_json_print(json_pack("{s:o, s:i, s:i, s:i, s:i, s:I, s:o}", "page",
                                          json_sprintf("%s/index.html", folder), "sets",
                                          view->set_count, "frames", made->frame_count, "width_px",
                                          made->width_px, "height_px", made->height_px, "bytes",
-                                         (json_int_t)made->bytes),
+                                         (json_int_t)made->bytes, "window",
+                                         neph_windows_json(&view->windows)),
                                diag);
     printf("%s/index.html: %d set%s, %d frame%s of %dx%d, %.1f MB\n", folder, view->set_count,
            view->set_count == 1 ? "" : "s", made->frame_count, made->frame_count == 1 ? "" : "s",
            made->width_px, made->height_px, (double)made->bytes / 1e6);
+    neph_windows_sentence(&view->windows, text, sizeof(text));
+    if (text[0])
+        printf("%s\n", text);
     return NEPH_OK;
 }
 
@@ -255,9 +277,11 @@ enum neph_status neph_cli_view(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {.limit_mb = 0.0};
     neph_cli_parse(&syntax, argc, argv, &request);
+    request.view.frame_choice.clips = &request.clips;
     enum neph_status status = prepare(&request, diag);
     if (!status)
         status = write_page(&request, diag);
     neph_viewer_finish(&request.view);
+    neph_clips_close(&request.clips);
     return status;
 }

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/compare/comparison.h"
 
+#include "base/colour_convert.h"
 #include "base/files.h"
 #include "base/interrupt.h"
 #include "base/threads.h"
+#include "base/video.h"
 #include "harness/compare/alone.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/frame_labels.h"
@@ -343,8 +345,8 @@ static enum neph_status unite_masks(struct work *work, struct neph_diag *diag)
 static enum neph_status add_file_mask(struct work *work, struct neph_diag *diag)
 {
     struct neph_image *picture = NULL;
-    enum neph_status status = neph_frame_read(work->asked->mask_file, NULL, SIZE_MAX, &picture,
-                                              diag);
+    enum neph_status status = neph_frame_read_mask(work->asked->mask_file,
+                                                   &work->asked->frame_choice, &picture, diag);
     if (!status && work->mask_count == NEPH_MASKS_MAX)
         status = neph_fail(diag, NEPH_ERR_INPUT, "more than %d masks", NEPH_MASKS_MAX);
     if (!status)
@@ -538,6 +540,23 @@ static enum neph_status check_forms(struct work *work, int index, struct neph_di
     return status;
 }
 
+static const char *copy_attribute(struct neph_compared *made, const struct neph_image *image,
+                                  const char *name)
+{
+    const char *text = neph_image_attribute(image, name);
+    return text ? neph_arena_copy_text(&made->arena, text) : NULL;
+}
+
+/* Record how the files were read. */
+static void record_reading(struct neph_compared *made, const struct neph_image *reference,
+                           const struct neph_image *test)
+{
+    made->reference_video = copy_attribute(made, reference, NEPH_VIDEO_ATTRIBUTE);
+    made->test_video = copy_attribute(made, test, NEPH_VIDEO_ATTRIBUTE);
+    made->reference_space = copy_attribute(made, reference, NEPH_CONVERTED_ATTRIBUTE);
+    made->test_space = copy_attribute(made, test, NEPH_CONVERTED_ATTRIBUTE);
+}
+
 /* Set up a comparison with its first frame. */
 static enum neph_status begin_work(const struct pass *pass, struct work *work,
                                    struct neph_diag *diag)
@@ -545,6 +564,7 @@ static enum neph_status begin_work(const struct pass *pass, struct work *work,
     const char *declared = neph_image_attribute(work->test, NEPH_CYCLE_ATTRIBUTE);
     snprintf(work->declared_cycles, sizeof(work->declared_cycles), "%s", declared ? declared : "");
     record_unknown_channels(work, work->test);
+    record_reading(work->made, work->reference, work->test);
     work->is_picture = is_picture(work->reference);
     take_frame_rate(work);
     work->made->movement.gain = exp2(work->viewing.exposure_ev);

@@ -8,10 +8,12 @@
 
 #include "base/arena.h"
 #include "harness/compare/findings.h"
-#include "harness/compare/frame.h"
+#include "harness/compare/frame_windows.h"
 #include "harness/compare/movement.h"
 #include "harness/compare/sequence.h"
 #include "harness/compare/versus.h"
+
+#include <stdio.h>
 
 /* A callback that receives a map of a frame, or of the sequence (frame < 0), as neph_meter_map()
  * returns it. The image is freed after the call. */
@@ -36,7 +38,8 @@ struct neph_comparison {
     const struct neph_meter_number *wanted; /* the numbers to take; only their masks and "all" are
                                                made. Ends with a NULL metric; borrowed. NULL: all */
     const char *mask;                       /* a mask that must exist; NULL: none */
-    struct neph_frame_choice frame_choice;  /* part and layer of all frames */
+    struct neph_frame_choice frame_choice;  /* part, layer and data window of all frames */
+    struct neph_windows windows;            /* of the files, as neph_windows_find() found them */
     const char *mask_file;                  /* image of a user's mask, inside above 0.5; or NULL */
     bool detail_masks;                      /* include the rings at depth edges */
     const char *maps_directory;             /* output folder for the extractors' maps; or NULL */
@@ -71,7 +74,10 @@ struct neph_compared {
     struct neph_movement movement;    /* empty unless requested; owned */
     struct neph_not_taken *not_taken;
     int not_taken_count;
-    const char **maps; /* file names; owned */
+    /* Colour spaces of the files of converted frames; NULL: not converted */
+    const char *reference_space, *test_space;
+    const char *reference_video, *test_video; /* NEPH_VIDEO_ATTRIBUTE of their frames; NULL: none */
+    const char **maps;                        /* file names; owned */
     int map_count;
     bool has_versus;                /* `versus` is set */
     struct neph_differences versus; /* difference from another test; owned */
@@ -102,6 +108,9 @@ enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons,
  *   "reference", "test"  {"first": its file (the warm-up included), "count"}; the reference is null
  *                   when there is none
  *   "warm_up_frames", "frames", "frozen", "interrupted"
+ *   "window"        as neph_windows_json()
+ *   "converted"     only for converted colours: {"reference", "test"}, the space of each or null
+ *   "video"         only for videos: {"reference", "test"}, each a text or null: base/video.h
  *   "measurements"  array of objects as neph_measurement_json(), with "viewing"
  *   "findings"      verdicts, see harness/compare/findings.h
  *   "not_taken"     array of {"extractor", "quantity", "because"}
@@ -114,6 +123,10 @@ json_t *neph_compared_json(const struct neph_compared *compared);
 /* Print the result of a comparison on stdout. `details`: include mask kinds with many members.
  * `all`: print every number; otherwise only the most important flicker numbers. */
 void neph_comparison_print(const struct neph_compared *compared, bool details, bool all);
+
+/* Print how frames were read where that is not obvious: data windows that differ, and videos.
+ * Returns the number of lines. */
+int neph_comparison_print_reading(const struct neph_compared *compared, FILE *out);
 
 /* Write the numbers as CSV (RFC 4180) with a header line; path "-" is stdout. */
 enum neph_status neph_comparison_write_csv(const char *path, const struct neph_compared *compared,

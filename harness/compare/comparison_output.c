@@ -194,9 +194,43 @@ static void print_numbers(const struct neph_compared *compared, bool details, bo
         printf("%d more numbers: --metric flicker, --json or --csv\n", left_out);
 }
 
+/* Print a property of the reference and of the test, either of which may be absent. Returns the
+ * number of lines. */
+static int print_sides(const char *what, const char *joint, const char *reference, const char *test,
+                       FILE *out)
+{
+    const bool is_common = reference && test && strcmp(reference, test) == 0;
+    if (!reference && !test)
+        return 0;
+    fprintf(out, "%s:", what);
+    if (is_common)
+        fprintf(out, " both %s %s", joint, test);
+    if (reference && !is_common)
+        fprintf(out, " the reference %s %s%s", joint, reference, test ? ";" : "");
+    if (test && !is_common)
+        fprintf(out, " the test %s %s", joint, test);
+    fprintf(out, "\n");
+    return 1;
+}
+
+int neph_comparison_print_reading(const struct neph_compared *compared, FILE *out)
+{
+    char windows[256];
+    int lines = 0;
+    neph_windows_sentence(&compared->asked->windows, windows, sizeof(windows));
+    if (windows[0])
+        lines += fprintf(out, "%s\n", windows) > 0;
+    lines += print_sides("decoded as sRGB", "from", compared->reference_video, compared->test_video,
+                         out);
+    lines += print_sides("converted to linear Rec.709", "from", compared->reference_space,
+                         compared->test_space, out);
+    return lines;
+}
+
 void neph_comparison_print(const struct neph_compared *compared, bool details, bool all)
 {
     const struct neph_viewing *viewing = &compared->viewing;
+    neph_comparison_print_reading(compared, stdout);
     print_numbers(compared, details, all);
     print_versus(&compared->versus, details);
     print_findings(&compared->findings, details);
@@ -359,6 +393,15 @@ json_t *neph_compared_json(const struct neph_compared *compared)
         compared->interrupted, "measurements", numbers_json(compared), "findings",
         neph_findings_json(&compared->findings), "not_taken", not_taken_json(compared), "maps",
         maps);
+    neph_json_set(&json, "window", neph_windows_json(&asked->windows));
+    if (compared->reference_space || compared->test_space)
+        neph_json_set(&json, "converted",
+                      json_pack("{s:s?, s:s?}", "reference", compared->reference_space, "test",
+                                compared->test_space));
+    if (compared->reference_video || compared->test_video)
+        neph_json_set(&json, "video",
+                      json_pack("{s:s?, s:s?}", "reference", compared->reference_video, "test",
+                                compared->test_video));
     if (compared->movement.frame_count > 0)
         neph_json_set(&json, "movement", movement_json(&compared->movement));
     if (compared->has_versus) {

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/compare/frame.h"
 
+#include "base/colour_convert.h"
 #include "base/colour_names.h"
 #include "base/exr.h"
 #include "base/files.h"
+#include "base/oiio.h"
 #include "base/png.h"
 #include "metrics/validity.h"
 
@@ -32,28 +34,52 @@ static const struct format {
     {"PNG", {0x89, 'P', 'N', 'G'}, read_png},
 };
 
+static const struct format by_openimageio = {"others", {0}, neph_oiio_read_part};
+
 static enum neph_status find_format(const char *path, const struct format **format,
                                     struct neph_diag *diag)
 {
-    unsigned char magic[4] = {0};
+    unsigned char head[16] = {0};
     int fd;
     const enum neph_status status = neph_file_open(path, &fd, NULL, diag);
     if (status)
         return status;
-    const ssize_t got = pread(fd, magic, sizeof(magic), 0);
+    const ssize_t got = pread(fd, head, sizeof(head), 0);
     const int error = errno;
     close(fd);
     if (got < 0)
         return neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': %s", path, strerror(error));
     for (size_t i = 0; i < sizeof(formats) / sizeof(formats[0]); i++)
-        if (memcmp(magic, formats[i].magic, sizeof(magic)) == 0) {
+        if (memcmp(head, formats[i].magic, sizeof(formats[i].magic)) == 0) {
             *format = &formats[i];
             return NEPH_OK;
         }
-    neph_fail(diag, NEPH_ERR_INPUT, "'%s' is neither an OpenEXR nor a PNG file", path);
-    neph_hint(diag, got < (ssize_t)sizeof(magic) ? "it is empty or cut short"
-                                                 : "convert it to one of the two");
+    if (neph_oiio_format(head, (size_t)got)) {
+        *format = &by_openimageio;
+        return NEPH_OK;
+    }
+    neph_fail(diag, NEPH_ERR_INPUT,
+              "'%s' is no image: EXR, PNG, TIFF, HDR, PFM, PPM, JPEG, WebP and DPX are read", path);
+    neph_hint(diag, got < 4 ? "it is empty or cut short" : "convert it to EXR or PNG");
     return NEPH_ERR_INPUT;
+}
+
+/* Read the image of a file, or a frame of a file with several. */
+static enum neph_status read_image(const char *path, const struct neph_frame_choice *choice,
+                                   struct neph_image **image, struct neph_diag *diag)
+{
+    struct neph_clips alone = {.used = 0};
+    struct neph_path file;
+    const struct format *format = NULL;
+    int frame;
+    if (!neph_clip_split(path, &file, &frame)) {
+        const enum neph_status status = find_format(path, &format, diag);
+        return status ? status : format->read(path, choice ? choice->part : NULL, image, diag);
+    }
+    const enum neph_status status = neph_clips_read(
+        choice && choice->clips ? choice->clips : &alone, path, image, diag);
+    neph_clips_close(&alone);
+    return status;
 }
 
 static enum neph_status check(const char *path, const struct neph_image *image,
@@ -180,17 +206,63 @@ static enum neph_status take_layer(const char *path, struct neph_image *image, c
     return status;
 }
 
+/* The name of the chosen depth while layers and vectors are renamed. */
+static const char set_aside[] = "neph depth";
+
+static void set_depth_aside(struct neph_image *image, const char *name)
+{
+    if (name)
+        rename_channel(image, name, set_aside);
+}
+
+static void list_channels(const struct neph_image *image, char *text, size_t size)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (int c = 0; c < image->channel_count && used < size; c++)
+        used += (size_t)snprintf(text + used, size - used, " %s", image->channels[c].name);
+}
+
+static enum neph_status take_depth(const char *path, struct neph_image *image, const char *name,
+                                   struct neph_diag *diag)
+{
+    char names[300];
+    if (!name || (!neph_image_channel(image, set_aside) && neph_image_channel(image, "Z")))
+        return NEPH_OK;
+    if (neph_image_channel(image, set_aside)) {
+        neph_image_remove_channel(image, "Z");
+        rename_channel(image, set_aside, "Z");
+        return NEPH_OK;
+    }
+    list_channels(image, names, sizeof(names));
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' has no channel '%s' for the depth, and no Z", path, name);
+    neph_hint(diag, "its channels are%s", names);
+    return NEPH_ERR_INPUT;
+}
+
 static enum neph_status check_primaries(const char *path, const struct neph_image *image,
-                                        struct neph_diag *diag)
+                                        bool is_converted, struct neph_diag *diag)
 {
     static const char *const colours[] = {"R", "G", "B", "Y"};
     const char *primaries = neph_image_attribute(image, "primaries");
-    if (!primaries || !has_any(image, colours, 4))
+    if (!primaries || is_converted || !has_any(image, colours, 4))
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not in Rec.709: its chromaticities are %s", path,
               primaries);
-    neph_hint(diag, "convert it to linear Rec.709, white D65: luminance and all images assume it");
+    neph_hint(diag, "--convert converts it to linear Rec.709, white D65, which luminance and all "
+                    "images assume");
     return NEPH_ERR_INPUT;
+}
+
+static enum neph_status convert(const char *path, struct neph_image *image, struct neph_diag *diag)
+{
+    float *rgb[3];
+    const enum neph_status status = neph_image_rgb(image, NULL, rgb)
+                                        ? neph_colour_convert(image, diag)
+                                        : NEPH_OK;
+    if (status)
+        neph_prefix(diag, "'%s': ", path);
+    return status;
 }
 
 /* X Y Z together are one vector or one colour: then Z is not depth, and Y is not a grey image. */
@@ -249,11 +321,10 @@ enum neph_status neph_frame_read_as_written(const char *path,
                                             size_t negative_allowed, struct neph_image **image,
                                             struct neph_diag *diag)
 {
-    const struct format *format = NULL;
     struct neph_image *frame = NULL;
-    enum neph_status status = find_format(path, &format, diag);
-    if (!status)
-        status = format->read(path, choice ? choice->part : NULL, &frame, diag);
+    enum neph_status status = read_image(path, choice, &frame, diag);
+    if (!status && choice)
+        set_depth_aside(frame, choice->depth);
     if (!status && choice && choice->layer)
         status = take_layer(path, frame, choice->layer, diag);
     if (!status)
@@ -262,13 +333,17 @@ enum neph_status neph_frame_read_as_written(const char *path,
         status = set_vector_aside(path, frame, diag);
     if (!status)
         status = make_grey_rgb(frame, diag);
+    if (!status && choice)
+        status = take_depth(path, frame, choice->depth, diag);
     if (!status)
-        status = check_primaries(path, frame, diag);
+        status = check_primaries(path, frame, choice && choice->convert, diag);
     const char *display = status ? NULL : neph_image_attribute(frame, NEPH_DISPLAY_ATTRIBUTE);
     if (display) /* written by `neph post` for a display */
         status = neph_image_set_attribute(frame, "encoding", diag, "%s", display);
     if (!status)
         status = check(path, frame, negative_allowed, diag);
+    if (!status && choice && choice->convert)
+        status = convert(path, frame, diag);
     if (status)
         neph_image_destroy(frame);
     else
@@ -276,15 +351,72 @@ enum neph_status neph_frame_read_as_written(const char *path,
     return status;
 }
 
+/* Values outside the data window: black, and without an object or a medium. */
+static float value_outside(const char *channel)
+{
+    static const struct {
+        const char *start; /* of the name; a layer ends with a dot */
+        float value;
+    } values[] = {
+        {"Z", INFINITY},
+        {"motion.depth", INFINITY},
+        {"volume.distance", INFINITY},
+        {"transmittance.", 1.0f},
+    };
+    for (size_t i = 0; i < sizeof(values) / sizeof(values[0]); i++) {
+        const char *start = values[i].start;
+        const size_t length = strlen(start);
+        if (strncmp(channel, start, length) == 0 &&
+            (start[length - 1] == '.' || channel[length] == '\0'))
+            return values[i].value;
+    }
+    return 0.0f;
+}
+
+static enum neph_status place(const char *path, const struct neph_window *window,
+                              struct neph_image *image, struct neph_diag *diag)
+{
+    const enum neph_status status = neph_image_place(image, window, value_outside, diag);
+    if (status)
+        neph_prefix(diag, "'%s': ", path);
+    return status;
+}
+
 enum neph_status neph_frame_read(const char *path, const struct neph_frame_choice *choice,
                                  size_t negative_allowed, struct neph_image **image,
                                  struct neph_diag *diag)
 {
-    const enum neph_status status = neph_frame_read_as_written(path, choice, negative_allowed,
-                                                               image, diag);
-    if (!status) {
-        remove_nonfinite_channels(*image);
-        mark_sky(*image);
-    }
+    struct neph_image *frame = NULL;
+    enum neph_status status = neph_frame_read_as_written(path, choice, negative_allowed, &frame,
+                                                         diag);
+    if (status)
+        return status;
+    remove_nonfinite_channels(frame);
+    mark_sky(frame);
+    if (choice && choice->window.size_px[0] > 0)
+        status = place(path, &choice->window, frame, diag);
+    if (status)
+        neph_image_destroy(frame);
+    else
+        *image = frame;
+    return status;
+}
+
+enum neph_status neph_frame_read_mask(const char *path, const struct neph_frame_choice *choice,
+                                      struct neph_image **image, struct neph_diag *diag)
+{
+    const struct neph_frame_choice as_written = {.part = choice->part};
+    struct neph_image *mask = NULL;
+    enum neph_status status = neph_frame_read(path, &as_written, SIZE_MAX, &mask, diag);
+    if (status)
+        return status;
+    const struct neph_window window = neph_image_window(mask), *wanted = &choice->window;
+    if (wanted->size_px[0] > 0 && window.display_px[0] == wanted->display_px[0] &&
+        window.display_px[1] == wanted->display_px[1])
+        status = place(path, wanted, mask, diag);
+    if (status)
+        neph_image_destroy(mask);
+    else
+        *image = mask;
     return status;
 }

@@ -5,7 +5,8 @@
 #ifndef NEPH_HARNESS_COMPARE_FRAME_H
 #define NEPH_HARNESS_COMPARE_FRAME_H
 
-#include "base/image.h"
+#include "base/image_window.h"
+#include "harness/compare/clips.h"
 
 /* Attribute of a frame of a sequence: its frame rate in Hz. */
 #define NEPH_FRAME_RATE_ATTRIBUTE "neph.frame_rate_hz"
@@ -25,9 +26,19 @@ struct neph_frame_choice {
                           its only part with colour */
     const char *layer; /* its channels "<layer>.R" become R, and so on; other colours are dropped.
                           NULL: names are unchanged */
+    const char *depth; /* full name of the channel that becomes Z, before a layer is taken. A file
+                          without it keeps its Z. NULL: Z */
+    bool convert;      /* other colour spaces become linear Rec. 709
+                                  (base/colour_convert.h) after the gate */
+    struct neph_clips *clips;  /* open files with several frames; NULL: a file is opened for each
+                                  frame, and read from its start */
+    struct neph_window window; /* the data window of the frame (harness/compare/frame_windows.h):
+                                  pixels that the file does not have are 0, in depth the sky, and
+                                  transparent. Size 0: the file's */
 };
 
-/* Read an OpenEXR or PNG file, recognized by its content, and check it with gate G0
+/* Read an OpenEXR or PNG file, recognized by its content, or a frame of an animated PNG
+ * (harness/compare/clips.h), and check it with gate G0
  * (metrics/validity.h); the diag names the file.
  *
  * - Display images have the attribute "encoding": "sRGB" for a PNG, else the value of
@@ -40,13 +51,20 @@ struct neph_frame_choice {
  * - `negative_allowed`: accepted number of negative values, as for neph_validity_gate().
  *
  * NEPH_ERR_GATE: a value is NaN or infinite (depth may be +inf), or too many are negative.
- * NEPH_ERR_INPUT: another or damaged format, or colours that are not Rec.709 (such as CIE XYZ).
+ * NEPH_ERR_INPUT: another or damaged format, no channel of the depth's name, colours that are not
+ * Rec.709 (such as CIE XYZ), or another display window than that of `choice->window`.
  * NEPH_ERR_NOT_FOUND, NEPH_ERR_IO. */
 enum neph_status neph_frame_read(const char *path, const struct neph_frame_choice *choice,
                                  size_t negative_allowed, struct neph_image **image,
                                  struct neph_diag *diag);
 
-/* As neph_frame_read(), but depth keeps the values of the file, and all channels are kept. */
+/* Read the image of a mask, which may have the data window of a frame or of the file: it is placed
+ * in `choice->window` if its display window is that of the frames. The layer is not used. */
+enum neph_status neph_frame_read_mask(const char *path, const struct neph_frame_choice *choice,
+                                      struct neph_image **image, struct neph_diag *diag);
+
+/* As neph_frame_read(), but depth keeps the values of the file, all channels are kept, and the data
+ * window is the file's. */
 enum neph_status neph_frame_read_as_written(const char *path,
                                             const struct neph_frame_choice *choice,
                                             size_t negative_allowed, struct neph_image **image,

@@ -7,10 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PLACE_HINT "write data windows equal to the display window; the pixels outside are 0"
+#define PLACE_HINT                                                                                 \
+    "--window union or intersection compares them; or write data windows equal to the display "    \
+    "window; the pixels outside are 0"
 #define SPACE_HINT                                                                                 \
-    "convert one to the other's space; if both are in one space, write both with the same "        \
-    "colorInteropID and oiio:ColorSpace, or with neither"
+    "--convert converts both to linear Rec.709; if both are in one space, write both with the "    \
+    "same colorInteropID and oiio:ColorSpace, or with neither"
 
 static const struct label {
     const char *attribute; /* of an image, base/exr.h */

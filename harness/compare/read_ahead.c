@@ -2,6 +2,7 @@
 #include "harness/compare/read_ahead.h"
 
 #include "base/workers.h"
+#include "harness/compare/clips.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -69,8 +70,10 @@ static void read_file(void *context)
 void neph_read_ahead_start(struct neph_read_ahead *ahead, const char *path,
                            const struct neph_frame_choice *choice, size_t negative_allowed)
 {
+    struct neph_path clip;
+    int frame;
     struct file *file = find_file(ahead, path) ? NULL : find_file(ahead, NULL);
-    if (!file)
+    if (!file || neph_clip_split(path, &clip, &frame))
         return;
     *file = (struct file){.path = path,
                           .choice = choice,

@@ -17,8 +17,9 @@ enum neph_status neph_read_ahead_create(int thread_count, struct neph_read_ahead
 /* Waits for files that are being read. NULL is fine. */
 void neph_read_ahead_destroy(struct neph_read_ahead *ahead);
 
-/* Start to read a file, unless that was started already or too many are waiting. `path` and
- * `choice` are borrowed until the file is taken. */
+/* Start to read a file, unless that was started already or too many are waiting. Frames of clips
+ * are left to _take, as one file is read in its order (clips.h). `path` and `choice` are borrowed
+ * until the file is taken. */
 void neph_read_ahead_start(struct neph_read_ahead *ahead, const char *path,
                            const struct neph_frame_choice *choice, size_t negative_allowed);
 

@@ -2,6 +2,7 @@
 #include "harness/compare/sequence.h"
 
 #include "base/files.h"
+#include "harness/compare/clips.h"
 #include "harness/compare/frame_number.h"
 
 #include <ctype.h>
@@ -119,13 +120,18 @@ static enum neph_status list_folder(const char *folder, name_filter *passes, con
 static enum neph_status expand_folder(const char *word, struct neph_sequence *list,
                                       struct neph_diag *diag)
 {
+    static const char *const extensions[] = {".exr", ".png", ".tif", ".tiff", ".hdr",  ".pfm",
+                                             ".ppm", ".pgm", ".jpg", ".jpeg", ".webp", ".dpx"};
     const int before = list->count;
-    enum neph_status status = list_folder(word, has_extension, ".exr", list, diag);
-    if (!status && list->count == before)
-        status = list_folder(word, has_extension, ".png", list, diag);
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(extensions) / sizeof(extensions[0]) && !status; i++)
+        if (list->count == before)
+            status = list_folder(word, has_extension, extensions[i], list, diag);
     if (!status && list->count == before)
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND,
-                           "the folder '%s' has no .exr and no .png files", word);
+                           "the folder '%s' has no .exr and no .png files, nor others that are "
+                           "read",
+                           word);
     return status;
 }
 
@@ -321,9 +327,22 @@ static enum neph_status check_one_series(const char *word, char *const *paths, i
     return NEPH_ERR_INPUT;
 }
 
-static bool is_file(const char *word)
+bool neph_sequence_is_frame(const char *word)
 {
-    return neph_path_exists(word) && !neph_path_is_dir(word);
+    struct neph_path file;
+    int frame;
+    return neph_clip_split(word, &file, &frame) ||
+           (neph_path_exists(word) && !neph_path_is_dir(word) && !neph_clip_is(word));
+}
+
+static enum neph_status list_clip(const char *file, struct neph_sequence *list,
+                                  struct neph_diag *diag)
+{
+    int count = 0;
+    enum neph_status status = neph_clip_count(file, &count, diag);
+    for (int i = 0; i < count && !status; i++)
+        status = append(list, strdup(neph_clip_frame_path(file, i).text), diag);
+    return status;
 }
 
 /* List the files of a word, unsorted. */
@@ -365,7 +384,9 @@ static enum neph_status expand(const char *word, bool by_position, struct neph_s
     const int before = list->count;
     struct neph_frame_series series;
     bool is_series;
-    if (is_file(word))
+    if (neph_clip_is(word))
+        return list_clip(word, list, diag);
+    if (neph_sequence_is_frame(word))
         return append(list, strdup(word), diag);
     const enum neph_status status = list_word(word, list, diag);
     return status ? status
@@ -391,7 +412,10 @@ static enum neph_status take_order(struct neph_sequence *list, char *const *sort
                                    const struct neph_frame_series *series, struct neph_diag *diag)
 {
     memcpy(list->paths, sorted, (size_t)list->count * sizeof(*sorted));
-    if (series->run == NEPH_FRAME_NO_RUN || series->has_gaps)
+    struct neph_path file;
+    int frame;
+    if (series->run == NEPH_FRAME_NO_RUN || series->has_gaps ||
+        neph_clip_split(sorted[0], &file, &frame)) /* its numbers are only places */
         return NEPH_OK;
     list->numbers = calloc((size_t)list->count, sizeof(*list->numbers));
     for (int i = 0; i < list->count && list->numbers; i++)
@@ -466,8 +490,9 @@ static int mark_references(int from_end, int reference_count, const char *const 
     int marked = 0;
     for (int i = 0; i < operand_count; i++) {
         is_reference[i] = false;
-        for (int r = 0; r < reference_count && is_file(operands[i]) && !is_reference[i]; r++)
-            is_reference[i] = is_file(references[r]) &&
+        for (int r = 0;
+             r < reference_count && neph_sequence_is_frame(operands[i]) && !is_reference[i]; r++)
+            is_reference[i] = neph_sequence_is_frame(references[r]) &&
                               neph_frame_equal_but_for(references[r], operands[i],
                                                        neph_frame_run_count(references[r], NULL) -
                                                            1 - from_end);
@@ -491,7 +516,7 @@ static bool is_one_test(int operand_count, const char *const *operands, const bo
             continue;
         }
         *other = operands[i];
-        if (!is_file(*test) || !is_file(*other) ||
+        if (!neph_sequence_is_frame(*test) || !neph_sequence_is_frame(*other) ||
             neph_frame_compare_shapes(*test, *other, NULL) != 0)
             return false;
         for (int run = neph_frame_run_count(*test, NULL) - 1; run >= 0; run--) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sequences of frame files from the words of a command line. Only names are examined, files are not
- * opened.
+ * Sequences of frame files from the words of a command line. Names are examined; only files that
+ * are named by themselves are opened, because they may have several frames.
  */
 #ifndef NEPH_HARNESS_COMPARE_SEQUENCE_H
 #define NEPH_HARNESS_COMPARE_SEQUENCE_H
@@ -12,7 +12,9 @@
 
 /* One help line for commands with such words. */
 #define NEPH_SEQUENCE_HELP                                                                         \
-    "a file, a folder (its .exr files, else its .png files), a numbered pattern such as "          \
+    "a file (of an animated PNG or a video all frames), a folder (its .exr files, else its .png "  \
+    "files), a "                                                                                   \
+    "numbered pattern such as "                                                                    \
     "frame.%04d.exr, 'frame.####.exr' or 'frame.$F4.exr', or a quoted glob such as "               \
     "'frame.*.exr'; "                                                                              \
     "several are joined"
@@ -24,9 +26,13 @@ struct neph_sequence {
                            several series, or gaps */
 };
 
+/* Whether a word is a frame: an existing file of a single one, or one of a file of several. */
+bool neph_sequence_is_frame(const char *word);
+
 /* The files of all words, joined. A word is, in this order of precedence: an existing file or
- * folder; a pattern with one %d or %0Nd in its last part; a glob(7); a pattern with one $F, $FN or
- * run of # in its last part (N digits, or as many as there are #; one # is any number of digits).
+ * folder, or a file of several frames, which are listed (harness/compare/clips.h); a pattern with
+ * one %d or %0Nd in its last part; a glob(7); a pattern with one $F, $FN or run of # in its last
+ * part (N digits, or as many as there are #; one # is any number of digits).
  *
  * Files with paths that differ only in numbers (harness/compare/frame_number.h) are a series; so
  * are files that also contain a unique identifier each. The frame number is the run that changes;

@@ -295,6 +295,7 @@ void neph_verdict(const struct neph_compared *compared, const struct neph_verdic
     if (!form->is_brief) {
         if (form->note && lines < lines_max)
             lines += fprintf(out, "%s\n", form->note) > 0;
+        lines += neph_comparison_print_reading(compared, out);
         lines += print_findings(compared, mask, label, &answer, lines_max - lines, out);
         lines += print_findings(compared, mask, label, &caution, lines_max - lines, out);
         lines += print_left_out(compared, out);

@@ -5,7 +5,7 @@
 #ifndef NEPH_HARNESS_REPORT_VIEWER_H
 #define NEPH_HARNESS_REPORT_VIEWER_H
 
-#include "harness/compare/frame.h"
+#include "harness/compare/frame_windows.h"
 #include "harness/compare/sequence.h"
 #include "metrics/display_cube.h"
 #include "metrics/extractor.h"
@@ -22,7 +22,8 @@ struct neph_viewer {
     /* the first is the reference of the others */
     struct neph_viewer_set sets[NEPH_VIEWER_SETS_MAX];
     int set_count;                         /* >= 1 */
-    struct neph_frame_choice frame_choice; /* part and layer of all frames */
+    struct neph_frame_choice frame_choice; /* part, layer and data window of all frames */
+    struct neph_windows windows;           /* of their files */
     struct neph_viewing viewing;           /* initial exposure; the other members are for maps */
     bool own_frame_rate;                   /* use the frame rate that the frames state, if any */
     unsigned quantities;         /* neph_quantity_bit values; 0: all quantities of a set */

@@ -127,6 +127,7 @@ static struct neph_comparison make_set_comparison(struct maps *maps, int set, bo
         .viewing = view->viewing,
         .wanted = none,
         .frame_choice = view->frame_choice,
+        .windows = view->windows,
         .take_map = take_map,
         .map_context = maps,
         .warm_up_frames = is_sequence ? view->warm_up_frames : 0,

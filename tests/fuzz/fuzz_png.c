@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Both readers of PNG: images have only values in 0..1, and a file of codes gives the same image in
+ * The readers of PNG: images have only values in 0..1, and a file of codes gives the same image in
  * both. The input is tested unchanged, and again with valid checksums, which a fuzzer cannot find.
  */
 #include "tests/base/png_chunks.h"
 #include "tests/fuzz/fuzz.h"
 
+#include "base/apng.h"
 #include "base/png.h"
 
 static void require_display_values(const struct neph_image *image)
@@ -29,6 +30,24 @@ static bool is_expensive(const uint8_t *data, size_t size)
     return side[0] * side[1] > most && side[0] <= refused && side[1] <= refused;
 }
 
+/* The frames of an animation, at most four. */
+static void try_animation(const char *path)
+{
+    struct neph_apng *apng = NULL;
+    struct neph_diag diag = {0};
+    enum neph_status status = neph_apng_open(path, &apng, &diag);
+    fuzz_require_outcome(status, &diag, apng);
+    for (int frame = 0; apng && frame < neph_apng_frame_count(apng) && frame < 4; frame++) {
+        struct neph_image *image = NULL;
+        status = neph_apng_read(apng, frame, path, &image, &diag);
+        fuzz_require_outcome(status, &diag, image);
+        if (image)
+            require_display_values(image);
+        neph_image_destroy(image);
+    }
+    neph_apng_close(apng);
+}
+
 static void try(const uint8_t *data, size_t size)
 {
     const struct fuzz_file file = fuzz_file_make("fuzz.png", data, size);
@@ -46,6 +65,8 @@ static void try(const uint8_t *data, size_t size)
         fuzz_require(width_px == image->width_px && height_px == image->height_px, "same size");
     free(rgb);
     neph_image_destroy(image);
+    if (neph_apng_count(file.path) > 0)
+        try_animation(file.path);
     fuzz_file_remove(&file);
 }
 

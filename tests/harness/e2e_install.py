@@ -62,7 +62,8 @@ class Install(unittest.TestCase):
 
     def test_nothing_is_left_of_the_build(self):
         programs = {path.name for path in (self.prefix / "bin").iterdir()}
-        self.assertEqual(programs, {"neph", "neph-vdb"})
+        self.assertEqual(programs - {"neph-image"}, {"neph", "neph-vdb"})
+        self.assertEqual("neph-image" in programs, BUILT.with_name("neph-image").exists())
         self.assertTrue((self.data / "scripts/blender_render.py").exists())
         self.assertFalse((self.prefix / "lib").exists() or (self.prefix / "include").exists())
 

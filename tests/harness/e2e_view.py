@@ -153,7 +153,7 @@ class View(neph_case.NephCase):
         (self.folder / "picture.png").write_bytes(
             frames.png_bytes(WIDTH, HEIGHT, [7] * 3 * PIXELS))
         self.refused(66, "there is no file", reference, self.folder / "nobody.exr")
-        self.refused(65, "has 4x4 pixels", reference, self.folder / "small.exr")
+        self.refused(65, "24x16 pixels in", reference, self.folder / "small.exr")
         self.refused(65, "has no radiance: its channels are Z", self.folder / "depth.exr")
         self.refused(65, "is a display image", reference, self.folder / "picture.png")
         self.refused(65, "larger than 0.002 MB", reference, "--page-limit", "0.002")

@@ -131,6 +131,36 @@ def png_bytes(width, height, rgb, before=(), behind=()):
             b"".join(chunk(*further) for further in behind) + chunk(b"IEND", b""))
 
 
+def apng_bytes(width, height, shots, bits=8, still=None):
+    """shots: (x, y, width, height, RGBA codes, (delay, unit), dispose, blend) of each frame; still:
+    codes of a default image that is none of them. See the PNG specification, third edition,
+    11.3.6."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I",
+                                                                        zlib.crc32(kind + data))
+
+    def pixels(codes, row_codes):
+        packed = array.array("B" if bits == 8 else "H", codes)
+        if bits == 16:
+            packed.byteswap()
+        data, stride = packed.tobytes(), row_codes * bits // 8
+        return zlib.compress(b"".join(b"\0" + data[y:y + stride]
+                                      for y in range(0, len(data), stride)))
+    made = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 6, 0,
+                                                              0, 0))
+    made += chunk(b"acTL", struct.pack(">II", len(shots), 0))
+    if still:
+        made += chunk(b"IDAT", pixels(still, 4 * width))
+    number = itertools.count()
+    for at, (x, y, w, h, codes, delay, dispose, blend) in enumerate(shots):
+        made += chunk(b"fcTL", struct.pack(">5I2H2B", next(number), w, h, x, y, *delay, dispose,
+                                           blend))
+        data = pixels(codes, 4 * w)
+        made += (chunk(b"fdAT", struct.pack(">I", next(number)) + data) if at or still
+                 else chunk(b"IDAT", data))
+    return made + chunk(b"IEND", b"")
+
+
 def png_rows(path):
     """Bytes of an 8-bit RGB PNG, row by row, for the filters that libpng may use."""
     data, at, packed = path.read_bytes(), 8, b""

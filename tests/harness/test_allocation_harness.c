@@ -29,6 +29,18 @@ static enum neph_status read_frame(void *context, struct neph_diag *diag)
     return status;
 }
 
+/* A file with a data window of 21x18 pixels in a display window of 23x20. */
+static enum neph_status read_placed(void *context, struct neph_diag *diag)
+{
+    const struct neph_frame_choice choice = {
+        .window = {.size_px = {23, 19}, .display_px = {23, 20}}};
+    struct neph_image *image = NULL;
+    const enum neph_status status = neph_frame_read(context, &choice, SIZE_MAX, &image, diag);
+    assert_int_equal(image != NULL, status == NEPH_OK);
+    neph_image_destroy(image);
+    return status;
+}
+
 static void test_sequences(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -49,7 +61,11 @@ static void test_sequences(void **state)
 static void test_frames(void **state)
 {
     assert_every_failure_is_reported("an EXR", read_frame, CORPUS "exr/smooth_zip.exr");
+    assert_every_failure_is_reported("an EXR in another window", read_placed,
+                                     CORPUS "exr/smooth_zip.exr");
     assert_every_failure_is_reported("a PNG", read_frame, CORPUS "png/rgb_8.png");
+    assert_every_failure_is_reported("an animated PNG", read_frame,
+                                     CORPUS "png/animation.png/0002.png");
 }
 
 int main(void)

@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/colour_convert.h"
+
+#include "base/chromaticities.h"
+#include "base/exr_header.h"
+#include "base/srgb.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum primaries {
+    PRIMARIES_REC709,
+    PRIMARIES_AP0,
+    PRIMARIES_AP1,
+    PRIMARIES_REC2020,
+    PRIMARIES_P3D65,
+    PRIMARIES_ADOBE,
+    PRIMARIES_XYZ,
+    PRIMARIES_COUNT,
+};
+
+/* SMPTE ST 2065-1:2021 and ACES S-2014-004 (their white is near D60), ITU-R BT.2020-2, SMPTE EG
+ * 432-1 with the white D65, Adobe RGB (1998) 4.3.1. The primaries of CIE XYZ are its axes. */
+static const double chromaticities[PRIMARIES_COUNT][8] = {
+    [PRIMARIES_REC709] = {0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329},
+    [PRIMARIES_AP0] = {0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767},
+    [PRIMARIES_AP1] = {0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767},
+    [PRIMARIES_REC2020] = {0.708, 0.292, 0.17, 0.797, 0.131, 0.046, 0.3127, 0.329},
+    [PRIMARIES_P3D65] = {0.68, 0.32, 0.265, 0.69, 0.15, 0.06, 0.3127, 0.329},
+    [PRIMARIES_ADOBE] = {0.64, 0.33, 0.21, 0.71, 0.15, 0.06, 0.3127, 0.329},
+};
+
+enum { CURVE_LINEAR, CURVE_SRGB, CURVE_GAMMA };
+
+/* Identifiers of the Color Interop Forum,
+ * https://github.com/AcademySoftwareFoundation/ColorInterop: the curve, the primaries, and the
+ * state of the image. */
+static const struct space {
+    const char *id;
+    enum primaries primaries;
+    int curve;
+    double gamma;
+} spaces[] = {
+    {"lin_rec709_scene", PRIMARIES_REC709, CURVE_LINEAR, 1.0},
+    {"lin_ap0_scene", PRIMARIES_AP0, CURVE_LINEAR, 1.0},
+    {"lin_ap1_scene", PRIMARIES_AP1, CURVE_LINEAR, 1.0},
+    {"lin_rec2020_scene", PRIMARIES_REC2020, CURVE_LINEAR, 1.0},
+    {"lin_p3d65_scene", PRIMARIES_P3D65, CURVE_LINEAR, 1.0},
+    {"lin_adobergb_scene", PRIMARIES_ADOBE, CURVE_LINEAR, 1.0},
+    {"lin_ciexyzd65_scene", PRIMARIES_XYZ, CURVE_LINEAR, 1.0},
+    {"srgb_rec709_scene", PRIMARIES_REC709, CURVE_SRGB, 1.0},
+    {"srgb_ap1_scene", PRIMARIES_AP1, CURVE_SRGB, 1.0},
+    {"srgb_p3d65_scene", PRIMARIES_P3D65, CURVE_SRGB, 1.0},
+    {"srgb_rec709_display", PRIMARIES_REC709, CURVE_SRGB, 1.0},
+    {"srgb_p3d65_display", PRIMARIES_P3D65, CURVE_SRGB, 1.0},
+    {"g18_rec709_scene", PRIMARIES_REC709, CURVE_GAMMA, 1.8},
+    {"g22_rec709_scene", PRIMARIES_REC709, CURVE_GAMMA, 2.2},
+    {"g22_ap1_scene", PRIMARIES_AP1, CURVE_GAMMA, 2.2},
+    {"g22_adobergb_scene", PRIMARIES_ADOBE, CURVE_GAMMA, 2.2},
+    {"g22_rec709_display", PRIMARIES_REC709, CURVE_GAMMA, 2.2},
+    {"g24_rec709_display", PRIMARIES_REC709, CURVE_GAMMA, 2.4},
+};
+enum { SPACES = sizeof(spaces) / sizeof(spaces[0]) };
+
+static enum neph_status refuse_name(const char *name, struct neph_diag *diag)
+{
+    char known[500] = "";
+    for (size_t i = 0, used = 0; i < SPACES && used < sizeof(known); i++)
+        used += (size_t)snprintf(known + used, sizeof(known) - used, " %s", spaces[i].id);
+    neph_fail(diag, NEPH_ERR_INPUT, "the colour space '%s' cannot be converted", name);
+    neph_hint(diag, "these can:%s", known);
+    return NEPH_ERR_INPUT;
+}
+
+/* The chromaticities of the file's header. */
+static bool find_chromaticities(const struct neph_image *image, double found[8])
+{
+    struct neph_exr_attribute attribute;
+    const struct neph_file_header *header = image->header;
+    for (size_t at = 0;
+         header &&
+         neph_exr_next_attribute(header->attributes, header->attribute_bytes, &at, &attribute);)
+        if (strcmp(attribute.name, "chromaticities") == 0 && attribute.value_bytes == 32) {
+            for (int i = 0; i < 8; i++)
+                found[i] = (double)neph_exr_f32(attribute.value + 4 * i);
+            return true;
+        }
+    return false;
+}
+
+/* From XYZ with white D65, by the inverse: the matrix to Rec. 709 of primaries that are the axes.
+ * Their white is scaled to that of D65. */
+static void find_xyz_matrix(double matrix[3][3])
+{
+    static const double axes[8] = {1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.3127, 0.329};
+    double white[3];
+    neph_matrix_to_rec709(axes, matrix);
+    neph_xyz_from_xy(neph_rec709_chromaticities + 6, white);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            matrix[i][j] /= white[j];
+}
+
+static const struct space *find_name(const char *name)
+{
+    for (size_t i = 0; i < SPACES; i++)
+        if (strcmp(spaces[i].id, name) == 0)
+            return &spaces[i];
+    return NULL;
+}
+
+static enum neph_status refuse_both(const char *primaries, const char *name, struct neph_diag *diag)
+{
+    neph_fail(diag, NEPH_ERR_INPUT,
+              "the file has the chromaticities %s, which are not those of its colour space %s",
+              primaries, name);
+    neph_hint(diag, "write one of the two");
+    return NEPH_ERR_INPUT;
+}
+
+/* Whether chromaticities are those of a named space. Writers round them to three digits. */
+static bool is_same(const double found[8], const struct space *space)
+{
+    bool is_equal = space->primaries != PRIMARIES_XYZ;
+    for (int i = 0; i < 8 && is_equal; i++)
+        is_equal = fabs(found[i] - chromaticities[space->primaries][i]) <= 1e-3;
+    return is_equal;
+}
+
+/* The space of the image, and its matrix to linear Rec. 709. */
+static enum neph_status find_space(const struct neph_image *image, const struct space **space,
+                                   double matrix[3][3], struct neph_diag *diag)
+{
+    const char *name = neph_image_attribute(image, "colour_space"),
+               *primaries = neph_image_attribute(image, "primaries");
+    double found[8];
+    *space = name ? find_name(name) : &spaces[0];
+    if (!*space)
+        return refuse_name(name, diag);
+    if (primaries && (!find_chromaticities(image, found) || !neph_matrix_to_rec709(found, matrix)))
+        return neph_fail(diag, NEPH_ERR_INPUT, "the chromaticities %s are those of no RGB",
+                         primaries);
+    if (primaries && name && !is_same(found, *space))
+        return refuse_both(primaries, name, diag);
+    if (name && (*space)->primaries == PRIMARIES_XYZ)
+        find_xyz_matrix(matrix);
+    else if (name)
+        neph_matrix_to_rec709(chromaticities[(*space)->primaries], matrix);
+    return NEPH_OK;
+}
+
+static double decode(const struct space *space, double code)
+{
+    const double size = fabs(code);
+    const double linear = space->curve == CURVE_SRGB    ? neph_srgb_to_linear(size)
+                          : space->curve == CURVE_GAMMA ? pow(size, space->gamma)
+                                                        : size;
+    return copysign(linear, code);
+}
+
+static void convert_layer(const struct neph_image *image, const char *layer,
+                          const struct space *space, double matrix[3][3])
+{
+    float *planes[3];
+    if (!neph_image_rgb(image, layer, planes))
+        return;
+    for (size_t i = 0; i < neph_image_pixel_count(image); i++) {
+        double rgb[3];
+        for (int c = 0; c < 3; c++)
+            rgb[c] = decode(space, (double)planes[c][i]);
+        for (int c = 0; c < 3; c++)
+            planes[c][i] = (float)(matrix[c][0] * rgb[0] + matrix[c][1] * rgb[1] +
+                                   matrix[c][2] * rgb[2]);
+    }
+}
+
+enum neph_status neph_colour_convert(struct neph_image *image, struct neph_diag *diag)
+{
+    const char *name = neph_image_attribute(image, "colour_space"),
+               *primaries = neph_image_attribute(image, "primaries");
+    const struct space *space = NULL;
+    double matrix[3][3];
+    if (!name && !primaries)
+        return NEPH_OK;
+    enum neph_status status = find_space(image, &space, matrix, diag);
+    if (!status)
+        status = neph_image_set_attribute(image, NEPH_CONVERTED_ATTRIBUTE, diag, "%s",
+                                          name ? name : primaries);
+    if (status)
+        return status;
+    convert_layer(image, NULL, space, matrix);
+    convert_layer(image, "volume", space, matrix);
+    neph_image_remove_attribute(image, "colour_space");
+    neph_image_remove_attribute(image, "primaries");
+    return NEPH_OK;
+}
