@@ -95,7 +95,7 @@ const struct neph_ablation_part neph_ablation_parts[] = {
     {"rest", "static pixels in unchanged light are the mean of all their frames",
      "ours, second generation: a static frame converges", "taa_age_max=0+taa_change=0.02",
      .needs = "true_gradient"},
-    {"kept_frames", "after motion or a change of light the mean still counts 19 frames",
+    {"kept_frames", "after motion or a change of light the mean still counts 13 frames",
      "ours, third generation: edges in front of drifting clouds do not blink", "taa_age_least=0",
      .needs = "rest"},
     {"wide_change", "a change of the light counts in proportion from 0.1 to 0.6",

@@ -544,8 +544,7 @@ static double weight_with_age(const struct reference *cpu, struct place at, doub
     if (choice(cpu, RT_GRADIENT))
         *age = fmax(fmin(*age, frames_alike(cpu, x, y)), fmin(*age, least));
     alpha = (1.0 - change_share) / (*age + 1.0) + change_share * alpha;
-    *age = fmin((1.0 - change_share) * (*age + 1.0) + change_share * fmin(*age + 1.0, least),
-                age_max);
+    *age = fmin((1.0 - change_share) * (*age + 1.0) + change_share * fmin(*age, least), age_max);
     return alpha;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// history.glsl for a GPU: all 4x4 texels are fetched before the first is used, and the texel of a
-// static pixel is fetched while the pixel above is resolved. After a branch a GPU would wait for
-// one texel after the other.
+// history.glsl for a GPU: all 4x4 texels are fetched before the first is used, while the frame's
+// samples are filtered; the texel of a static pixel is fetched while the pixel above is resolved.
+// After a branch a GPU would wait for one texel after the other.
 #ifndef NEPH_REALTIME_TAA_HISTORY_GPU_GLSL
 #define NEPH_REALTIME_TAA_HISTORY_GPU_GLSL
 
@@ -23,25 +23,31 @@ void take_static_history(ivec2 next_pixel)
     fetch_static_history(next_pixel);
 }
 
+vec4 texels[16]; // around the place of a pixel in the frame before
+
+int first_texel() { return choice(RT_TAA_HISTORY) == RT_FILTER_CATMULL_ROM ? 0 : 1; }
+
+// For filter_history(). The place may be outside the frame or undefined: it is clamped.
+void fetch_texels(vec2 place_px)
+{
+    ivec2 corner = ivec2(floor(place_px - 0.5));
+    [[unroll]] for (int y = first_texel(); y <= 3 - first_texel(); y++)
+        [[unroll]] for (int x = first_texel(); x <= 3 - first_texel(); x++)
+            texels[4 * y + x] = fetch_output(RT_TAA_BEFORE, corner + ivec2(x, y) - 1);
+}
+
 // RGB: filtered, A: the age of the nearest texel.
 vec4 filter_history(vec2 place_px)
 {
-    precise vec2 corner = floor(place_px - 0.5);
-    precise vec2 way = place_px - 0.5 - corner;
     if (is_static)
         return static_history;
-    if (way == vec2(0.0))
-        return fetch_output(RT_TAA_BEFORE, ivec2(corner));
+    precise vec2 corner = floor(place_px - 0.5);
+    precise vec2 way = place_px - 0.5 - corner;
     vec4 columns = tap_weights(choice(RT_TAA_HISTORY), way.x);
     vec4 rows = tap_weights(choice(RT_TAA_HISTORY), way.y);
-    int first = choice(RT_TAA_HISTORY) == RT_FILTER_CATMULL_ROM ? 0 : 1;
-    vec4 texels[16];
-    [[unroll]] for (int y = first; y <= 3 - first; y++)
-        [[unroll]] for (int x = first; x <= 3 - first; x++)
-            texels[4 * y + x] = fetch_output(RT_TAA_BEFORE, ivec2(corner) + ivec2(x, y) - 1);
     vec3 sum = vec3(0.0);
-    [[unroll]] for (int y = first; y <= 3 - first; y++)
-        [[unroll]] for (int x = first; x <= 3 - first; x++) {
+    [[unroll]] for (int y = first_texel(); y <= 3 - first_texel(); y++)
+        [[unroll]] for (int x = first_texel(); x <= 3 - first_texel(); x++) {
             float weight = columns[x] * rows[y];
             sum = weight != 0.0 ? sum + weight * texels[4 * y + x].rgb : sum;
         }

@@ -60,5 +60,5 @@ void main()
     find_change(pixel / 4);
     find_filter_weights();
     Frame frame = frame_from(fetch_neighbourhood(pixel), !is_unclamped);
-    put_pixel(pixel, resolve(pixel, pixel, frame));
+    put_pixel(pixel, resolve(pixel, pixel, find_past(pixel, pixel), frame));
 }

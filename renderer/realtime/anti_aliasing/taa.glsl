@@ -21,6 +21,20 @@ float limit_age(float age)
     return age >= 1.0 ? min(age, setting(RT_TAA_AGE_MAX)) : 1.0;
 }
 
+// Where the point that a pixel shows now was in the frame before.
+struct Past {
+    vec2 place_px;
+    float speed_px; // per frame
+    bool is_there;
+};
+
+Past find_past(ivec2 pixel, ivec2 source)
+{
+    Past past;
+    past.is_there = !is_reset() && find_before(pixel, source, past.place_px, past.speed_px);
+    return past;
+}
+
 // RGB: the colour, A: the age. False when the guard finds the colour invalid.
 bool fetch_history(vec2 place_px, out vec4 history)
 {
@@ -41,6 +55,8 @@ const float STATIC_PX = 0.02;
 // the scene behind it have gains of their own; they are weighted by their shares in the pixel.
 vec3 relight(vec3 history, ivec2 source, Frame frame, float speed_px)
 {
+    if (beyond(speed_px, STATIC_PX) == 1.0) // it moves
+        return history;
     bool is_same = medium_change.gain == vec3(1.0) && behind_change.gain == vec3(1.0);
     if (!uses_gradient() || !is_set(RT_RELIGHT) || !frame.is_centre_valid || is_same)
         return history;
@@ -101,10 +117,9 @@ float frames_alike()
 }
 
 // The age of the mean while the pixel moves or its light changes fully: at most taa_age_least
-// frames. After an age of 1 the next static frame weighs 1/2, and edges blink. Until then the pixel
-// is an exponential mean of weight a = taa_alpha. Its variance is the variance of a mean of
-// (2 - a) / a frames. Where another scene has come into view, or all light has changed (a residue
-// of 1), a mean starts anew.
+// frames, and it does not grow. After an age of 1 the next static frame weighs 1/2, and edges
+// blink. Where another scene has come into view, or all light has changed (a residue of 1), a mean
+// starts anew, and then has only the static frames that follow.
 float limit_changed_age(float age)
 {
     bool is_other = uses_gradient() && largest_residue() >= 1.0;
@@ -120,7 +135,7 @@ float weight_with_age(float alpha, float change_share, inout float age)
     if (choice(RT_GRADIENT) != 0)
         age = max(min(age, frames_alike()), limit_changed_age(age));
     alpha = mix(1.0 / (age + 1.0), alpha, change_share);
-    age = min(mix(age + 1.0, limit_changed_age(age + 1.0), change_share), setting(RT_TAA_AGE_MAX));
+    age = min(mix(age + 1.0, limit_changed_age(age), change_share), setting(RT_TAA_AGE_MAX));
     return alpha;
 }
 
@@ -150,13 +165,11 @@ vec3 blend(vec3 frame, vec3 history, float alpha)
 // RGB: the colour of a pixel, A: its age. `source`: the rendered pixel at the pixel's centre, which
 // is the pixel itself except with upsampling. Without samples: the history. Without history: the
 // frame.
-vec4 resolve(ivec2 pixel, ivec2 source, Frame frame)
+vec4 resolve(ivec2 pixel, ivec2 source, Past past, Frame frame)
 {
-    vec2 before_px;
-    float speed_px;
     vec4 found;
-    bool has_history = !is_reset() && find_before(pixel, source, before_px, speed_px) &&
-                       fetch_history(before_px, found);
+    bool has_history = past.is_there && fetch_history(past.place_px, found);
+    float speed_px = past.speed_px;
     vec3 colour = frame.colour, history = found.rgb;
     float age = has_history ? found.a : keeps_age() ? 1.0 : 0.0;
     if (!frame.is_valid) {

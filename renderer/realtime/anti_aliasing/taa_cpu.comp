@@ -28,7 +28,8 @@ void fetch_next_row(ivec2 pixel, inout Neighbourhood around)
 void resolve_pixel(ivec2 pixel, bool is_inside, inout Neighbourhood around)
 {
     fetch_next_row(pixel, around);
-    vec4 resolved = resolve(pixel, pixel, frame_from(around, !is_unclamped));
+    Past past = find_past(pixel, pixel);
+    vec4 resolved = resolve(pixel, pixel, past, frame_from(around, !is_unclamped));
     if (is_inside)
         put_pixel(pixel, resolved);
 }

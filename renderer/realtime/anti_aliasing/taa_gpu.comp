@@ -14,7 +14,8 @@
 // Sums of three samples side by side are used by the pixels above, beside and below: the filter's
 // weights are products of one along x and one along y, and a variance is computed from the
 // variances of its parts (T. Chan et al., "Updating Formulae and a Pairwise Algorithm for Computing
-// Sample Variances", 1979). A static pixel's history is fetched while the pixel above is resolved.
+// Sample Variances", 1979). The history of a pixel is fetched before its frame is computed, of a
+// static pixel while the pixel above is resolved.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -216,6 +217,9 @@ void main()
     }
     for (int end = min(pixel.y + COLUMN_PX, size.y); pixel.y < end; pixel.y++) {
         take_static_history(pixel + ivec2(0, 1));
+        Past past = find_past(pixel, pixel);
+        if (!is_static)
+            fetch_texels(past.place_px);
         Frame frame;
         if (uses_rows()) {
             rows[0] = rows[1];
@@ -225,6 +229,6 @@ void main()
         } else {
             frame = frame_from(load_neighbourhood(pixel), needs_box);
         }
-        put_pixel(pixel, resolve(pixel, pixel, frame));
+        put_pixel(pixel, resolve(pixel, pixel, past, frame));
     }
 }

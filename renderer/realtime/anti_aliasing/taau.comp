@@ -31,5 +31,5 @@ void main()
     find_filter_weights_and_coverage();
     box_distance_squared = near_px_squared();
     Frame frame = frame_from(fetch_neighbourhood(source), !is_unclamped);
-    put_pixel(pixel, resolve(pixel, source, frame));
+    put_pixel(pixel, resolve(pixel, source, find_past(pixel, source), frame));
 }
