@@ -40,6 +40,16 @@ void neph_image_destroy(struct neph_image *image)
     free(image);
 }
 
+/* Planes are touched before they are read from a file, except beyond 1 GiB: a damaged file may
+ * claim hundreds of channels. */
+static float *allocate_samples(const struct neph_image *image)
+{
+    const size_t count = neph_image_pixel_count(image), limit = ((size_t)1 << 30) / sizeof(float);
+    return count * ((size_t)image->channel_count + 1) <= limit
+               ? neph_allocate_plane(count, sizeof(float))
+               : calloc(count, sizeof(float));
+}
+
 enum neph_status neph_image_add_channel(struct neph_image *image, const char *name, float **samples,
                                         struct neph_diag *diag)
 {
@@ -54,7 +64,7 @@ enum neph_status neph_image_add_channel(struct neph_image *image, const char *na
         return neph_fail_memory(diag);
     image->channels = grown;
     struct neph_channel *channel = &grown[count - 1];
-    channel->samples = neph_allocate_plane(neph_image_pixel_count(image), sizeof(float));
+    channel->samples = allocate_samples(image);
     if (!channel->samples)
         return neph_fail_memory(diag);
     snprintf(channel->name, sizeof(channel->name), "%s", name);

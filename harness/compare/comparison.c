@@ -13,6 +13,7 @@
 #include "harness/compare/read_ahead.h"
 #include "harness/progress.h"
 #include "metrics/extractors/cycle_frequency.h"
+#include "metrics/extractors/extractors.h"
 #include "metrics/validity.h"
 
 #include <math.h>
@@ -598,6 +599,14 @@ static enum neph_status add_movement(struct work *work, struct neph_diag *diag)
                              is_known ? luma : NULL, diag);
 }
 
+static bool measures_error(const struct neph_comparison *asked)
+{
+    for (int c = 0; c < asked->choice_count; c++)
+        if (asked->choices[c].extractor == &neph_extractor_error)
+            return true;
+    return false;
+}
+
 static enum neph_status measure_frame(struct pass *pass, struct work *work, int frame,
                                       struct neph_diag *diag)
 {
@@ -626,6 +635,9 @@ static enum neph_status measure_frame(struct pass *pass, struct work *work, int 
             diag);
     if (!status && work->asked->with_movement)
         status = add_movement(work, diag);
+    work->made->has_largest_error = measures_error(work->asked);
+    if (!status && work->made->has_largest_error)
+        neph_largest_error_add(&work->made->largest_error, work->reference, work->test, frame);
     if (!status)
         status = send_maps(work, frame, diag);
     work->done_count += !status;

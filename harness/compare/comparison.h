@@ -12,6 +12,7 @@
 #include "harness/compare/movement.h"
 #include "harness/compare/sequence.h"
 #include "harness/compare/versus.h"
+#include "metrics/largest_error.h"
 
 #include <stdio.h>
 
@@ -72,6 +73,8 @@ struct neph_compared {
     struct neph_measurements numbers; /* by frame, followed by numbers of all frames; owned */
     struct neph_findings findings;    /* owned */
     struct neph_movement movement;    /* empty unless requested; owned */
+    bool has_largest_error;           /* the extractor `error` was chosen */
+    struct neph_largest_error largest_error;
     struct neph_not_taken *not_taken;
     int not_taken_count;
     /* Colour spaces of the files of converted frames; NULL: not converted */
@@ -115,6 +118,8 @@ enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons,
  *   "findings"      verdicts, see harness/compare/findings.h
  *   "not_taken"     array of {"extractor", "quantity", "because"}
  *   "maps"          array of file names
+ *   "largest_error" only with the extractor `error`: of radiance, {"frame", "x", "y", "channel",
+ *                   "reference", "test"}; null when no frame has an error
  *   "movement"      only if requested: {"frames", "cycles"} of harness/compare/movement.h
  *   "versus", "versus_movement"  only with another test: harness/compare/versus.h
  * */

@@ -234,6 +234,12 @@ void neph_comparison_print(const struct neph_compared *compared, bool details, b
     print_numbers(compared, details, all);
     print_versus(&compared->versus, details);
     print_findings(&compared->findings, details);
+    if (compared->largest_error.is_known)
+        printf(
+            "largest error of radiance: %c of pixel (%d, %d) in frame %d: %.6g, reference %.6g\n",
+            compared->largest_error.channel, compared->largest_error.x_px,
+            compared->largest_error.y_px, compared->largest_error.frame,
+            compared->largest_error.test, compared->largest_error.reference);
     for (int i = 0; i < compared->not_taken_count; i++)
         printf("not taken: %s of %s: %s\n", compared->not_taken[i].extractor,
                compared->not_taken[i].quantity, compared->not_taken[i].because);
@@ -379,6 +385,16 @@ static json_t *movement_json(const struct neph_movement *movement)
     return json_pack("{s:o, s:o}", "frames", frames, "cycles", cycles);
 }
 
+static json_t *largest_error_json(const struct neph_largest_error *largest)
+{
+    const char channel[2] = {largest->channel, '\0'};
+    if (!largest->is_known)
+        return json_null();
+    return json_pack("{s:i, s:i, s:i, s:s, s:f, s:f}", "frame", largest->frame, "x", largest->x_px,
+                     "y", largest->y_px, "channel", channel, "reference", largest->reference,
+                     "test", largest->test);
+}
+
 json_t *neph_compared_json(const struct neph_compared *compared)
 {
     const struct neph_comparison *asked = compared->asked;
@@ -402,6 +418,8 @@ json_t *neph_compared_json(const struct neph_compared *compared)
         neph_json_set(&json, "video",
                       json_pack("{s:s?, s:s?}", "reference", compared->reference_video, "test",
                                 compared->test_video));
+    if (compared->has_largest_error)
+        neph_json_set(&json, "largest_error", largest_error_json(&compared->largest_error));
     if (compared->movement.frame_count > 0)
         neph_json_set(&json, "movement", movement_json(&compared->movement));
     if (compared->has_versus) {

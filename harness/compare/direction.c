@@ -26,6 +26,8 @@ static const struct direction {
     {"half_life_", NEPH_SMALLER_IS_BETTER}, {"residual_change_rms", NEPH_SMALLER_IS_BETTER},
     {"pu_psnr", NEPH_LARGER_IS_BETTER},     {"residual_change_psnr", NEPH_LARGER_IS_BETTER},
     {"ssim_", NEPH_LARGER_IS_BETTER},       {"ms_ssim", NEPH_LARGER_IS_BETTER},
+    {"tev_", NEPH_SMALLER_IS_BETTER},       {"pbrt_", NEPH_SMALLER_IS_BETTER},
+    {"smape", NEPH_SMALLER_IS_BETTER},      {"srgb_psnr", NEPH_LARGER_IS_BETTER},
 };
 
 enum neph_direction neph_metric_direction(const struct neph_metric *metric)

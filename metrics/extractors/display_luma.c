@@ -74,3 +74,16 @@ void neph_display_luma(const float *const rgb[3], size_t count, double gain, dou
     else
         convert_to_luma(rgb[0], rgb[1], rgb[2], count, gain, luma);
 }
+
+NEPH_VECTOR
+static void encode_channel(const float *restrict channel, size_t count, double gain,
+                           double *restrict codes)
+{
+    for (size_t i = 0; i < count; i++)
+        codes[i] = encoded(displayed(channel[i], gain));
+}
+
+void neph_display_codes(const float *channel, size_t count, double gain, double *codes)
+{
+    encode_channel(channel, count, gain, codes);
+}

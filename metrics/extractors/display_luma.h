@@ -17,4 +17,7 @@
 void neph_display_luma(const float *const rgb[3], size_t count, double gain, double *luma,
                        double *luminance);
 
+/* The encoded values c' of one channel. */
+void neph_display_codes(const float *channel, size_t count, double gain, double *codes);
+
 #endif

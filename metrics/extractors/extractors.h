@@ -16,6 +16,7 @@
     of(ssim) \
     of(shift) \
     of(two_seed) \
+    of(published) \
     of(flip) \
     of(flip40) \
     of(hdr_flip) \

@@ -85,6 +85,18 @@ class Compare(neph_case.NephCase):
         self.neph("flicker", "-r", reference, before, after, "--versus", before, code=64,
                   said="both name another test")
 
+    def test_the_place_of_the_largest_error(self):
+        reference = self.write("reference", lambda frame, x, y: 0.4, count=1) / "f.000.exr"
+        test = self.write("test", lambda *place: 0.65 if place == (1, 5, 3) else 0.4, count=3)
+        words = "-r", reference, test
+        self.assertEqual(self.json("compare", *words)["largest_error"],
+                         {"frame": 1, "x": 5, "y": 3, "channel": "R",
+                          "reference": 0.4000000059604645, "test": 0.6499999761581421})
+        self.assertIn("largest error of radiance: R of pixel (5, 3) in frame 1: 0.65, reference "
+                      "0.4\n", self.neph("compare", *words, "--all").stdout)
+        self.assertIsNone(self.json("compare", reference, reference)["largest_error"])
+        self.assertNotIn("largest_error", self.json("compare", *words, "-m", "ssim"))
+
     def test_both_values_and_no_places(self):
         before, after = self.blinking("before", 0.2, 1), self.blinking("after", 0.05, 2)
         found = self.json("flicker", before, after, "--csv", self.folder / "out.csv")

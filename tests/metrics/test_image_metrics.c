@@ -176,6 +176,7 @@ static void test_tables(void **state)
     extraction_check_table(&neph_extractor_ssim);
     extraction_check_table(&neph_extractor_shift);
     extraction_check_table(&neph_extractor_two_seed);
+    extraction_check_table(&neph_extractor_published);
 }
 
 /* ---- against numpy --------------------------------------------------------------------------- */
@@ -706,6 +707,51 @@ static void test_sizes(void **state)
         assert_true(isfinite(measured(&neph_extractor_two_seed, &frames, NULL, "mse_unbiased")));
         drop(&frames);
     }
+}
+
+/* ---- published formulas ---------------------------------------------------------------------- */
+
+static double encode(double value)
+{
+    const double c = fmin(fmax(value, 0.0), 1.0);
+    return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1.0 / 2.4) - 0.055;
+}
+
+/* Sums over four pixels by hand; floats carry 6e-8. */
+static void test_published_formulas(void **state)
+{
+    static const float r[4] = {0.0f, 0.5f, 2.0f, 0.001f}, x[4] = {0.1f, 0.4f, 2.2f, 0.001f};
+    struct frames frames = grey(2, 2, r, x);
+    double squares = 0.0;
+    for (int i = 0; i < 4; i++)
+        squares += pow(encode((double)x[i]) - encode((double)r[i]), 2.0) / 4.0;
+    const struct {
+        const char *metric;
+        double value;
+    } expected[] = {
+        {"tev_rae", (0.1 / 0.01 + 0.1 / 0.51 + 0.2 / 2.01) / 4.0},
+        {"tev_rse", (0.01 / 0.01 + 0.01 / 0.26 + 0.04 / 4.01) / 4.0},
+        {"pbrt_mrse", (0.01 / 0.0001 + 0.01 / 0.2601 + 0.04 / 4.0401) / 4.0},
+        {"smape", (0.1 / 0.11 + 0.1 / 0.91 + 0.2 / 4.21) / 4.0},
+        {"srgb_psnr", -10.0 * log10(squares)},
+    };
+    for (size_t i = 0; i < sizeof(expected) / sizeof(expected[0]); i++)
+        neph_assert_close(measured(&neph_extractor_published, &frames, NULL, expected[i].metric),
+                          expected[i].value, 1e-6, 0.0);
+    drop(&frames);
+}
+
+/* A reference of -0.02 has no relative error; the exposure changes only display values. */
+static void test_published_limits(void **state)
+{
+    static const float r[2] = {-0.02f, 0.25f}, x[2] = {0.5f, 0.5f};
+    struct frames frames = grey(2, 1, r, x);
+    neph_assert_close(measured(&neph_extractor_published, &frames, NULL, "tev_rae"), 0.25 / 0.26,
+                      1e-6, 0.0);
+    frames.viewing.exposure_ev = 2.0; /* 0.25 is then white, as 0.5 is */
+    neph_assert_close(measured(&neph_extractor_published, &frames, NULL, "srgb_psnr"),
+                      10.0 * log10(2.0), 1e-6, 0.0);
+    drop(&frames);
 }
 
 #include "tests/main.h"
