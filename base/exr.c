@@ -12,6 +12,7 @@
 #include "base/exr_parts.h"
 #include "base/exr_pixels.h"
 #include "base/files.h"
+#include "base/oiio.h"
 #include "base/text.h"
 
 #include <errno.h>
@@ -93,17 +94,22 @@ static enum neph_status refuse_kind(const char *path, const char *kind, struct n
 }
 
 /* Codes of the attribute `compression` that are refused. OpenEXRCore 3.1.5 has no decoder of DWA
- * (EXR_ERR_FEATURE_NOT_IMPLEMENTED: only the C++ library has one), and reads a code beyond DWAB as
- * ZIP. Names: https://openexr.com/en/latest/OpenEXRFileLayout.html. */
+ * (EXR_ERR_FEATURE_NOT_IMPLEMENTED: only the C++ library has one, in neph-image), and reads a code
+ * beyond DWAB as ZIP. Names: https://openexr.com/en/latest/OpenEXRFileLayout.html. */
 static const struct {
     int code;
     const char *name, *why;
 } unread_compressions[] = {
-    {8, "DWAA", "the C library of OpenEXR 3.1 does not decode, and which is lossy"},
-    {9, "DWAB", "the C library of OpenEXR 3.1 does not decode, and which is lossy"},
+    {8, "DWAA", "neph reads only where it was built with OpenImageIO"},
+    {9, "DWAB", "neph reads only where it was built with OpenImageIO"},
     {10, "HTJ2K", "OpenEXR 3.1 does not know"},
     {11, "HTJ2K of 32 lines", "OpenEXR 3.1 does not know"},
 };
+
+static bool is_dwa(int compression)
+{
+    return compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB;
+}
 
 static enum neph_status refuse_compression(const char *path, int code, struct neph_diag *diag)
 {
@@ -115,8 +121,15 @@ static enum neph_status refuse_compression(const char *path, int code, struct ne
         }
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' has the compression %s (code %d), which %s", path, name,
               code, why);
-    neph_hint(diag, "write it with ZIP compression");
+    neph_hint(diag, "write it with ZIP compression%s",
+              is_dwa(code) ? "; or install libopenimageio-dev and build neph again" : "");
     return NEPH_ERR_INPUT;
+}
+
+/* Whether there is a decoder: the C library, or the helper program for DWA. */
+static bool is_decoded(int compression)
+{
+    return compression <= EXR_COMPRESSION_B44A || (is_dwa(compression) && neph_oiio_is_available());
 }
 
 /* Refuse compressions that the library would read as another one, or report as damage. */
@@ -126,7 +139,7 @@ static enum neph_status check_compression(const char *path, const char *header, 
     struct neph_exr_attribute attribute;
     for (size_t at = 0; neph_exr_next_attribute(header, size, &at, &attribute);)
         if (strcmp(attribute.name, "compression") == 0 && attribute.value_bytes == 1 &&
-            attribute.value[0] > EXR_COMPRESSION_B44A)
+            !is_decoded(attribute.value[0]))
             return refuse_compression(path, attribute.value[0], diag);
     return NEPH_OK;
 }
@@ -309,7 +322,7 @@ static enum neph_status read_layout(exr_const_context_t context, const char *pat
     result = query_layout(context, layout);
     if (result)
         return fail_read(path, stream, result, diag);
-    if (layout->compression > EXR_COMPRESSION_B44A) /* check_compression() did not see it */
+    if (!is_decoded((int)layout->compression)) /* check_compression() did not see it */
         return refuse_compression(path, (int)layout->compression, diag);
     enum neph_status status = check_size(path, layout, diag);
     if (!status)
@@ -544,7 +557,10 @@ static enum neph_status read_chosen_part(exr_const_context_t context, const char
                                                created, diag);
     if (!status)
         status = add_header(created, &layout, context, stream, diag);
-    if (!status && (result = neph_exr_read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
+    if (!status && is_dwa((int)layout.compression))
+        status = neph_oiio_fill(path, layout.part, created, diag);
+    else if (!status &&
+             (result = neph_exr_read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
         status = fail_read(path, stream, result, diag);
     if (!status)
         status = upsample(created, &layout, diag);

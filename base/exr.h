@@ -37,7 +37,8 @@ enum neph_status neph_exr_write_plain(const char *path, const struct neph_image 
  *   frames_per_second  framesPerSecond, if present [Hz]
  *
  * NEPH_ERR_INPUT, with a message that names the cause: deep, oversized, truncated or damaged files,
- * files with DWA or an unknown compression, and other subsampling than by 2.
+ * files with an unknown compression, with DWA where neph was built without OpenImageIO
+ * (base/oiio.h), and other subsampling than by 2.
  * NEPH_ERR_MEMORY, also before pixels are read: they need more memory than the machine has.
  * NEPH_ERR_NOT_FOUND: no such file. NEPH_ERR_IO: the file exists but cannot be read. */
 enum neph_status neph_exr_read(const char *path, struct neph_image **image, struct neph_diag *diag);

@@ -285,31 +285,79 @@ static enum neph_status run(const char *path, const char *part, uint64_t file_by
     return status;
 }
 
+/* Run neph-image on a part of a file (NULL: the only one) and map its output. */
+static enum neph_status run_and_map(const char *path, const char *part, struct neph_shared *memory,
+                                    const void **bytes, size_t *size, struct neph_diag *diag)
+{
+    uint64_t file_bytes = 0;
+    int fd;
+    *memory = (struct neph_shared){.fd = -1};
+    enum neph_status status = neph_file_open(path, &fd, &file_bytes, diag);
+    if (status)
+        return status;
+    close(fd);
+    status = neph_shared_create("neph-image", memory, diag);
+    if (!status)
+        status = run(path, part, file_bytes, memory, diag);
+    return status ? status : neph_shared_map(memory, bytes, size, diag);
+}
+
+static void unmap(struct neph_shared *memory, const void *bytes, size_t size)
+{
+    if (bytes)
+        munmap((void *)bytes, size);
+    neph_shared_destroy(memory);
+}
+
 enum neph_status neph_oiio_read_part(const char *path, const char *part, struct neph_image **image,
                                      struct neph_diag *diag)
 {
     struct neph_shared memory;
     const void *bytes = NULL;
     size_t size = 0;
-    uint64_t file_bytes = 0;
-    int fd;
-    enum neph_status status = neph_file_open(path, &fd, &file_bytes, diag);
-    if (status)
-        return status;
-    close(fd);
     if (part && part[strspn(part, "0123456789")] != '\0')
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "'%s' has no part '%s': its images are numbered from 0", path, part);
-    status = neph_shared_create("neph-image", &memory, diag);
-    if (status)
-        return status;
-    status = run(path, part, file_bytes, &memory, diag);
-    if (!status)
-        status = neph_shared_map(&memory, &bytes, &size, diag);
+    enum neph_status status = run_and_map(path, part, &memory, &bytes, &size, diag);
     if (!status)
         status = neph_oiio_image(path, bytes, size, image, diag);
-    if (bytes)
-        munmap((void *)bytes, size);
-    neph_shared_destroy(&memory);
+    unmap(&memory, bytes, size);
+    return status;
+}
+
+/* Copy the channel of that name. */
+static bool copy_channel(const struct stream *stream, const struct neph_channel *channel,
+                         size_t count)
+{
+    for (int c = 0; c < stream->head.channel_count; c++) {
+        char *name = neph_text_clean_copy(stream->names + (size_t)c * NEPH_OIIO_NAME_BYTES);
+        const bool is_same = name && strcmp(name, channel->name) == 0;
+        free(name);
+        if (!is_same)
+            continue;
+        memcpy(channel->samples, stream->samples + (size_t)c * count * sizeof(float),
+               count * sizeof(float));
+        return true;
+    }
+    return false;
+}
+
+enum neph_status neph_oiio_fill(const char *path, int part, struct neph_image *image,
+                                struct neph_diag *diag)
+{
+    struct stream stream = {.path = path};
+    struct neph_shared memory;
+    char number[16];
+    snprintf(number, sizeof(number), "%d", part);
+    enum neph_status status = run_and_map(path, number, &memory, &stream.bytes, &stream.size, diag);
+    if (!status)
+        status = find_parts(&stream, diag);
+    bool is_whole = !status && stream.head.data_px[0] == image->width_px &&
+                    stream.head.data_px[1] == image->height_px;
+    for (int c = 0; c < image->channel_count && is_whole; c++)
+        is_whole = copy_channel(&stream, &image->channels[c], neph_image_pixel_count(image));
+    if (!status && !is_whole)
+        status = fail_nonsense(&stream, diag);
+    unmap(&memory, stream.bytes, stream.size);
     return status;
 }

@@ -27,6 +27,12 @@ const char *neph_oiio_format(const void *bytes, size_t size);
 enum neph_status neph_oiio_read_part(const char *path, const char *part, struct neph_image **image,
                                      struct neph_diag *diag);
 
+/* Fill the channels of an image with the samples of a part, from 0, of a file, which has all of
+ * them and its size. For OpenEXR files that the C library does not decode. Errors as of
+ * neph_oiio_read_part(), but no colour space is refused. */
+enum neph_status neph_oiio_fill(const char *path, int part, struct neph_image *image,
+                                struct neph_diag *diag);
+
 /* The image of the output of neph-image (base/oiio_stream.h); `path` names its file in messages. */
 enum neph_status neph_oiio_image(const char *path, const void *bytes, size_t size,
                                  struct neph_image **image, struct neph_diag *diag);

@@ -147,7 +147,7 @@ void check_spec(const request &asked, const ImageSpec &spec)
 void copy_text(char to[NEPH_OIIO_NAME_BYTES], const std::string &text)
 {
     if (text.size() >= NEPH_OIIO_NAME_BYTES)
-        throw bad_file("the name '" + text.substr(0, 80) + "...' is longer than 63 bytes");
+        throw bad_file("the name '" + text.substr(0, 80) + "...' is longer than 255 bytes");
     memcpy(to, text.c_str(), text.size() + 1);
 }
 

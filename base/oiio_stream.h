@@ -15,7 +15,7 @@
 
 #include <stdint.h>
 
-enum { NEPH_OIIO_MAGIC = 0x4e494d31, NEPH_OIIO_NAME_BYTES = 64, NEPH_OIIO_CHANNELS_MAX = 1024 };
+enum { NEPH_OIIO_MAGIC = 0x4e494d31, NEPH_OIIO_NAME_BYTES = 256, NEPH_OIIO_CHANNELS_MAX = 1024 };
 
 struct neph_oiio_head {
     uint32_t magic;

@@ -174,6 +174,14 @@ static bool cut_to_display(struct neph_window *window)
     return !neph_window_is_equal(&before, window);
 }
 
+/* A file with an unknown header may have the part; a file with several frames has none. */
+static bool may_have_part(const char *path, bool is_known, const struct head *head)
+{
+    struct neph_path file;
+    int frame;
+    return is_known ? head->has_part : !neph_clip_split(path, &file, &frame);
+}
+
 static enum neph_status refuse_sizes(const struct search *search, const char *path,
                                      const struct head *head, struct neph_diag *diag)
 {
@@ -192,7 +200,7 @@ static enum neph_status add_file(struct search *search, const char *path, struct
     struct neph_windows *windows = search->windows;
     struct head head;
     const bool is_known = read_head(path, search->choice->part, &head);
-    search->has_part |= !is_known || head.has_part;
+    search->has_part |= may_have_part(path, is_known, &head);
     if (!is_known || (windows->mode == NEPH_WINDOW_STRICT && !head.is_whole))
         return NEPH_OK;
     struct neph_window inside = head.window;
@@ -278,7 +286,8 @@ enum neph_status neph_part_check(const struct neph_sequence *sequence, const cha
     bool has_part = part == NULL;
     for (int i = 0; i < sequence->count && !has_part; i++) {
         struct head head;
-        has_part = !read_head(sequence->paths[i], part, &head) || head.has_part;
+        has_part = may_have_part(sequence->paths[i], read_head(sequence->paths[i], part, &head),
+                                 &head);
     }
     return has_part ? NEPH_OK : refuse_part(part, diag);
 }

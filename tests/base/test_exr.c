@@ -551,14 +551,16 @@ static void test_deep_flag_is_refused(void **state)
     free(data);
 }
 
-static void test_dwa_is_refused(void **state)
+static void test_dwa_is_refused_without_openimageio(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     size_t size = 0;
     char *data = good_file(state, &size);
     *attribute_value(data, size, "compression", "compression") = EXR_COMPRESSION_DWAA;
     neph_assert_ok(neph_file_write(scratch_path(state, path, "dwa.exr"), data, size, NULL), NULL);
+    setenv("NEPH_IMAGE", "/nowhere", 1);
     assert_refused(path, NEPH_ERR_INPUT, "DWAA (code 8)");
+    unsetenv("NEPH_IMAGE");
     free(data);
 }
 
@@ -830,7 +832,7 @@ int main(void)
         scratch_test(test_other_kinds_are_refused_by_name),
         scratch_test(test_missing_and_foreign_files),
         scratch_test(test_deep_flag_is_refused),
-        scratch_test(test_dwa_is_refused),
+        scratch_test(test_dwa_is_refused_without_openimageio),
         scratch_test(test_oversized_is_refused),
         scratch_test(test_more_than_the_memory_is_refused),
         scratch_test(test_truncated_at_every_length),

@@ -11,6 +11,7 @@
 
 #include "base/child.h"
 #include "base/exr.h"
+#include "base/oiio.h"
 
 enum {
     /* In make_exr.cpp: 4 types, 1 to 5 channels, 4 sizes; one each linear, upwards, a window; 4
@@ -136,12 +137,18 @@ static void test_reads_as_the_library_does(void **state)
     struct neph_names names;
     neph_assert_ok(neph_dir_list(scratch->folder, &arena, &names, NULL), NULL);
     int read_count = 0, wrong_count = 0, refused_count = 0;
+    const bool is_available = neph_oiio_is_available();
     for (int i = 0; i < names.count; i++) {
         const char *name = names.list[i];
         if (!strstr(name, ".exr") || has_no_samples_beside_it(name) || is_chroma(name))
             continue;
         if (strncmp(name, "dwa", 3) == 0) {
+            setenv("NEPH_IMAGE", "/nowhere", 1);
             assert_refused(state, name, NULL, "has the compression DWA");
+            unsetenv("NEPH_IMAGE");
+            /* The helper program needs half a second of processor time to start. */
+            if (is_available && refused_count % neph_test_by_day(32, 1) == 0)
+                wrong_count += !reads_right(state, name);
             refused_count++;
         } else {
             wrong_count += !reads_right(state, name);
