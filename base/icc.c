@@ -41,20 +41,27 @@ static double read_fixed(const uint8_t *b)
     return (double)(int32_t)read_u32(b) / 65536.0;
 }
 
-/* The data of a tag; size 0: there is none. */
-static struct bytes find_tag(struct bytes profile, const char *signature)
+/* The row of a tag in the table; NULL: there is none. */
+static const uint8_t *find_row(struct bytes profile, const char *signature)
 {
     const uint32_t count = read_u32(profile.start + HEADER_BYTES);
     const uint8_t *table = profile.start + HEADER_BYTES + 4;
     if (count > TAGS_MAX || count * TAG_BYTES > profile.size - HEADER_BYTES - 4)
+        return NULL;
+    for (uint32_t i = 0; i < count; i++)
+        if (memcmp(table + (size_t)TAG_BYTES * i, signature, 4) == 0)
+            return table + (size_t)TAG_BYTES * i;
+    return NULL;
+}
+
+/* The data of a tag; size 0: there is none, or it is not inside the profile. */
+static struct bytes find_tag(struct bytes profile, const char *signature)
+{
+    const uint8_t *row = find_row(profile, signature);
+    const size_t at = row ? read_u32(row + 4) : 0, size = row ? read_u32(row + 8) : 0;
+    if (at > profile.size || size > profile.size - at)
         return (struct bytes){NULL, 0};
-    for (uint32_t i = 0; i < count; i++) {
-        const uint8_t *tag = table + (size_t)TAG_BYTES * i;
-        const size_t at = read_u32(tag + 4), size = read_u32(tag + 8);
-        if (memcmp(tag, signature, 4) == 0 && at <= profile.size && size <= profile.size - at)
-            return (struct bytes){profile.start + at, size};
-    }
-    return (struct bytes){NULL, 0};
+    return (struct bytes){profile.start + at, size};
 }
 
 /* ---- the matrix ------------------------------------------------------------------------------ */
@@ -139,8 +146,7 @@ bool neph_icc_is_srgb(const void *data, size_t size)
     const struct bytes profile = {data, size};
     if (size < HEADER_BYTES + 4 || memcmp(profile.start + SIGNATURE_AT, "acsp", 4) != 0 ||
         memcmp(profile.start + COLOUR_SPACE_AT, "RGB ", 4) != 0 ||
-        memcmp(profile.start + CONNECTION_SPACE_AT, "XYZ ", 4) != 0 ||
-        find_tag(profile, "A2B0").size > 0)
+        memcmp(profile.start + CONNECTION_SPACE_AT, "XYZ ", 4) != 0 || find_row(profile, "A2B0"))
         return false;
     double matrix[3][3];
     bool is_srgb = true;
