@@ -21,20 +21,23 @@ double neph_frame_rate_hz(const struct neph_image *image);
 
 /* What to take of a file. */
 struct neph_frame_choice {
-    const char
-        *part; /* name or number of a part of an OpenEXR file with several (base/exr.h); NULL:
-                          its only part with colour */
-    const char *layer; /* its channels "<layer>.R" become R, and so on; other colours are dropped.
-                          NULL: names are unchanged */
-    const char *depth; /* full name of the channel that becomes Z, before a layer is taken. A file
-                          without it keeps its Z. NULL: Z */
-    bool convert;      /* other colour spaces become linear Rec. 709
-                                  (base/colour_convert.h) after the gate */
-    struct neph_clips *clips;  /* open files with several frames; NULL: a file is opened for each
-                                  frame, and read from its start */
-    struct neph_window window; /* the data window of the frame (harness/compare/frame_windows.h):
-                                  pixels that the file does not have are 0, in depth the sky, and
-                                  transparent. Size 0: the file's */
+    /* Name or number of a part of an OpenEXR file with several (base/exr.h). NULL: its only part
+     * with colour. */
+    const char *part;
+    /* Its channels "<layer>.R" become R, and so on; other colours are dropped. NULL: names are
+     * unchanged. */
+    const char *layer;
+    /* Full name of the channel that becomes Z, before a layer is taken. A file without it keeps its
+     * Z. NULL: Z. */
+    const char *depth;
+    /* After the gate, other colour spaces become linear Rec. 709 (base/colour_convert.h). */
+    bool convert;
+    /* Open files with several frames. NULL: a file is opened for each frame, and read from its
+     * start. */
+    struct neph_clips *clips;
+    /* The data window of the frame (harness/compare/frame_windows.h): pixels that the file does not
+     * have are 0, in depth the sky, and transparent. Size 0: the file's. */
+    struct neph_window window;
 };
 
 /* Read an OpenEXR or PNG file, recognized by its content, or a frame of an animated PNG
