@@ -131,7 +131,7 @@ static enum neph_status find_parts(struct stream *stream, struct neph_diag *diag
 
 /* ---- colour ---------------------------------------------------------------------------------- */
 
-static bool is_one_of(const char *word, const char *const *list, size_t count)
+static bool list_has(const char *const *list, size_t count, const char *word)
 {
     for (size_t i = 0; i < count; i++)
         if (strcasecmp(word, list[i]) == 0)
@@ -159,8 +159,8 @@ static enum neph_status find_encoding(const struct stream *stream, bool *is_srgb
     const struct neph_oiio_head *head = &stream->head;
     const char *space = head->colour_space;
     const bool is_pnm = strcmp(head->format, "pnm") == 0 && strcmp(space, "Rec709") == 0;
-    const bool says_srgb = is_one_of(space, srgb, 3) || (is_pnm && head->integer_bits > 0);
-    const bool says_linear = is_one_of(space, linear, 5) || (is_pnm && head->integer_bits == 0);
+    const bool says_srgb = list_has(srgb, 3, space) || (is_pnm && head->integer_bits > 0);
+    const bool says_linear = list_has(linear, 5, space) || (is_pnm && head->integer_bits == 0);
     char what[160];
     if (head->profile_bytes > 0 &&
         (head->integer_bits == 0 || !neph_icc_is_srgb(stream->profile, head->profile_bytes)))

@@ -252,8 +252,9 @@ static void test_samples_are_compared_by_their_bits(void **state)
     for (int i = 0; i < 2; i++) {
         assert_true(neph_frames_are_equal(images[i], images[i]));
         assert_false(neph_frames_are_equal(images[i], images[1 - i]));
-        neph_image_destroy(images[i]);
     }
+    neph_image_destroy(images[0]);
+    neph_image_destroy(images[1]);
     images[0] = create_image(1, 1);
     images[1] = create_image(1, 1);
     add_channel(images[0], "Z", (float[]){0.0f});
