@@ -240,13 +240,14 @@ static enum neph_status choose_planes(const char *path, const char *format, stru
             strncmp(format, "yuva", 4) == 0)
             continue;
         const char *digits = p && *p == 'p' ? p + 1 : p;
-        const long bits = digits ? strtol(digits, NULL, 10) : 0;
+        const bool has_bits = digits && *digits; /* "f32le" of floats is no number of bits */
+        const long bits = has_bits ? strtol(digits, NULL, 10) : 8;
         stream->planes = formats[i].planes;
         stream->bits = 8;
         for (size_t d = 0; d < sizeof(depths) / sizeof(depths[0]); d++)
             if (bits == depths[d])
                 stream->bits = depths[d];
-        if (stream->bits == bits || bits == 0)
+        if (stream->bits == bits)
             return NEPH_OK;
     }
     neph_fail(diag, NEPH_ERR_INPUT,

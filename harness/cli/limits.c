@@ -302,14 +302,6 @@ static enum neph_status check_copies(const struct work *work, struct neph_diag *
     return NEPH_ERR_INPUT;
 }
 
-static int count_noisy(const struct neph_limits *limits)
-{
-    int count = 0;
-    for (int i = 0; i < limits->count; i++)
-        count += !limits->list[i].is_equal;
-    return count;
-}
-
 static void print_limit(const struct neph_measured_limit *limit)
 {
     const char *unit = strcmp(limit->unit, "1") == 0 ? "" : limit->unit;
@@ -355,7 +347,7 @@ static void print_guarantee(const struct neph_limits *limits, int noisy)
 static void print_limits(const struct request *request, const struct neph_limits *limits,
                          const char *path)
 {
-    const int noisy = count_noisy(limits);
+    const int noisy = neph_limits_count_noisy(limits);
     printf("%d limits of %d runs in '%s'%s\n", limits->count, limits->run_count, path,
            noisy > 0 ? "" : ": all runs are equal, and a further run has to be, too");
     if (request->shared.quiet)

@@ -5,6 +5,7 @@
 #include "base/exr_parts.h"
 #include "base/files.h"
 #include "base/interrupt.h"
+#include "base/png_codes.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -40,20 +41,15 @@ struct head {
     bool has_part; /* the wanted one */
 };
 
-static uint32_t big_endian_32(const unsigned char *b)
-{
-    return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | (uint32_t)b[3];
-}
-
 /* The first chunk of a PNG is IHDR. */
-static bool read_png(const unsigned char bytes[24], struct head *head)
+static bool read_png(const char bytes[24], struct head *head)
 {
-    static const unsigned char magic[4] = {0x89, 'P', 'N', 'G'};
-    if (memcmp(bytes, magic, 4) != 0 || memcmp(bytes + 12, "IHDR", 4) != 0)
+    if (memcmp(bytes, "\x89PNG", 4) != 0 || memcmp(bytes + 12, "IHDR", 4) != 0)
         return false;
-    for (int axis = 0; axis < 2; axis++)
-        head->window.size_px[axis] = head->window.display_px[axis] = big_endian_32(bytes + 16 +
-                                                                                   4 * axis);
+    for (int axis = 0; axis < 2; axis++) {
+        const uint32_t size_px = neph_png_u32(bytes + 16 + 4 * axis);
+        head->window.size_px[axis] = head->window.display_px[axis] = size_px;
+    }
     return true;
 }
 
@@ -106,7 +102,7 @@ static bool read_exr(const char *path, int fd, uint64_t file_bytes, const char *
 static bool read_head(const char *path, const char *part, struct head *head)
 {
     static const unsigned char exr_magic[4] = {0x76, 0x2f, 0x31, 0x01};
-    unsigned char bytes[24] = {0};
+    char bytes[24] = {0};
     uint64_t file_bytes = 0;
     bool is_known = false;
     int fd;

@@ -64,8 +64,7 @@ static json_t *settings_json(const struct neph_limits *limits)
     return list;
 }
 
-/* The numbers whose noise is the chance of an alarm. */
-static int count_noisy(const struct neph_limits *limits)
+int neph_limits_count_noisy(const struct neph_limits *limits)
 {
     int count = 0;
     for (int i = 0; i < limits->count; i++)
@@ -76,7 +75,7 @@ static int count_noisy(const struct neph_limits *limits)
 static double alarm_rate(const struct neph_limits *limits)
 {
     const struct neph_run_limit_family family = {limits->share, limits->confidence, 1};
-    return count_noisy(limits) > 0 ? neph_run_limit_alarm_rate(&family) : 0.0;
+    return neph_limits_count_noisy(limits) > 0 ? neph_run_limit_alarm_rate(&family) : 0.0;
 }
 
 json_t *neph_limits_json(const struct neph_limits *limits)

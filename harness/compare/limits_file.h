@@ -55,6 +55,9 @@ void neph_limits_finish(struct neph_limits *limits);
  *                   "below"), "runs", "confidence" (null: all runs are equal), "lowest", "highest"}
  *   "left_out"      array of {"quantity", "metric", "mask", "because"} */
 json_t *neph_limits_json(const struct neph_limits *limits);
+
+/* The number of limits whose runs differ: only these have a chance of a false alarm. */
+int neph_limits_count_noisy(const struct neph_limits *limits);
 enum neph_status neph_limits_write(const struct neph_limits *limits, const char *path,
                                    struct neph_diag *diag);
 
