@@ -45,9 +45,13 @@
  * ours1  `fixed`, but static history is clamped only where a ray finds that the light has changed,
  *        and is invalid where the scene behind it has changed. The upscale has no dither, so that
  *        the anti-aliasing can be fast. docs/realtime.md has its measurements.
- * ours   the second generation: rays that are marched twice separate change from noise. Static
+ * ours2  the second generation: rays that are marched twice separate change from noise. Static
  *        pixels are the mean of all their frames, at half resolution and in the anti-aliasing, and
  *        that mean follows slow light. Elsewhere the anti-aliasing is fast and follows the medium.
+ * ours   the third generation, for motion. In `ours2` most of the flicker in motion comes from the
+ *        anti-aliasing (docs/motion.md): after a change it starts a new mean, so that edges blink
+ *        in front of clouds that drift. Now a mean keeps 19 frames, and a change counts in
+ *        proportion over a wider range.
  * fsr2   after AMD's FidelityFX Super Resolution 2, and
  * svgf   after Schied et al., HPG 2017: docs/realtime.md lists the differences from the originals.
  */
@@ -91,12 +95,19 @@ const struct neph_preset neph_rt_presets[] = {
      "reject_depth=0.1 box_motion_px=0.05 box_change=0.1 upscale_dither=none taa_alpha=0.1 "
      "taa_box=variance taa_sigma=1",
      0},
-    {"ours", "static pixels are the mean of their frames; a gradient separates change from noise",
+    {"ours2", "static pixels are the mean of their frames; a gradient separates change from noise",
      "reject_depth=0.1 reject_around=moved gradient=on relight=0.1 change_hold=0.75 "
      "change_strobe=on override_wake=32 box_motion_px=0.05 box_change=0.1 history_age_max=32 "
      "box_age=0 fallback=bilateral fallback_rejected=bilateral taa_medium=on taa_age_max=256 "
      "taa_change=0.1 taa_alpha=0.1 taa_box=variance taa_sigma=1 taa_pre_exposure=on "
      "upscale=bilateral upscale_dither=none",
+     0},
+    {"ours", "`ours2`, whose anti-aliasing keeps frames after a change; for motion",
+     "reject_depth=0.1 reject_around=moved gradient=on relight=0.1 change_hold=0.75 "
+     "change_strobe=on override_wake=32 box_motion_px=0.05 box_change=0.1 history_age_max=32 "
+     "box_age=0 fallback=bilateral fallback_rejected=bilateral taa_medium=on taa_age_max=256 "
+     "taa_age_least=19 taa_change=0.1 taa_change_full=0.6 taa_alpha=0.1 taa_box=variance "
+     "taa_sigma=1 taa_pre_exposure=on upscale=bilateral upscale_dither=none",
      NEPH_RT_STRESS | NEPH_RT_FLICKER | NEPH_RT_CONVERGENCE | NEPH_RT_REPORT | NEPH_RT_PICK},
     {"fsr2", "`fixed`, upsampled from 67 % after AMD's FSR 2: locks, disocclusion, Lanczos",
      "screen_percent=67 taa=locks taa_jitter=halton taa_jitter_length=8 taa_motion=square "

@@ -86,11 +86,16 @@ static void test_parts_of_the_plain_pipeline_keep_apart(void **state)
     }
 }
 
-/* Parts of the second generation. */
 static neph_ablation_set second_generation(void)
 {
     return bit("true_gradient") | bit("rest") | bit("relight") | bit("change_memory") |
            bit("own_depth") | bit("medium_motion") | bit("running_mean") | bit("stand_in");
+}
+
+/* Parts of the third generation. */
+static neph_ablation_set third_generation(void)
+{
+    return bit("kept_frames") | bit("wide_change");
 }
 
 /* Parts that are in no preset and are set for scenes that need them. */
@@ -103,8 +108,11 @@ static neph_ablation_set of_the_air(void)
 static void test_ours_has_every_part_but_the_dithered_upscale(void **state)
 {
     assert_true(find_preset_parts("ours1") ==
-                (every_part() & ~bit("upscale_dither") & ~second_generation() & ~of_the_air()));
-    assert_true((find_preset_parts("ours") & second_generation()) == second_generation());
+                (every_part() & ~bit("upscale_dither") & ~second_generation() &
+                 ~third_generation() & ~of_the_air()));
+    assert_true(find_preset_parts("ours2") ==
+                ((find_preset_parts("ours1") | second_generation()) & ~third_generation()));
+    assert_true(find_preset_parts("ours") == (find_preset_parts("ours2") | third_generation()));
     assert_true((find_preset_parts("fixed") & bit("upscale_dither")) != 0);
     assert_true((find_preset_parts("fixed") & bit("gradients")) == 0);
     assert_true((find_preset_parts("ours+override=none") & bit("override")) == 0);
@@ -155,7 +163,7 @@ static bool is_exception(const char *option)
  * `ours` differs from another preset belongs to a part or is a listed exception. */
 static void test_no_setting_of_ours_is_forgotten(void **state)
 {
-    static const char *const others[] = {"seed", "fixed", "ours1"};
+    static const char *const others[] = {"seed", "fixed", "ours1", "ours2"};
     const struct neph_option *options = neph_engine_find("realtime")->options;
     const struct neph_settings ours = parse_test_settings("ours");
     int difference_count = 0;

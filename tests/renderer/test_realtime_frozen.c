@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Presets with frozen bits, against which others are measured: `off` is the march, `fixed` the
- * defaults, and `ours1` the preset of the first published study. One hash covers all channels of
- * eight frames; every change of a hash is either intended or a fault.
+ * defaults, `ours1` the preset of the first published study, and `ours2` the predecessor of `ours`.
+ * One hash covers all channels of eight frames; every change of a hash is either intended or a fault.
  *
  * Bits depend on the driver's version and its vector width. frozen_frames.txt has the hashes of
  * each tested device; on other devices the test is skipped with a message. After an intended
@@ -22,9 +22,10 @@ static const char file_of_hashes[] = NEPH_SOURCE_DIR "/tests/renderer/frozen_fra
 static const struct {
     const char *scene, *preset;
 } cases[] = {
-    {"fence_pitch4", "off"}, {"fence_pitch4", "fixed"}, {"fence_pitch4", "ours1"},
-    {"foliage", "off"},      {"foliage", "fixed"},      {"foliage", "ours1"},
-    {"camera_pan", "off"},   {"camera_pan", "fixed"},   {"camera_pan", "ours1"},
+    {"fence_pitch4", "off"},   {"fence_pitch4", "fixed"}, {"fence_pitch4", "ours1"},
+    {"fence_pitch4", "ours2"}, {"foliage", "off"},        {"foliage", "fixed"},
+    {"foliage", "ours1"},      {"foliage", "ours2"},      {"camera_pan", "off"},
+    {"camera_pan", "fixed"},   {"camera_pan", "ours1"},   {"camera_pan", "ours2"},
 };
 
 static struct neph_scene *load(const char *name)

@@ -96,8 +96,8 @@ static void test_a_tile_marches_as_march_does(void **state)
 
 /* Presets of the day come first; most of each one's time is compiling its kernels. Moving frames of
  * every preset of the day are in tests/harness/e2e_realtime.py. */
-static const char *const presets[] = {"off",   "seed",  "fixed", "ours",
-                                      "ours1", "unity", "ue",    "c52e"};
+static const char *const presets[] = {"off",   "seed",  "fixed", "ours", "ours1",
+                                      "ours2", "unity", "ue",    "c52e"};
 /* Presets with validity=on, for the day and the night. */
 static const char *const sound[] = {"fixed", "ours", "ue", "c52e", "unity"};
 

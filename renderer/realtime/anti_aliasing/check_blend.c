@@ -164,20 +164,21 @@ static void open_change(struct neph_vulkan *vulkan, const char *settings, float 
 }
 
 /* The light of a pixel changes fully in one frame, or the pixel moves by `motion` px in it; then
- * both are constant. The mean keeps the age of taa_age_least frames, or its own where it is less,
- * and the n-th frame after the change weighs 1 / (age + n). A residue of 1 is another scene: the
- * age is 1. */
+ * both are constant. The changed frame counts 1 in the mean, or 1/4 where the mean has less than two
+ * frames; the mean keeps at most taa_age_least frames, and the n-th frame after the change weighs
+ * 1 / (age + n). A residue of 1 is another scene: the age is 1. */
 static void test_mean_keeps_frames_after_a_change(void **state)
 {
     static const struct {
         const char *least;
         float age, residue, motion_px;
         double kept;
-    } cases[] = {{"0", 40, 0.4f, 0, 1},   {"1", 40, 0.4f, 0, 1},    {"19", 40, 0.4f, 0, 19},
-                 {"19", 19, 0.4f, 0, 19}, {"19", 18, 0.4f, 0, 18},  {"19", 5, 0.4f, 0, 5},
-                 {"19", 1, 0.4f, 0, 1},   {"100", 70, 0.4f, 0, 64}, {"19", 40, 0, 0.05f, 19},
-                 {"19", 40, 1, 0, 1},     {"19", 40, 0.99f, 0, 19}, {"19", 40, 0, 1, 19},
-                 {"19", 5, 0, 1, 5},      {"0", 40, 0, 1, 1}};
+    } cases[] = {{"0", 40, 0.4f, 0, 1},    {"1", 40, 0.4f, 0, 1},    {"19", 40, 0.4f, 0, 19},
+                 {"19", 19, 0.4f, 0, 19},  {"19", 18, 0.4f, 0, 19},  {"19", 5, 0.4f, 0, 6},
+                 {"19", 1, 0.4f, 0, 1.25}, {"19", 2, 0.4f, 0, 3},    {"19", 1.75f, 0.4f, 0, 2},
+                 {"100", 70, 0.4f, 0, 64}, {"19", 40, 0, 0.05f, 19}, {"19", 40, 1, 0, 1},
+                 {"19", 40, 0.99f, 0, 19}, {"19", 40, 0, 1, 19},     {"19", 5, 0, 1, 6},
+                 {"0", 40, 0, 1, 1}};
     for (size_t i = 0; i < COUNT(cases); i++) {
         OWNED(passes) struct test_passes test;
         char text[256];

@@ -529,7 +529,8 @@ static double frames_alike(const struct reference *cpu, int x, int y)
 }
 
 /* The frame's weight, and the age after this frame. Motion or a change of the light limits the age
- * to taa_age_least, at least 1; a change of all light to 1. */
+ * to taa_age_least, at least 1; a change of all light to 1. A changed frame counts a quarter in a
+ * mean of less than two frames. */
 static double weight_with_age(const struct reference *cpu, struct place at, double speed_px,
                               double alpha, double *age)
 {
@@ -544,7 +545,9 @@ static double weight_with_age(const struct reference *cpu, struct place at, doub
     if (choice(cpu, RT_GRADIENT))
         *age = fmax(fmin(*age, frames_alike(cpu, x, y)), fmin(*age, least));
     alpha = (1.0 - change_share) / (*age + 1.0) + change_share * alpha;
-    *age = fmin((1.0 - change_share) * (*age + 1.0) + change_share * fmin(*age, least), age_max);
+    const double counted = *age < 2.0 ? 0.25 : 1.0;
+    *age = fmin((1.0 - change_share) * (*age + 1.0) + change_share * fmin(*age + counted, least),
+                age_max);
     return alpha;
 }
 

@@ -117,13 +117,22 @@ float frames_alike()
 }
 
 // The age of the mean while the pixel moves or its light changes fully: at most taa_age_least
-// frames, and it does not grow. After an age of 1 the next static frame weighs 1/2, and edges
-// blink. Where another scene has come into view, or all light has changed (a residue of 1), a mean
-// starts anew, and then has only the static frames that follow.
+// frames. After an age of 1 the next static frame weighs 1/2, and edges blink. Where another scene
+// has come into view, or all light has changed (a residue of 1), a mean starts anew.
 float limit_changed_age(float age)
 {
     bool is_other = uses_gradient() && largest_residue() >= 1.0;
     return is_set(RT_TAA_AGE_LEAST) && !is_other ? min(age, setting(RT_TAA_AGE_LEAST)) : 1.0;
+}
+
+// A new mean begins with frames of a half resolution that has not converged: of these a changed
+// one counts a quarter, so that the static frames after them weigh more.
+const float NEW_BELOW = 2.0, COUNT_IN_NEW = 0.25;
+
+// The age after a frame in which the pixel moves or its light changes fully.
+float age_after_change(float age)
+{
+    return limit_changed_age(age + (age < NEW_BELOW ? COUNT_IN_NEW : 1.0));
 }
 
 // A static pixel is the mean of its frames since its last change: one more frame weighs
@@ -135,7 +144,7 @@ float weight_with_age(float alpha, float change_share, inout float age)
     if (choice(RT_GRADIENT) != 0)
         age = max(min(age, frames_alike()), limit_changed_age(age));
     alpha = mix(1.0 / (age + 1.0), alpha, change_share);
-    age = min(mix(age + 1.0, limit_changed_age(age), change_share), setting(RT_TAA_AGE_MAX));
+    age = min(mix(age + 1.0, age_after_change(age), change_share), setting(RT_TAA_AGE_MAX));
     return alpha;
 }
 
