@@ -1,21 +1,28 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""reduce.py FOLDER: from FOLDER/flicker_WIDTH_HZ.csv and FOLDER/causes.csv, which go:
+"""reduce.py FOLDER: from FOLDER/flicker_WIDTH_HZ.csv and, where there is one, FOLDER/causes.csv,
+which go (seeds of a scene are averaged first):
 
 floor.csv: each preset over its floor, geometric means over scenes with Student's 95 % interval of
-the logarithm, for flicker seen and error, at each size and frame rate. times_seen.csv,
-times_error.csv: the same as text, a column for each size and rate. seen.csv: flicker seen of each
-scene at 384x216 and 30 Hz, and the floor of `fixed` and of `ours`. pairs.csv: `ours` over each
-preset, at that size and rate. causes.csv: shares of the squared flicker seen [%]. causes_mean.csv:
-their means over scenes, and by how much flicker seen falls with a part ideal [%]."""
+the logarithm, for flicker seen, error, half-life and ghosts, at each size and frame rate, and the
+number of scenes beyond 1.6 times. times_seen.csv, times_error.csv: the same as text, a column for
+each size and rate. seen.csv, error.csv: flicker seen and error of each scene at 384x216 and 30 Hz,
+and the floor of `fixed` and of `ours`. pairs.csv: `ours` over each preset at 30 Hz. causes.csv:
+shares of the squared flicker seen [%]. causes_mean.csv: their means over scenes, and by how much
+flicker seen falls with a part ideal [%]. rest.csv: `ours` over `ours2` in the scenes of
+FOLDER/rest_SUITE.csv."""
 import csv
 import math
 import pathlib
 import statistics
 import sys
 
-STUDENT_T = {16: 2.131, 17: 2.120, 18: 2.110}  # 97.5 %, by scenes
-METRICS = {"seen": "seen_contrast", "error": "rel_rmse"}
+STUDENT_T = {5: 2.776, 14: 2.160, 16: 2.131, 17: 2.120, 18: 2.110,
+             32: 2.040, 36: 2.030, 41: 2.021}  # 97.5 %, by scenes
+METRICS = {"seen": "seen_contrast", "error": "rel_rmse", "half_life": "half_life_p50",
+           "ghosts": "ghost_area_frames"}
+MUCH = 1.6  # times the floor
+WIDTH_OF_SCENES = 384
 
 
 def write(path, rows):
@@ -32,6 +39,22 @@ def read(path):
     return rows
 
 
+def means_over_seeds(rows):
+    """{metric: {preset: {scene: (value, floor or None)}}}, of the whole image."""
+    seeds = {}
+    for row in rows:
+        if row["mask"] == "all" and row["value"] and row["is_floor"] == "0":
+            key = row["metric"], row["preset"], row["scene"]
+            seeds.setdefault(key, []).append((float(row["value"]), row["floor"]))
+    found = {}
+    for (metric, preset, scene), pairs in seeds.items():
+        floors = [float(floor) for _, floor in pairs if floor]
+        mean = (statistics.fmean(value for value, _ in pairs),
+                statistics.fmean(floors) if len(floors) == len(pairs) else None)
+        found.setdefault(metric, {}).setdefault(preset, {})[scene] = mean
+    return found
+
+
 def interval(values):
     """Mean and the ends of its 95 % interval."""
     mean = statistics.fmean(values)
@@ -39,24 +62,24 @@ def interval(values):
     return mean, mean - half, mean + half
 
 
-def rows_of_metric(rows, metric):
-    return [row for row in rows if row["metric"] == metric and row["mask"] == "all" and
-            row["value"] and row["is_floor"] == "0"]
+def ratio_fields(name, times):
+    """Geometric mean over scenes of `times`, {scene: ratio}, and its interval."""
+    ends = interval([math.log(value) for value in times.values()])
+    return {f"{name}_{end}": f"{math.exp(value):.4g}"
+            for end, value in zip(("times", "low", "high"), ends)}
 
 
-def over_floor(rows, width, hz):
+def over_floor(means, width, hz):
     found = []
-    for preset in dict.fromkeys(row["preset"] for row in rows if row["is_floor"] == "0"):
+    for preset in means["seen_contrast"]:
         line = {"width": width, "hz": hz, "preset": preset}
-        for name, metric in METRICS.items():
-            times = {row["scene"]: float(row["scene_times_floor"])
-                     for row in rows_of_metric(rows, metric)
-                     if row["preset"] == preset and row["scene_times_floor"]}
-            mean, low, high = interval([math.log(value) for value in times.values()])
-            for end, value in (("times", mean), ("low", low), ("high", high)):
-                line[f"{name}_{end}"] = f"{math.exp(value):.4g}"
+        for name in ("seen", "error"):
+            times = {scene: value / floor
+                     for scene, (value, floor) in means[METRICS[name]][preset].items() if floor}
+            line |= ratio_fields(name, times)
             line[f"{name}_most"] = f"{max(times.values()):.4g}"
             line[f"{name}_most_in"] = max(times, key=times.get)
+            line[f"{name}_beyond"] = sum(value > MUCH for value in times.values())
         found.append(line)
     return found
 
@@ -70,30 +93,36 @@ def times_as_text(floors, name):
     return list(lines.values())
 
 
-def seen_by_scene(rows):
+def by_scene(presets):
+    """A line for each scene, and the floors of `fixed` and of `ours`."""
     lines = {}
-    for row in rows_of_metric(rows, METRICS["seen"]):
-        line = lines.setdefault(row["scene"], {"scene": row["scene"]})
-        line[row["preset"]] = row["value"]
-        if row["preset"] in ("fixed", "ours"):
-            line[f"floor_{row['preset']}"] = row["floor"]
+    for preset, scenes in presets.items():
+        for scene, (value, floor) in scenes.items():
+            line = lines.setdefault(scene, {"scene": scene})
+            line[preset] = f"{value:.6g}"
+            if preset in ("fixed", "ours"):
+                line[f"floor_{preset}"] = f"{floor:.6g}"
     return list(lines.values())
 
 
-def pairs(rows):
-    """The preset `ours` over each other one."""
+def pairs(means, width):
+    """The preset `ours` over each other one, in the scenes in which both have a value above 0."""
     lines = []
-    for other in dict.fromkeys(row["preset"] for row in rows if row["is_floor"] == "0"):
-        line = {"second": other}
-        for name, metric in METRICS.items() if other != "ours" else ():
-            values = {(row["scene"], row["preset"]): float(row["value"])
-                      for row in rows_of_metric(rows, metric)}
-            logs = {scene: math.log(values[scene, "ours"] / value)
-                    for (scene, preset), value in values.items() if preset == other}
-            for end, value in zip(("times", "low", "high"), interval(list(logs.values()))):
-                line[f"{name}_{end}"] = f"{math.exp(value):.4g}"
-            line[f"{name}_better"] = sum(value < 0.0 for value in logs.values())
-        lines += [line] * (len(line) > 1)
+    for other in means["seen_contrast"]:
+        if other == "ours":
+            continue
+        line = {"width": width, "second": other}
+        for name, metric in METRICS.items():
+            presets = means.get(metric, {})
+            values = presets.get(other, {})
+            times = {scene: value / values[scene][0]
+                     for scene, (value, _) in presets.get("ours", {}).items()
+                     if scene in values and value > 0.0 and values[scene][0] > 0.0}
+            if times:
+                line |= ratio_fields(name, times)
+                line[f"{name}_better"] = sum(value < 1.0 for value in times.values())
+                line[f"{name}_worse"] = sum(value > 1.0 for value in times.values())
+        lines.append(line)
     return lines
 
 
@@ -120,20 +149,27 @@ def mean_causes(rows):
 
 def main():
     folder = pathlib.Path(sys.argv[1])
-    floors = []
+    floors, ours_over = [], []
     for path in sorted(folder.glob("flicker_*.csv")):
         _, width, hz = path.stem.split("_")
-        rows = read(path)
-        floors += over_floor(rows, int(width), int(hz))
-        if (width, hz) == ("384", "30"):
-            write(folder / "seen.csv", seen_by_scene(rows))
-            write(folder / "pairs.csv", pairs(rows))
+        means = means_over_seeds(read(path))
+        floors += over_floor(means, int(width), int(hz))
+        if hz == "30":
+            ours_over += pairs(means, int(width))
+        if (int(width), hz) == (WIDTH_OF_SCENES, "30"):
+            for name in ("seen", "error"):
+                write(folder / f"{name}.csv", by_scene(means[METRICS[name]]))
     write(folder / "floor.csv", floors)
-    for name in METRICS:
+    write(folder / "pairs.csv", ours_over)
+    for name in ("seen", "error"):
         write(folder / f"times_{name}.csv", times_as_text(floors, name))
-    rows = read(folder / "causes.csv")
-    write(folder / "causes.csv", causes(rows))
-    write(folder / "causes_mean.csv", mean_causes(rows))
+    rest = [row for path in sorted(folder.glob("rest_*.csv")) for row in read(path)]
+    if rest:
+        write(folder / "rest.csv", pairs(means_over_seeds(rest), 192))
+    if (folder / "causes.csv").exists():
+        rows = read(folder / "causes.csv")
+        write(folder / "causes.csv", causes(rows))
+        write(folder / "causes_mean.csv", mean_causes(rows))
 
 
 if __name__ == "__main__":
