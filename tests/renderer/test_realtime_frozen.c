@@ -2,7 +2,7 @@
  *
  * Presets with frozen bits, against which others are measured: `off` is the march, `fixed` the
  * defaults, `ours1` the preset of the first published study, and `ours2` the predecessor of `ours`.
- * One hash covers all channels of eight frames; every change of a hash is either intended or a fault.
+ * One hash covers all channels of eight frames; each change of a hash is intended or a fault.
  *
  * Bits depend on the driver's version and its vector width. frozen_frames.txt has the hashes of
  * each tested device; on other devices the test is skipped with a message. After an intended

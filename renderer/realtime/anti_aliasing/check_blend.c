@@ -164,9 +164,9 @@ static void open_change(struct neph_vulkan *vulkan, const char *settings, float 
 }
 
 /* The light of a pixel changes fully in one frame, or the pixel moves by `motion` px in it; then
- * both are constant. The changed frame counts 1 in the mean, or 1/4 where the mean has less than two
- * frames; the mean keeps at most taa_age_least frames, and the n-th frame after the change weighs
- * 1 / (age + n). A residue of 1 is another scene: the age is 1. */
+ * both are constant. The changed frame counts 1 in the mean, or 1/4 where the mean has less than
+ * two frames; the mean keeps at most taa_age_least frames, and the n-th frame after the change
+ * weighs 1 / (age + n). A residue of 1 is another scene: the age is 1. */
 static void test_mean_keeps_frames_after_a_change(void **state)
 {
     static const struct {
