@@ -858,6 +858,7 @@ void neph_compared_finish(struct neph_compared *compared)
     neph_findings_finish(&compared->findings);
     neph_movement_finish(&compared->movement);
     neph_differences_finish(&compared->versus);
+    neph_partner_finish(&compared->partner);
     free(compared->maps);
     neph_arena_finish(&compared->arena);
     *compared = (struct neph_compared){.asked = NULL};

@@ -10,6 +10,7 @@
 #include "harness/compare/findings.h"
 #include "harness/compare/frame_windows.h"
 #include "harness/compare/movement.h"
+#include "harness/compare/partner.h"
 #include "harness/compare/sequence.h"
 #include "harness/compare/versus.h"
 #include "metrics/largest_error.h"
@@ -82,8 +83,9 @@ struct neph_compared {
     const char *reference_video, *test_video; /* NEPH_VIDEO_ATTRIBUTE of their frames; NULL: none */
     const char **maps;                        /* file names; owned */
     int map_count;
-    bool has_versus;                /* `versus` is set */
-    struct neph_differences versus; /* difference from another test; owned */
+    bool has_versus;                     /* `versus` is set */
+    struct neph_differences versus;      /* difference from another test; owned */
+    struct neph_partner_numbers partner; /* of another program; owned */
 };
 
 /* Run a comparison. `with_draws`: the numbers keep their bootstrap draws (metrics/metric.h).
@@ -121,6 +123,7 @@ enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons,
  *   "largest_error" only with the extractor `error`: of radiance, {"frame", "x", "y", "channel",
  *                   "reference", "test"}; null when no frame has an error
  *   "movement"      only if requested: {"frames", "cycles"} of harness/compare/movement.h
+ *   "partners"      only with --partner: array of objects as neph_partner_json()
  *   "versus", "versus_movement"  only with another test: harness/compare/versus.h
  * */
 json_t *neph_compared_json(const struct neph_compared *compared);

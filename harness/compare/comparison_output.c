@@ -248,6 +248,7 @@ void neph_comparison_print(const struct neph_compared *compared, bool details, b
                "surround\n",
                viewing->frame_rate_hz, viewing->pixels_per_degree, viewing->exposure_ev,
                viewing->white_cd_per_m2);
+    neph_partner_print(&compared->partner, stdout);
     printf("frames: %d measured, %d of them frozen\n", compared->frame_count,
            compared->frozen_count);
 }
@@ -422,6 +423,8 @@ json_t *neph_compared_json(const struct neph_compared *compared)
         neph_json_set(&json, "largest_error", largest_error_json(&compared->largest_error));
     if (compared->movement.frame_count > 0)
         neph_json_set(&json, "movement", movement_json(&compared->movement));
+    if (compared->partner.display)
+        neph_json_set(&json, "partners", json_pack("[o]", neph_partner_json(&compared->partner)));
     if (compared->has_versus) {
         neph_json_set(&json, "versus", neph_differences_json(&compared->versus));
         neph_json_set(&json, "versus_movement", neph_time_differences_json(&compared->versus));

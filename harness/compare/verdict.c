@@ -299,6 +299,7 @@ void neph_verdict(const struct neph_compared *compared, const struct neph_verdic
         lines += print_findings(compared, mask, label, &answer, lines_max - lines, out);
         lines += print_findings(compared, mask, label, &caution, lines_max - lines, out);
         lines += print_left_out(compared, out);
+        lines += neph_partner_print(&compared->partner, out);
     }
     if (compared->has_versus)
         neph_verdict_pair_numbers(compared, mask, form->test, form->other, form->shows_metrics,
