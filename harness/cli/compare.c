@@ -312,6 +312,7 @@ static enum neph_status prepare(const struct request *request, struct neph_sides
         .maps_directory = request->maps,
         .allow_frozen_frames = request->allow_frozen_frames || !request->temporal,
         .by_position = request->by_position,
+        .with_histogram = !request->temporal,
         .quiet = request->shared.quiet,
         .negative_allowed = request->negative_is_fine ? SIZE_MAX : 0,
     };

@@ -306,6 +306,8 @@ void neph_verdict(const struct neph_compared *compared, const struct neph_verdic
                                   lines_max - lines, out);
     else
         print_numbers(compared, mask, lines_max - lines, form->shows_metrics, out);
+    if (form->is_on_page)
+        neph_comparison_print_histogram(compared, out);
     if (!form->is_brief)
         print_ways(compared, form->is_on_page, out);
 }
