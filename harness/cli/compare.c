@@ -7,6 +7,7 @@
 
 #include "base/clock.h"
 #include "base/heap.h"
+#include "base/interrupt.h"
 #include "base/threads.h"
 #include "harness/cli/compare_choice.h"
 #include "harness/cli/compare_page.h"
@@ -39,6 +40,8 @@ struct request {
     const char *window; /* mode of differing data windows */
     const char *second; /* words of the second reference */
     const char *versus; /* words of the other test */
+    const char *partner;
+    const struct neph_partner_display *partner_display; /* of `partner`; NULL: none */
     double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: the default */
     const char *variance; /* name of the layer of variances, for --z */
     int warm_up_frames, samples;
@@ -80,6 +83,11 @@ static const struct neph_cli_option options[] = {
      "paired frame by frame, or tile by tile where a sequence has one number, with intervals and "
      "corrected p-values",
      NEPH_CLI_WORD, AT(versus)},
+    {"partner", 0, "PROGRAM[:DISPLAY]",
+     "Also the number of another program, which must be in PATH: cvvdp (the JOD of ColorVideoVDP "
+     "for its display standard_4k), cvvdp:standard_fhd, cvvdp:standard_hdr_linear or "
+     "cvvdp:standard_hdr_linear_dark",
+     NEPH_CLI_WORD, AT(partner)},
     {"warm-up", 0, "N", "Leave out the first N frames", NEPH_CLI_INTEGER, AT(warm_up_frames), "0",
      0, 1000000},
     {"by-position", 0, NULL,
@@ -276,6 +284,9 @@ static enum neph_status choose_extractors(struct neph_comparison *comparison,
         status = choose_limited(comparison, request, diag);
     if (status)
         return status;
+    if (request->partner && comparison->without_reference)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "--partner compares with a reference: name it with -r");
     return neph_choice_check_reference(comparison, request->second ? "--second-reference" : NULL,
                                        diag);
 }
@@ -301,6 +312,7 @@ static enum neph_status prepare(const struct request *request, struct neph_sides
         .maps_directory = request->maps,
         .allow_frozen_frames = request->allow_frozen_frames || !request->temporal,
         .by_position = request->by_position,
+        .with_histogram = !request->temporal,
         .quiet = request->shared.quiet,
         .negative_allowed = request->negative_is_fine ? SIZE_MAX : 0,
     };
@@ -376,6 +388,34 @@ struct work {
     int limit_lines;     /* printed */
     json_t *limits_json; /* the result of the file of limits; owned; NULL: none */
 };
+
+/* Run the program of --partner. The results after Ctrl-C are complete but for its number. */
+static enum neph_status ask_partner(struct work *work, struct neph_diag *diag)
+{
+    const struct request *request = work->request;
+    const struct neph_comparison *asked = &work->asked[NEPH_PAGE_TEST];
+    struct neph_compared *compared = &work->compared[NEPH_PAGE_TEST];
+    if (!request->partner_display)
+        return NEPH_OK;
+    const struct neph_partner_job job = {
+        .display = request->partner_display,
+        .reference = &asked->reference,
+        .test = &asked->test,
+        .other = &work->sides->other,
+        .first = asked->warm_up_frames,
+        .is_sequence = request->temporal,
+        .choice = asked->frame_choice,
+        .negative_allowed = asked->negative_allowed,
+        .viewing = compared->viewing,
+        .with_pixels_per_degree = !isnan(request->pixels_per_degree),
+    };
+    if (!request->shared.quiet)
+        fprintf(stderr, "cvvdp: %d frames\n", asked->test.count - job.first);
+    const enum neph_status status = neph_partner_run(&job, &compared->partner, diag);
+    if (status == NEPH_ERR_INTERRUPTED)
+        neph_interrupt_acknowledge();
+    return status;
+}
 
 /* The note behind the first line of the answer: the missing or the assumed reference. */
 static const char *find_note(const struct neph_sides *sides, struct neph_arena *arena)
@@ -600,13 +640,15 @@ static enum neph_status tell(struct work *work, enum neph_status status, struct 
         const enum neph_status versus = add_versus(work, status ? NULL : diag);
         status = status ? status : versus;
     }
+    struct neph_diag partner = {.line = 0};
+    const enum neph_status beside = status ? NEPH_OK : ask_partner(work, &partner);
     const enum neph_status printed = print_all(work, status ? NULL : diag);
     status = status ? status : printed;
-    add_run(request, status, diag, work->junit);
-    if (status || !checked)
+    add_run(request, status ? status : beside, status ? diag : &partner, work->junit);
+    if (status || (!checked && !beside))
         return status;
-    *diag = late;
-    return checked;
+    *diag = checked ? late : partner;
+    return checked ? checked : beside;
 }
 
 /* ---- all of it ------------------------------------------------------------------------------- */
@@ -667,6 +709,7 @@ static enum neph_status check_z(const struct request *request, const struct neph
         {request->frame_choice.convert, "convert"},
         {request->second, "second-reference"},
         {request->versus, "versus"},
+        {request->partner, "partner"},
         {request->warm_up_frames > 0, "warm-up"},
         {request->above.count > 0, "fail-above"},
         {request->below.count > 0, "fail-below"},
@@ -746,6 +789,8 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
         status = neph_limits_read(request.limits_path, &limits, diag);
         request.limits = status ? NULL : &limits;
     }
+    if (!status && request.partner)
+        status = neph_partner_find(request.partner, &request.partner_display, diag);
     if (!status)
         status = neph_sides_find(&words, request.warm_up_frames, &sides, diag);
     if (!status)

@@ -638,6 +638,8 @@ static enum neph_status measure_frame(struct pass *pass, struct work *work, int 
     work->made->has_largest_error = measures_error(work->asked);
     if (!status && work->made->has_largest_error)
         neph_largest_error_add(&work->made->largest_error, work->reference, work->test, frame);
+    if (!status && work->made->has_largest_error && work->asked->with_histogram)
+        status = neph_histogram_add(&work->made->histogram, work->reference, work->test, diag);
     if (!status)
         status = send_maps(work, frame, diag);
     work->done_count += !status;
@@ -858,6 +860,7 @@ void neph_compared_finish(struct neph_compared *compared)
     neph_findings_finish(&compared->findings);
     neph_movement_finish(&compared->movement);
     neph_differences_finish(&compared->versus);
+    neph_partner_finish(&compared->partner);
     free(compared->maps);
     neph_arena_finish(&compared->arena);
     *compared = (struct neph_compared){.asked = NULL};

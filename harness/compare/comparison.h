@@ -10,8 +10,10 @@
 #include "harness/compare/findings.h"
 #include "harness/compare/frame_windows.h"
 #include "harness/compare/movement.h"
+#include "harness/compare/partner.h"
 #include "harness/compare/sequence.h"
 #include "harness/compare/versus.h"
+#include "metrics/error_histogram.h"
 #include "metrics/largest_error.h"
 
 #include <stdio.h>
@@ -51,6 +53,7 @@ struct neph_comparison {
     bool by_position;         /* frame numbers may differ between sequences */
     bool allow_frozen_frames; /* frozen frames are not an error */
     bool plain;               /* no confidence intervals, which double the cost */
+    bool with_histogram;      /* also the histogram of errors, with the extractor `error` */
     bool with_movement;       /* also measure the movement of each frame */
     bool quiet;               /* print no progress */
 };
@@ -75,6 +78,7 @@ struct neph_compared {
     struct neph_movement movement;    /* empty unless requested; owned */
     bool has_largest_error;           /* the extractor `error` was chosen */
     struct neph_largest_error largest_error;
+    struct neph_error_histogram histogram; /* empty unless requested */
     struct neph_not_taken *not_taken;
     int not_taken_count;
     /* Colour spaces of the files of converted frames; NULL: not converted */
@@ -82,8 +86,9 @@ struct neph_compared {
     const char *reference_video, *test_video; /* NEPH_VIDEO_ATTRIBUTE of their frames; NULL: none */
     const char **maps;                        /* file names; owned */
     int map_count;
-    bool has_versus;                /* `versus` is set */
-    struct neph_differences versus; /* difference from another test; owned */
+    bool has_versus;                     /* `versus` is set */
+    struct neph_differences versus;      /* difference from another test; owned */
+    struct neph_partner_numbers partner; /* of another program; owned */
 };
 
 /* Run a comparison. `with_draws`: the numbers keep their bootstrap draws (metrics/metric.h).
@@ -120,7 +125,11 @@ enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons,
  *   "maps"          array of file names
  *   "largest_error" only with the extractor `error`: of radiance, {"frame", "x", "y", "channel",
  *                   "reference", "test"}; null when no frame has an error
+ *   "error_histogram" only if requested: {"error", "edges", "counts", "below", "above",
+ *                   "not_finite"} of metrics/error_histogram.h; bin i is from edge i to before
+ *                   edge i + 1
  *   "movement"      only if requested: {"frames", "cycles"} of harness/compare/movement.h
+ *   "partners"      only with --partner: array of objects as neph_partner_json()
  *   "versus", "versus_movement"  only with another test: harness/compare/versus.h
  * */
 json_t *neph_compared_json(const struct neph_compared *compared);
@@ -132,6 +141,9 @@ void neph_comparison_print(const struct neph_compared *compared, bool details, b
 /* Print how frames were read where that is not obvious: data windows that differ, and videos.
  * Returns the number of lines. */
 int neph_comparison_print_reading(const struct neph_compared *compared, FILE *out);
+
+/* Print the histogram of errors in one line, if there is one. Returns the number of lines. */
+int neph_comparison_print_histogram(const struct neph_compared *compared, FILE *out);
 
 /* Write the numbers as CSV (RFC 4180) with a header line; path "-" is stdout. */
 enum neph_status neph_comparison_write_csv(const char *path, const struct neph_compared *compared,

@@ -227,6 +227,32 @@ int neph_comparison_print_reading(const struct neph_compared *compared, FILE *ou
     return lines;
 }
 
+int neph_comparison_print_histogram(const struct neph_compared *compared, FILE *out)
+{
+    static const struct {
+        int first, last; /* edges: neph_histogram_count() */
+        const char *range;
+    } parts[] = {{-1, 4, "below -10 %"},
+                 {4, 6, "to -1 %"},
+                 {6, 8, "to -0.1 %"},
+                 {8, 13, "to 0.1 %"},
+                 {13, 15, "to 1 %"},
+                 {15, 17, "to 10 %"},
+                 {17, NEPH_HISTOGRAM_EDGES, "above"}};
+    const struct neph_error_histogram *histogram = &compared->histogram;
+    if (histogram->count == 0)
+        return 0;
+    fprintf(out, "relative error of samples of radiance");
+    for (size_t p = 0; p < sizeof(parts) / sizeof(parts[0]); p++)
+        fprintf(out, "%s %s: %.3g %%", p == 0 ? "," : ";", parts[p].range,
+                100.0 * (double)neph_histogram_count(histogram, parts[p].first, parts[p].last) /
+                    (double)histogram->count);
+    if (histogram->not_finite > 0)
+        fprintf(out, "; not finite: %llu samples", (unsigned long long)histogram->not_finite);
+    fprintf(out, "\n");
+    return 1;
+}
+
 void neph_comparison_print(const struct neph_compared *compared, bool details, bool all)
 {
     const struct neph_viewing *viewing = &compared->viewing;
@@ -240,6 +266,7 @@ void neph_comparison_print(const struct neph_compared *compared, bool details, b
             compared->largest_error.channel, compared->largest_error.x_px,
             compared->largest_error.y_px, compared->largest_error.frame,
             compared->largest_error.test, compared->largest_error.reference);
+    neph_comparison_print_histogram(compared, stdout);
     for (int i = 0; i < compared->not_taken_count; i++)
         printf("not taken: %s of %s: %s\n", compared->not_taken[i].extractor,
                compared->not_taken[i].quantity, compared->not_taken[i].because);
@@ -248,6 +275,7 @@ void neph_comparison_print(const struct neph_compared *compared, bool details, b
                "surround\n",
                viewing->frame_rate_hz, viewing->pixels_per_degree, viewing->exposure_ev,
                viewing->white_cd_per_m2);
+    neph_partner_print(&compared->partner, stdout);
     printf("frames: %d measured, %d of them frozen\n", compared->frame_count,
            compared->frozen_count);
 }
@@ -395,6 +423,23 @@ static json_t *largest_error_json(const struct neph_largest_error *largest)
                      "test", largest->test);
 }
 
+static json_t *histogram_json(const struct neph_error_histogram *histogram)
+{
+    json_t *edges = json_array(), *counts = json_array();
+    for (int i = 0; i < NEPH_HISTOGRAM_EDGES; i++)
+        neph_json_add(&edges, json_real(neph_histogram_edge(i)));
+    for (int i = 0; i < NEPH_HISTOGRAM_BINS; i++)
+        neph_json_add(&counts, json_integer((json_int_t)neph_histogram_count(histogram, i, i + 1)));
+    return json_pack(
+        "{s:s, s:o, s:o, s:I, s:I, s:I}", "error",
+        "(test - reference) / max(|reference|, 1e-4 S) of radiance, S the mean "
+        "luminance of the reference",
+        "edges", edges, "counts", counts, "below",
+        (json_int_t)neph_histogram_count(histogram, -1, 0), "above",
+        (json_int_t)neph_histogram_count(histogram, NEPH_HISTOGRAM_BINS, NEPH_HISTOGRAM_EDGES),
+        "not_finite", (json_int_t)histogram->not_finite);
+}
+
 json_t *neph_compared_json(const struct neph_compared *compared)
 {
     const struct neph_comparison *asked = compared->asked;
@@ -420,8 +465,12 @@ json_t *neph_compared_json(const struct neph_compared *compared)
                                 compared->test_video));
     if (compared->has_largest_error)
         neph_json_set(&json, "largest_error", largest_error_json(&compared->largest_error));
+    if (compared->histogram.count + compared->histogram.not_finite > 0)
+        neph_json_set(&json, "error_histogram", histogram_json(&compared->histogram));
     if (compared->movement.frame_count > 0)
         neph_json_set(&json, "movement", movement_json(&compared->movement));
+    if (compared->partner.display)
+        neph_json_set(&json, "partners", json_pack("[o]", neph_partner_json(&compared->partner)));
     if (compared->has_versus) {
         neph_json_set(&json, "versus", neph_differences_json(&compared->versus));
         neph_json_set(&json, "versus_movement", neph_time_differences_json(&compared->versus));

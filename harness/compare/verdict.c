@@ -299,12 +299,15 @@ void neph_verdict(const struct neph_compared *compared, const struct neph_verdic
         lines += print_findings(compared, mask, label, &answer, lines_max - lines, out);
         lines += print_findings(compared, mask, label, &caution, lines_max - lines, out);
         lines += print_left_out(compared, out);
+        lines += neph_partner_print(&compared->partner, out);
     }
     if (compared->has_versus)
         neph_verdict_pair_numbers(compared, mask, form->test, form->other, form->shows_metrics,
                                   lines_max - lines, out);
     else
         print_numbers(compared, mask, lines_max - lines, form->shows_metrics, out);
+    if (form->is_on_page)
+        neph_comparison_print_histogram(compared, out);
     if (!form->is_brief)
         print_ways(compared, form->is_on_page, out);
 }

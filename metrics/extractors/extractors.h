@@ -17,6 +17,7 @@
     of(shift) \
     of(two_seed) \
     of(published) \
+    of(published_ssim) \
     of(flip) \
     of(flip40) \
     of(hdr_flip) \

@@ -184,8 +184,8 @@ static enum neph_status measure_scales(const double *reference, const double *te
     struct scale now = {0};
     enum neph_status status = halve(reference, test, width_px, height_px, &now, diag);
     for (int s = 1; s < SCALE_COUNT && !status; s++) {
-        status = neph_structure_compare(now.reference, now.test, now.width_px, now.height_px, peak,
-                                        NULL, &means[s], diag);
+        status = neph_structure_compare(now.reference, now.test, NEPH_STRUCTURE_GAUSSIAN,
+                                        now.width_px, now.height_px, peak, NULL, &means[s], diag);
         if (status || s + 1 == SCALE_COUNT)
             break;
         struct scale next = {0};

@@ -120,9 +120,9 @@ static enum neph_status compare_decimated(struct state *state, const struct neph
     if (!status)
         status = shrink(state, codes->test, state->small_test, diag);
     if (!status)
-        status = neph_structure_compare(state->small_reference, state->small_test,
-                                        state->small_width_px, state->small_height_px, state->peak,
-                                        state->map, &means, diag);
+        status = neph_structure_compare(
+            state->small_reference, state->small_test, NEPH_STRUCTURE_GAUSSIAN,
+            state->small_width_px, state->small_height_px, state->peak, state->map, &means, diag);
     return status;
 }
 
@@ -134,8 +134,8 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
     const struct neph_code_planes *codes = NULL;
     enum neph_status status = neph_pair_codes_get(pair, state->code, &codes, diag);
     if (!status)
-        status = neph_structure_compare(codes->reference, codes->test, state->width_px,
-                                        state->height_px, state->peak,
+        status = neph_structure_compare(codes->reference, codes->test, NEPH_STRUCTURE_GAUSSIAN,
+                                        state->width_px, state->height_px, state->peak,
                                         state->factor == 1 ? state->map : NULL, &means, diag);
     if (!status && state->factor > 1)
         status = compare_decimated(state, codes, diag);

@@ -25,6 +25,7 @@ enum moment { X, Y, XX, YY, XY, MOMENT_COUNT };
 struct constants {
     double weight[MARGIN + 1]; /* window weights, from the centre outwards */
     double c1, c2, c3;
+    double covariance; /* factor of variances and covariance */
 };
 
 /* Sums over the rows, for each pixel of a column. */
@@ -43,15 +44,28 @@ struct work {
 typedef double segment[COLUMN + 2 * MARGIN];
 typedef double blurred[MOMENT_COUNT][COLUMN];
 
-static struct constants make_ssim_constants(double peak)
+static double weigh(enum neph_structure_window window, int distance_px)
 {
     const double sigma_px = 1.5;
+    switch (window) {
+    case NEPH_STRUCTURE_GAUSSIAN:
+        return exp(-0.5 * (distance_px / sigma_px) * (distance_px / sigma_px));
+    case NEPH_STRUCTURE_UNIFORM_7:
+        return distance_px <= 3 ? 1.0 : 0.0;
+    }
+    return NAN;
+}
+
+static struct constants make_ssim_constants(enum neph_structure_window window, double peak)
+{
     struct constants constants = {.c1 = (0.01 * peak) * (0.01 * peak),
-                                  .c2 = (0.03 * peak) * (0.03 * peak)};
+                                  .c2 = (0.03 * peak) * (0.03 * peak),
+                                  .covariance = window == NEPH_STRUCTURE_UNIFORM_7 ? 49.0 / 48.0
+                                                                                   : 1.0};
     constants.c3 = 0.5 * constants.c2;
     double sum = 0.0;
     for (int i = 0; i <= MARGIN; i++) {
-        constants.weight[i] = exp(-0.5 * (i / sigma_px) * (i / sigma_px));
+        constants.weight[i] = weigh(window, i);
         sum += i == 0 ? constants.weight[i] : 2.0 * constants.weight[i];
     }
     for (int i = 0; i <= MARGIN; i++)
@@ -113,11 +127,12 @@ NEPH_VECTOR static void compare_row(const struct constants *constants, const blu
                                     double *restrict product)
 {
     const double c1 = constants->c1, c2 = constants->c2, c3 = constants->c3;
+    const double scale = constants->covariance;
     for (size_t i = 0; i < count; i++) {
         double mean_x = mean[X][i], mean_y = mean[Y][i];
-        double variance_x = mean[XX][i] - mean_x * mean_x;
-        double variance_y = mean[YY][i] - mean_y * mean_y;
-        double covariance = mean[XY][i] - mean_x * mean_y;
+        double variance_x = scale * (mean[XX][i] - mean_x * mean_x);
+        double variance_y = scale * (mean[YY][i] - mean_y * mean_y);
+        double covariance = scale * (mean[XY][i] - mean_x * mean_y);
         variance_x = variance_x > 0.0 ? variance_x : 0.0;
         variance_y = variance_y > 0.0 ? variance_y : 0.0;
         double deviations = sqrt(variance_x * variance_y);
@@ -173,7 +188,8 @@ static struct neph_structure compute_factor_means(const struct work *work, int c
                                    .structure = neph_sum_value(&structure) / count};
 }
 
-enum neph_status neph_structure_compare(const double *reference, const double *test, int width_px,
+enum neph_status neph_structure_compare(const double *reference, const double *test,
+                                        enum neph_structure_window window, int width_px,
                                         int height_px, double peak, double *map,
                                         struct neph_structure *means, struct neph_diag *diag)
 {
@@ -185,7 +201,7 @@ enum neph_status neph_structure_compare(const double *reference, const double *t
                         .map = map,
                         .width = (size_t)width_px,
                         .height = (size_t)height_px,
-                        .constants = make_ssim_constants(peak)};
+                        .constants = make_ssim_constants(window, peak)};
     int column_count = (width_px - 2 * MARGIN + COLUMN - 1) / COLUMN;
     work.sums = calloc((size_t)column_count, sizeof(*work.sums));
     if (!work.sums)

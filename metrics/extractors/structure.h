@@ -17,6 +17,10 @@ enum {
     NEPH_STRUCTURE_MARGIN_PX = NEPH_STRUCTURE_WINDOW_PX / 2,
 };
 
+/* The weights of the window. The uniform one has 49 equal weights and sample covariance, as
+ * scikit-image's default; its pixels beyond 7x7 have the weight 0. */
+enum neph_structure_window { NEPH_STRUCTURE_GAUSSIAN, NEPH_STRUCTURE_UNIFORM_7 };
+
 /* Means over all windows of the three factors of SSIM. */
 struct neph_structure {
     double luminance, contrast, structure;
@@ -26,7 +30,8 @@ struct neph_structure {
  * constants. `map` (may be NULL) has the size of the images and receives the product of the factors
  * at the window centres; its margin of 5 px stays unchanged. The bits do not depend on the number
  * of threads. NEPH_ERR_INTERRUPTED. */
-enum neph_status neph_structure_compare(const double *reference, const double *test, int width_px,
+enum neph_status neph_structure_compare(const double *reference, const double *test,
+                                        enum neph_structure_window window, int width_px,
                                         int height_px, double peak, double *map,
                                         struct neph_structure *means, struct neph_diag *diag);
 

@@ -97,6 +97,23 @@ class Compare(neph_case.NephCase):
         self.assertIsNone(self.json("compare", reference, reference)["largest_error"])
         self.assertNotIn("largest_error", self.json("compare", *words, "-m", "ssim"))
 
+    def test_the_histogram_of_errors(self):
+        reference = self.write("reference", lambda frame, x, y: 0.4, count=1) / "f.000.exr"
+        test = self.write("test", lambda frame, x, y: (0.4, 0.398, 0.6, 8.0)[x % 4], count=2)
+        words = "compare", "-r", reference, test
+        found = self.json(*words)["error_histogram"]
+        edges, part = found["edges"], 2 * 3 * WIDTH * HEIGHT // 4
+        self.assertEqual([edges[0], edges[10], edges[11], edges[-1]], [-10, -1e-4, 1e-4, 10])
+        self.assertEqual([found[name] for name in ("below", "above", "not_finite")], [0, part, 0])
+        self.assertEqual({edges[i]: count for i, count in enumerate(found["counts"]) if count},
+                         {-1e-4: part, edges[6]: part, edges[18]: part})
+        line = ("relative error of samples of radiance, below -10 %: 0 %; to -1 %: 0 %; to -0.1 %: "
+                "25 %; to 0.1 %: 25 %; to 1 %: 0 %; to 10 %: 0 %; above: 50 %")
+        self.assertIn(line, self.neph(*words, "--all").stdout.splitlines())
+        self.neph(*words, "--page", self.folder / "page")
+        self.assertIn(line, (self.folder / "page/data.json").read_text())
+        self.assertNotIn("error_histogram", self.json(*words, "-m", "flip"))
+
     def test_both_values_and_no_places(self):
         before, after = self.blinking("before", 0.2, 1), self.blinking("after", 0.05, 2)
         found = self.json("flicker", before, after, "--csv", self.folder / "out.csv")

@@ -8,6 +8,11 @@ import pathlib
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+try:
+    from skimage.metrics import structural_similarity
+except ImportError:
+    structural_similarity = None
+
 MASK64 = (1 << 64) - 1
 
 
@@ -55,10 +60,13 @@ def pu21(cd):
     return np.maximum(p[6] * (((p[0] + p[1] * power) / (1 + p[2] * power)) ** p[4] - p[5]), 0)
 
 
-def display(rgb):
+def encoded(rgb):
     v = np.clip(rgb, 0, 1)
-    encoded = np.where(v <= 0.0031308, 12.92 * v, 1.055 * np.maximum(v, 1e-9) ** (1 / 2.4) - 0.055)
-    return 255 * luminance(encoded)
+    return np.where(v <= 0.0031308, 12.92 * v, 1.055 * np.maximum(v, 1e-9) ** (1 / 2.4) - 0.055)
+
+
+def display(rgb):
+    return 255 * luminance(encoded(rgb))
 
 
 def window():
@@ -80,6 +88,36 @@ def ssim(x, y, peak):
     both = np.sqrt(np.maximum(vx, 0) * np.maximum(vy, 0))
     return ((2 * mx * my + c1) / (mx * mx + my * my + c1), (2 * both + c2) / (vx + vy + c2),
             (covariance + c2 / 2) / (both + c2 / 2))
+
+
+def uniform_ssim(x, y):
+    """Equation 13 of Wang et al. in each window of 7x7, with sample covariance; L = 1."""
+    c1, c2 = 0.01 ** 2, 0.03 ** 2
+    a, b = (sliding_window_view(image, (7, 7)).reshape(-1, 49) for image in (x, y))
+    ma, mb = a.mean(axis=1), b.mean(axis=1)
+    covariance = ((a - ma[:, None]) * (b - mb[:, None])).sum(axis=1) / 48
+    variances = a.var(axis=1, ddof=1) + b.var(axis=1, ddof=1)
+    return ((2 * ma * mb + c1) * (2 * covariance + c2) / ((ma * ma + mb * mb + c1) *
+                                                          (variances + c2))).mean()
+
+
+def published_ssim(reference, test):
+    """Of values in sRGB; where scikit-image is installed, compared with it."""
+    luma = np.array([0.299, 0.587, 0.114])
+    channels = [(reference[..., c], test[..., c]) for c in range(3)]
+    found = {"srgb_ssim": np.mean([np.prod(ssim(x, y, 1), axis=0).mean() for x, y in channels]),
+             "srgb_ssim_luma": np.prod(ssim(reference @ luma, test @ luma, 1), axis=0).mean(),
+             "srgb_ssim_7x7": np.mean([uniform_ssim(x, y) for x, y in channels])}
+    if structural_similarity:
+        wang = {"gaussian_weights": True, "sigma": 1.5, "use_sample_covariance": False,
+                "data_range": 1}
+        theirs = {"srgb_ssim": structural_similarity(reference, test, channel_axis=-1, **wang),
+                  "srgb_ssim_luma": structural_similarity(reference @ luma, test @ luma, **wang),
+                  "srgb_ssim_7x7": structural_similarity(reference, test, channel_axis=-1,
+                                                         data_range=1)}
+        for name, value in theirs.items():
+            assert abs(value - found[name]) < 1e-12, (name, value, found[name])
+    return found
 
 
 def shrunk(image, kernel, factor, out_shape):
@@ -151,6 +189,7 @@ def numbers(width, height, seed, white, ev):
     found["ssim_first"], found["ssim_last"] = (l * c * s)[0, 0], (l * c * s)[-1, -1]
     dr, dt = (display(2.0 ** ev * f) for f in (reference, test))
     found["ssim_display"] = np.prod(ssim(dr, dt, 255), axis=0).mean()
+    found |= published_ssim(*(encoded(2.0 ** ev * f) for f in (reference, test)))
     big = min(width, height) >= 176
     found["ms_ssim"] = ms_ssim(cr, ct, 256) if big else 0
     found["ms_ssim_display"] = ms_ssim(dr, dt, 255) if big else 0

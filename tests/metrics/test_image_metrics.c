@@ -177,6 +177,7 @@ static void test_tables(void **state)
     extraction_check_table(&neph_extractor_shift);
     extraction_check_table(&neph_extractor_two_seed);
     extraction_check_table(&neph_extractor_published);
+    extraction_check_table(&neph_extractor_published_ssim);
 }
 
 /* ---- against numpy --------------------------------------------------------------------------- */
@@ -246,6 +247,22 @@ static void check_ssim(const struct image_reference *expected, const struct fram
                           expected->ssim_decimated, sums_relative, 0.0);
 }
 
+static void check_published_ssim(const struct image_reference *expected,
+                                 const struct frames *frames)
+{
+    struct extraction extraction = run(&neph_extractor_published_ssim, frames, NULL);
+    const struct {
+        const char *metric;
+        double value;
+    } numbers[] = {{"srgb_ssim", expected->srgb_ssim},
+                   {"srgb_ssim_luma", expected->srgb_ssim_luma},
+                   {"srgb_ssim_7x7", expected->srgb_ssim_7x7}};
+    for (size_t i = 0; i < sizeof(numbers) / sizeof(numbers[0]); i++)
+        neph_assert_close(pooled(&extraction, numbers[i].metric), numbers[i].value, sums_relative,
+                          0.0);
+    extraction_end(&extraction);
+}
+
 static void test_against_numpy(void **state)
 {
     for (size_t i = 0; i < sizeof(image_references) / sizeof(image_references[0]); i++) {
@@ -257,6 +274,7 @@ static void test_against_numpy(void **state)
         check_pointwise(expected, &frames);
         check_shift(expected, &frames);
         check_ssim(expected, &frames);
+        check_published_ssim(expected, &frames);
         drop(&frames);
     }
 }
@@ -490,15 +508,16 @@ static void test_ms_ssim_of_a_negative(void **state)
     struct neph_structure first;
     const char *reason = NULL;
     double value = 0.0;
-    neph_assert_ok(
-        neph_structure_compare(images[0], images[1], SIDE, SIDE, 256.0, NULL, &first, NULL), NULL);
+    neph_assert_ok(neph_structure_compare(images[0], images[1], NEPH_STRUCTURE_GAUSSIAN, SIDE, SIDE,
+                                          256.0, NULL, &first, NULL),
+                   NULL);
     assert_true(first.structure < 0.0);
     neph_assert_ok(
         neph_ms_ssim(images[0], images[1], SIDE, SIDE, 256.0, &first, &reason, &value, NULL), NULL);
     assert_non_null(strstr(reason, "negative"));
-    assert_int_equal(
-        neph_structure_compare(images[0], images[1], 10, 11, 256.0, NULL, &first, NULL),
-        NEPH_ERR_INTERNAL);
+    assert_int_equal(neph_structure_compare(images[0], images[1], NEPH_STRUCTURE_GAUSSIAN, 10, 11,
+                                            256.0, NULL, &first, NULL),
+                     NEPH_ERR_INTERNAL);
     free(images[0]);
     free(images[1]);
 }
