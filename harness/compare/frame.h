@@ -6,6 +6,7 @@
 #define NEPH_HARNESS_COMPARE_FRAME_H
 
 #include "base/image_window.h"
+#include "base/oiio_server.h"
 #include "harness/compare/clips.h"
 
 /* Attribute of a frame of a sequence: its frame rate in Hz. */
@@ -35,6 +36,8 @@ struct neph_frame_choice {
     /* Open files with several frames. NULL: a file is opened for each frame, and read from its
      * start. */
     struct neph_clips *clips;
+    /* The process that reads formats of OpenImageIO. NULL: one is started for each file. */
+    struct neph_oiio_server *server;
     /* The data window of the frame (harness/compare/frame_windows.h): pixels that the file does not
      * have are 0, in depth the sky, and transparent. Size 0: the file's. */
     struct neph_window window;
@@ -48,7 +51,8 @@ struct neph_frame_choice {
  *   NEPH_DISPLAY_ATTRIBUTE.
  * - `choice` NULL: no part, no layer.
  * - Other names of colours (base/colour_names.h) become R, G and B; one channel Y, L or R without
- *   other colours is a grey image. X, Y and Z beside R G B are a vector and become vector.X, ...
+ *   other colours is a grey image. X, Y and Z beside R G B are a vector and become vector.X, ...;
+ *   without R G B they are CIE XYZ with white D65 if `choice->convert` is true.
  * - A depth of 0, 65504, 65535, 1e9, or at least 1e10 is the sky and becomes +inf.
  * - Unknown channels with NaN or infinite values (identifiers) are removed.
  * - `negative_allowed`: accepted number of negative values, as for neph_validity_gate().

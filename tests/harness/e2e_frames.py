@@ -203,10 +203,26 @@ class Colours(neph_case.NephCase):
     TO_REC709 = ((1.70505, -0.62179, -0.08326), (-0.13026, 1.14080, -0.01055),
                  (-0.02400, -0.12897, 1.15297))
 
-    def write(self, name, pixels, *attributes):
+    # IEC 61966-2-1, of the linear values
+    TO_XYZ = ((0.4124, 0.3576, 0.1805), (0.2126, 0.7152, 0.0722), (0.0193, 0.1192, 0.9505))
+
+    def write(self, name, pixels, *attributes, channels="RGB"):
         (self.folder / name).write_bytes(frames.exr_bytes(
-            8, 8, dict(zip("RGB", zip(*pixels))), attributes))
+            8, 8, dict(zip(channels, zip(*pixels))), attributes))
         return self.folder / name
+
+    def test_cie_xyz_is_converted_when_asked(self):
+        light = [(0.2 + i / 128, 0.3 + i / 100, 0.5 - i / 200) for i in range(64)]
+        xyz = [[sum(m * v for m, v in zip(row, pixel)) for row in self.TO_XYZ] for pixel in light]
+        plain = self.write("plain.exr", light)
+        test = self.write("xyz.exr", xyz, channels="XYZ")
+        self.neph("compare", plain, test, code=65, said=("CIE XYZ", "hint: --convert"))
+        found = self.json("compare", plain, test, "--convert", "-m", "max_abs")
+        self.assertLess(found["measurements"][0]["value"], 4e-4)  # digits of the matrix
+        self.assertEqual(found["converted"]["test"], "lin_ciexyzd65_scene")
+        wide = self.write("wide.exr", xyz, ("colorInteropID", "string", b"acescct"),
+                          channels="XYZ")
+        self.neph("compare", plain, wide, "--convert", code=65, said="acescct")
 
     def test_spaces_are_converted_when_asked(self):
         given = [(0.2 + i / 128, 0.3 + i / 100, 0.5 - i / 200) for i in range(64)]
@@ -385,6 +401,11 @@ class OtherFormats(neph_case.NephCase):
         return (b"II*\0" + struct.pack("<I", start + len(data)) + data + directory +
                 struct.pack("<I", 0))
 
+    def damaged_tiff(self, compression):
+        """Its pixels are not of that compression: OpenImageIO 2.4 reads them without an error."""
+        return self.tiff([100] * 72, 6, 4).replace(struct.pack("<HHII", 259, 3, 1, 1),
+                                                   struct.pack("<HHII", 259, 3, 1, compression))
+
     def mae(self, *words):
         return self.json("compare", *words, "-m", "mae")["measurements"][0]["value"]
 
@@ -418,9 +439,36 @@ class OtherFormats(neph_case.NephCase):
                   said=("/nowhere/neph-image", "libopenimageio-dev"))
         self.neph("compare", short, short, "--part", "left", code=65, said="numbered from 0")
 
+    def test_one_process_reads_a_sequence(self):
+        program, starts = self.folder / "counted", self.folder / "starts"
+        program.write_text(f'#!/bin/sh\necho >> {starts}\nexec {NEPH.with_name("neph-image")} "$@"\n')
+        program.chmod(0o755)
+        for side, grey in (("a", 100), ("b", 101)):
+            (self.folder / side).mkdir()
+            for t in range(6):
+                self.write(f"{side}/f.{t}.tif", self.tiff([grey + t] * 72, 6, 4))
+        words = "compare", "-r", self.folder / "a", self.folder / "b", "-m", "mae"
+        self.neph(*words, NEPH_IMAGE=program)
+        self.assertEqual(len(starts.read_text()), 1)
+        self.write("b/f.3.tif", self.damaged_tiff(5))
+        self.neph(*words, code=65, said=("b/f.3.tif': ", "damaged"), silent=True)
+
+    def test_pixels_that_are_not_there(self):
+        """OpenImageIO itself reads these, with zeros or grey for what the file has not."""
+        jpeg = (pathlib.Path(__file__).parent / "../fuzz/corpus/whole/grey.jpg").read_bytes()
+        wide = self.tiff([100] * 72, 6, 4).replace(struct.pack("<HHII", 256, 4, 1, 6),
+                                                   struct.pack("<HHII", 256, 4, 1, 16384))
+        for name, data, words in (("cut.jpg", jpeg[:-20], "no end-of-image marker"),
+                                  ("wide.tif", wide, "196608 bytes, and its strips have 72")):
+            path = self.write(name, data)
+            self.neph("compare", path, path, code=65, said=(name, words), silent=True,
+                      NEPH_IMAGE="/nowhere")  # refused before any program starts
+
     @night.of_the_night
     def test_what_else_is_refused(self):
         self.refuse(self.write("cut.tif", self.tiff([100] * 72, 6, 4)[:60]), "damaged")
+        for compression in (7, 8, 34712):
+            self.refuse(self.write("code.tif", self.damaged_tiff(compression)), "damaged")
         self.refuse(self.write("text.hdr", b"#?RADIANCE\n\nnonsense"), "damaged")
         for side, words in ((16384, "damaged"), (100000, "allowed are 1 to 16384 per side")):
             self.refuse(self.write("large.ppm", b"P6\n%d %d\n255\n" % (side, side) + bytes(20)),
