@@ -531,7 +531,8 @@ static enum neph_status add_header(struct neph_image *image, const struct neph_e
 }
 
 static enum neph_status read_chosen_part(exr_const_context_t context, const char *path,
-                                         const struct stream *stream, struct neph_image **image,
+                                         const struct stream *stream,
+                                         struct neph_oiio_server *server, struct neph_image **image,
                                          struct neph_diag *diag)
 {
     struct neph_image *created = NULL;
@@ -558,7 +559,7 @@ static enum neph_status read_chosen_part(exr_const_context_t context, const char
     if (!status)
         status = add_header(created, &layout, context, stream, diag);
     if (!status && is_dwa((int)layout.compression))
-        status = neph_oiio_fill(path, layout.part, created, diag);
+        status = neph_oiio_fill(path, layout.part, server, created, diag);
     else if (!status &&
              (result = neph_exr_read_pixels(context, &layout, created)) != EXR_ERR_SUCCESS)
         status = fail_read(path, stream, result, diag);
@@ -575,10 +576,11 @@ static enum neph_status read_chosen_part(exr_const_context_t context, const char
 
 enum neph_status neph_exr_read(const char *path, struct neph_image **image, struct neph_diag *diag)
 {
-    return neph_exr_read_part(path, NULL, image, diag);
+    return neph_exr_read_part(path, NULL, NULL, image, diag);
 }
 
-enum neph_status neph_exr_read_part(const char *path, const char *part, struct neph_image **image,
+enum neph_status neph_exr_read_part(const char *path, const char *part,
+                                    struct neph_oiio_server *server, struct neph_image **image,
                                     struct neph_diag *diag)
 {
     exr_context_t context = NULL;
@@ -600,7 +602,7 @@ enum neph_status neph_exr_read_part(const char *path, const char *part, struct n
         status = refuse_kind(path, "partly deep", diag);
     else
         status = result ? fail_read(path, &stream, result, diag)
-                        : read_chosen_part(context, path, &stream, image, diag);
+                        : read_chosen_part(context, path, &stream, server, image, diag);
 done:
     if (context)
         exr_finish(&context); /* also after a failure; else the context leaks */

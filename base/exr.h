@@ -8,6 +8,8 @@
 
 #include "base/image.h"
 
+struct neph_oiio_server;
+
 /* Write all channels as 32-bit float and all attributes as strings. The file appears under `path`
  * only when it is complete and on disk (temporary name, fsync, rename). An image that was read from
  * a file keeps that file's data window, display window and attributes (base/image.h). Equal images
@@ -46,8 +48,10 @@ enum neph_status neph_exr_read(const char *path, struct neph_image **image, stru
 /* As neph_exr_read(), of a file with several parts the one whose name, or whose number from 0, is
  * `part`. NULL: the only flat part with colour channels (base/colour_names.h), as neph_exr_read()
  * reads it. NEPH_ERR_INPUT also: there is no such part, or more than one; the message lists the
- * parts. `part` has no effect on a file with one part. */
-enum neph_status neph_exr_read_part(const char *path, const char *part, struct neph_image **image,
+ * parts. `part` has no effect on a file with one part. `server` (base/oiio_server.h) decodes DWA;
+ * NULL: a process is started for this file. */
+enum neph_status neph_exr_read_part(const char *path, const char *part,
+                                    struct neph_oiio_server *server, struct neph_image **image,
                                     struct neph_diag *diag);
 
 #endif

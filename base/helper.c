@@ -103,12 +103,12 @@ static void read_last_line(int log_fd, char reason[REASON_BYTES])
         memmove(reason, newline + 1, strlen(newline + 1) + 1);
 }
 
-static enum neph_status explain(const struct neph_helper *helper,
-                                const struct neph_child_result *result, int log_fd,
-                                struct neph_diag *diag)
+enum neph_status neph_helper_explain(const struct neph_helper *helper,
+                                     const struct neph_child_result *result,
+                                     const struct neph_shared *log, struct neph_diag *diag)
 {
     struct reason reason = {.text = ""};
-    read_last_line(log_fd, reason.text);
+    read_last_line(log->fd, reason.text);
     find_hint(&reason);
     if (result->signal == SIGXCPU)
         return neph_fail(diag, NEPH_ERR_INPUT, "damaged: %s did not end within %.0f s",
@@ -133,11 +133,10 @@ static enum neph_status explain(const struct neph_helper *helper,
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-/* The library path of this process, so that the program finds the same libraries. */
-static char *library_folders(void)
+char *neph_helper_variable(const char *name)
 {
-    const char *folders = getenv("LD_LIBRARY_PATH");
-    return neph_format("LD_LIBRARY_PATH=%s", folders ? folders : "");
+    const char *value = getenv(name);
+    return neph_format("%s=%s", name, value ? value : "");
 }
 
 enum neph_status neph_helper_run(const struct neph_helper *helper,
@@ -147,7 +146,7 @@ enum neph_status neph_helper_run(const struct neph_helper *helper,
     char *program = NULL, *libraries = NULL;
     struct neph_shared log;
     enum neph_status status = neph_helper_find(helper, &program, diag);
-    if (!status && !(libraries = library_folders()))
+    if (!status && !(libraries = neph_helper_variable("LD_LIBRARY_PATH")))
         status = neph_fail_memory(diag);
     if (!status)
         status = neph_shared_create("neph-helper-log", &log, diag);
@@ -161,7 +160,7 @@ enum neph_status neph_helper_run(const struct neph_helper *helper,
         struct neph_child_result result = {0};
         status = neph_child_run(&params, &result, diag);
         if (status == NEPH_ERR_ENGINE)
-            status = explain(helper, &result, log.fd, diag);
+            status = neph_helper_explain(helper, &result, &log, diag);
         neph_shared_destroy(&log);
     }
     free(libraries);

@@ -8,6 +8,7 @@
 #ifndef NEPH_BASE_HELPER_H
 #define NEPH_BASE_HELPER_H
 
+#include "base/child_result.h"
 #include "base/status.h"
 
 #include <stddef.h>
@@ -50,5 +51,15 @@ enum neph_status neph_shared_map(const struct neph_shared *shared, const void **
                                  struct neph_diag *diag);
 
 void neph_shared_destroy(struct neph_shared *shared);
+
+/* The error of a helper that ended with an exit code other than 0 or by a signal; `log` is its
+ * stderr. */
+enum neph_status neph_helper_explain(const struct neph_helper *helper,
+                                     const struct neph_child_result *result,
+                                     const struct neph_shared *log, struct neph_diag *diag);
+
+/* "NAME=value" of this process, for the environment of a helper: LD_LIBRARY_PATH, so that it finds
+ * the same libraries. The caller frees it. NULL: memory is short. */
+char *neph_helper_variable(const char *name);
 
 #endif

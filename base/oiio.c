@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * neph's side of the protocol with neph-image: runs it, and checks every number it returns.
+ * What neph-image returns of a file: every number is checked.
  */
 #include "base/oiio.h"
 
 #include "base/files.h"
-#include "base/helper.h"
 #include "base/icc.h"
 #include "base/image_window.h"
 #include "base/oiio_stream.h"
 #include "base/srgb.h"
 #include "base/text.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,18 +20,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-static const struct neph_helper helper = {
-    .name = "neph-image",
-    .variable = "NEPH_IMAGE",
-    .built = NEPH_IMAGE_PROGRAM,
-    .library = "OpenImageIO",
-    .reads = "TIFF, HDR, PFM, PPM, JPEG, WebP and DPX",
-    .missing = "install OpenImageIO and build neph again: sudo apt-get install libopenimageio-dev; "
-               "or convert the file to EXR or PNG",
-};
-
 /* Compressed files are decoded at 20 MB/s of pixels or more; ten times as long is hostile. */
-static const size_t cpu_start_s = 10;
+static const double cpu_start_s = 10.0, bytes_per_s = 2e6;
 static const double wall_per_cpu = 20.0; /* on a busy machine */
 
 static const struct {
@@ -66,14 +56,6 @@ const char *neph_oiio_format(const void *bytes, size_t size)
             memcmp((const char *)bytes + formats[i].at, formats[i].bytes, formats[i].size) == 0)
             return formats[i].name;
     return NULL;
-}
-
-bool neph_oiio_is_available(void)
-{
-    char *program = NULL;
-    const bool is_there = neph_helper_find(&helper, &program, NULL) == NEPH_OK;
-    free(program);
-    return is_there;
 }
 
 /* ---- the stream ------------------------------------------------------------------------------ */
@@ -267,27 +249,38 @@ enum neph_status neph_oiio_image(const char *path, const void *bytes, size_t siz
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-static enum neph_status run(const char *path, const char *part, uint64_t file_bytes,
-                            const struct neph_shared *memory, struct neph_diag *diag)
+static struct neph_oiio_request make_request(const char *path, int part, uint64_t file_bytes)
 {
     const double memory_bytes = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE) / 2;
-    const size_t cpu_s = cpu_start_s + (size_t)(file_bytes / 2000000);
-    char memory_limit[32], cpu_limit[32], side_max[32];
-    snprintf(memory_limit, sizeof(memory_limit), "%.0f", memory_bytes);
-    snprintf(cpu_limit, sizeof(cpu_limit), "%zu", cpu_s);
-    snprintf(side_max, sizeof(side_max), "%d", NEPH_IMAGE_SIDE_MAX_PX);
-    const char *argv[NEPH_HELPER_ARGUMENTS_MAX] = {
-        NULL, "read", memory->path, path, part ? part : "only", memory_limit, cpu_limit, side_max};
-    const enum neph_status status = neph_helper_run(&helper, argv, wall_per_cpu * (double)cpu_s,
-                                                    diag);
-    if (status == NEPH_ERR_INPUT)
+    const double cpu_s = cpu_start_s + (double)file_bytes / bytes_per_s;
+    struct neph_oiio_request request = {.part = part,
+                                        .side_max_px = NEPH_IMAGE_SIDE_MAX_PX,
+                                        .cpu_limit_s = (uint32_t)fmin(cpu_s, 1e8),
+                                        .wall_limit_s = (uint32_t)fmin(wall_per_cpu * cpu_s, 1e8),
+                                        .memory_limit_bytes = (uint64_t)memory_bytes};
+    snprintf(request.path, sizeof(request.path), "%s", path);
+    return request;
+}
+
+/* Run neph-image on a part of a file (-1: the only one). `server` NULL: a process for this file. */
+static enum neph_status run(struct neph_oiio_server *server, const char *path, int part,
+                            uint64_t file_bytes, const struct neph_shared *memory,
+                            struct neph_diag *diag)
+{
+    const struct neph_oiio_request request = make_request(path, part, file_bytes);
+    struct neph_oiio_server *own = NULL;
+    enum neph_status status = server ? NEPH_OK : neph_oiio_server_create(&own, diag);
+    if (!status)
+        status = neph_oiio_server_read(server ? server : own, &request, memory, diag);
+    neph_oiio_server_destroy(own);
+    if (status)
         neph_prefix(diag, "'%s': ", path);
     return status;
 }
 
-/* Run neph-image on a part of a file (NULL: the only one) and map its output. */
-static enum neph_status run_and_map(const char *path, const char *part, struct neph_shared *memory,
-                                    const void **bytes, size_t *size, struct neph_diag *diag)
+static enum neph_status run_and_map(struct neph_oiio_server *server, const char *path, int part,
+                                    struct neph_shared *memory, const void **bytes, size_t *size,
+                                    struct neph_diag *diag)
 {
     uint64_t file_bytes = 0;
     int fd;
@@ -298,7 +291,7 @@ static enum neph_status run_and_map(const char *path, const char *part, struct n
     close(fd);
     status = neph_shared_create("neph-image", memory, diag);
     if (!status)
-        status = run(path, part, file_bytes, memory, diag);
+        status = run(server, path, part, file_bytes, memory, diag);
     return status ? status : neph_shared_map(memory, bytes, size, diag);
 }
 
@@ -309,16 +302,19 @@ static void unmap(struct neph_shared *memory, const void *bytes, size_t size)
     neph_shared_destroy(memory);
 }
 
-enum neph_status neph_oiio_read_part(const char *path, const char *part, struct neph_image **image,
+enum neph_status neph_oiio_read_part(const char *path, const char *part,
+                                     struct neph_oiio_server *server, struct neph_image **image,
                                      struct neph_diag *diag)
 {
     struct neph_shared memory;
     const void *bytes = NULL;
     size_t size = 0;
-    if (part && part[strspn(part, "0123456789")] != '\0')
+    const bool is_number = part && part[0] && part[strspn(part, "0123456789")] == '\0';
+    const double number = is_number ? strtod(part, NULL) : -1.0;
+    if (part && (!is_number || number > INT_MAX))
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "'%s' has no part '%s': its images are numbered from 0", path, part);
-    enum neph_status status = run_and_map(path, part, &memory, &bytes, &size, diag);
+    enum neph_status status = run_and_map(server, path, (int)number, &memory, &bytes, &size, diag);
     if (!status)
         status = neph_oiio_image(path, bytes, size, image, diag);
     unmap(&memory, bytes, size);
@@ -342,14 +338,13 @@ static bool copy_channel(const struct stream *stream, const struct neph_channel 
     return false;
 }
 
-enum neph_status neph_oiio_fill(const char *path, int part, struct neph_image *image,
-                                struct neph_diag *diag)
+enum neph_status neph_oiio_fill(const char *path, int part, struct neph_oiio_server *server,
+                                struct neph_image *image, struct neph_diag *diag)
 {
     struct stream stream = {.path = path};
     struct neph_shared memory;
-    char number[16];
-    snprintf(number, sizeof(number), "%d", part);
-    enum neph_status status = run_and_map(path, number, &memory, &stream.bytes, &stream.size, diag);
+    enum neph_status status = run_and_map(server, path, part, &memory, &stream.bytes, &stream.size,
+                                          diag);
     if (!status)
         status = find_parts(&stream, diag);
     bool is_whole = !status && stream.head.data_px[0] == image->width_px &&

@@ -1,17 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * The program neph-image, the only code that uses OpenImageIO (base/oiio_stream.h). It limits its
- * memory and its time, and opens no network connection. No exception leaves it.
+ * The program neph-image, the only code that uses OpenImageIO (base/oiio_stream.h). It loads the
+ * libraries once and forks a process for each file, which limits its memory and its time, and can
+ * neither open network connections nor start processes.
  */
 #include "base/oiio_stream.h"
 
 #include <algorithm>
 #include <cerrno>
+#include <climits>
+#include <csignal>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <stdexcept>
@@ -22,9 +26,12 @@
 #include <linux/filter.h>
 #include <linux/seccomp.h>
 #include <malloc.h>
+#include <poll.h>
+#include <sched.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
+#include <sys/wait.h>
 #include <sysexits.h>
 #include <unistd.h>
 
@@ -46,12 +53,7 @@ struct bad_file : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-struct request {
-    const char *stream, *path;
-    int part; /* -1: the only one */
-    uint64_t memory_limit_bytes, cpu_limit_s;
-    int side_max;
-};
+using request = neph_oiio_request;
 
 /* ---- limits ---------------------------------------------------------------------------------- */
 
@@ -66,16 +68,33 @@ void limit_resource(int resource, uint64_t most)
         throw std::runtime_error("setrlimit");
 }
 
-/* Refuse to make sockets. */
-void forbid_network()
+/* Refuse to make sockets, to start programs, and to fork; threads are allowed. The C library uses
+ * clone() where there is no clone3(), whose flags a filter cannot see. */
+void forbid_network_and_processes()
 {
-    sock_filter rules[] = {
+    static const uint32_t forbidden[] = {SYS_socket, SYS_execve, SYS_execveat,
+#ifdef SYS_fork
+                                         SYS_fork, SYS_vfork
+#endif
+    };
+    std::vector<sock_filter> rules = {
         BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
-        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_socket, 0, 1),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_clone3, 0, 1),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | ENOSYS),
+    };
+    for (const uint32_t call : forbidden) {
+        rules.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 1));
+        rules.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EACCES));
+    }
+    const sock_filter threads_only[] = {
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_clone, 0, 3),
+        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, args[0])),
+        BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, CLONE_THREAD, 1, 0),
         BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EACCES),
         BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
     };
-    sock_fprog program = {sizeof(rules) / sizeof(rules[0]), rules};
+    rules.insert(rules.end(), std::begin(threads_only), std::end(threads_only));
+    sock_fprog program = {static_cast<unsigned short>(rules.size()), rules.data()};
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
         prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0)
         throw std::runtime_error("seccomp");
@@ -83,13 +102,13 @@ void forbid_network()
 
 void limit_process(const request &asked)
 {
-    mallopt(M_ARENA_MAX, 1);
     limit_resource(RLIMIT_CORE, 0);
     limit_resource(RLIMIT_CPU, asked.cpu_limit_s);
     limit_resource(RLIMIT_AS, base_memory_bytes + asked.memory_limit_bytes);
     limit_resource(RLIMIT_FSIZE, asked.memory_limit_bytes + profile_max_bytes);
-    forbid_network();
-    OIIO::attribute("threads", 1);
+    alarm(asked.wall_limit_s);
+    forbid_network_and_processes();
+    OIIO::attribute("threads", 1); /* makes OpenImageIO's threads, which a fork would not copy */
     OIIO::attribute("exr_threads", 1);
 }
 
@@ -123,12 +142,12 @@ std::unique_ptr<ImageInput> open_file(const request &asked)
 
 void check_spec(const request &asked, const ImageSpec &spec)
 {
-    const auto is_side = [&](int64_t side) { return side >= 1 && side <= asked.side_max; };
+    const auto is_side = [&](int64_t side) { return side >= 1 && side <= asked.side_max_px; };
     const std::string sides = std::to_string(spec.width) + "x" + std::to_string(spec.height);
     if (!is_side(spec.width) || !is_side(spec.height) || !is_side(spec.full_width) ||
         !is_side(spec.full_height))
         throw bad_file("a size of " + sides + " pixels; allowed are 1 to " +
-                       std::to_string(asked.side_max) + " per side");
+                       std::to_string(asked.side_max_px) + " per side");
     if (spec.depth > 1 || spec.deep)
         throw bad_file("a volume or a deep image\twrite a flat image");
     if (spec.nchannels < 1 || spec.nchannels > NEPH_OIIO_CHANNELS_MAX)
@@ -194,20 +213,13 @@ neph_oiio_head make_head(const ImageInput &input, const ImageSpec &spec, size_t 
 
 /* ---- the stream ------------------------------------------------------------------------------ */
 
+/* Memory of neph. */
 class writer
 {
   public:
-    explicit writer(const char *path) : fd(open(path, O_WRONLY | O_CLOEXEC))
+    explicit writer(int opened) : fd(opened)
     {
-        if (fd < 0)
-            throw std::runtime_error("the memory of neph cannot be opened");
     }
-    ~writer()
-    {
-        close(fd);
-    }
-    writer(const writer &) = delete;
-    writer &operator=(const writer &) = delete;
 
     void put(const void *bytes, size_t size, size_t at) const
     {
@@ -225,7 +237,7 @@ class writer
     }
 
   private:
-    int fd;
+    const int fd;
 };
 
 /* Copy the pixels in strips of rows, as the file has them: scanlines or rows of tiles. */
@@ -261,14 +273,13 @@ void copy_pixels(ImageInput &input, const ImageSpec &spec, int part, const write
     }
 }
 
-void read_image(const request &asked)
+void read_image(const request &asked, const writer &out)
 {
     const auto input = open_file(asked);
     const ImageSpec spec = input->spec();
     check_spec(asked, spec);
     const std::vector<char> profile = find_profile(spec);
     const neph_oiio_head head = make_head(*input, spec, profile.size());
-    const writer out(asked.stream);
     size_t at = sizeof(head);
     out.put(&head, sizeof(head), 0);
     for (int c = 0; c < spec.nchannels; c++) {
@@ -283,7 +294,7 @@ void read_image(const request &asked)
         throw bad_file(complaint(input->geterror()));
 }
 
-int run(const request &asked)
+int run(const request &asked, const writer &out)
 {
     try {
         limit_process(asked);
@@ -292,7 +303,7 @@ int run(const request &asked)
         return EX_OSERR;
     }
     try {
-        read_image(asked);
+        read_image(asked, out);
         return EX_OK;
     } catch (const std::bad_alloc &) {
         fprintf(stderr, "damaged, or it needs far more memory than the limit of %.0f MiB\n",
@@ -307,17 +318,134 @@ int run(const request &asked)
     return EX_DATAERR;
 }
 
+/* ---- requests -------------------------------------------------------------------------------- */
+
+/* A process that reads a file. */
+struct job {
+    pid_t pid;
+    int pid_fd, answer_fd;
+};
+
+[[noreturn]] void stop(const char *what)
+{
+    fprintf(stderr, "%s: %s\n", what, strerror(errno));
+    _exit(EX_OSERR);
+}
+
+int open_of_neph(const request &asked, int fd)
+{
+    char path[64];
+    snprintf(path, sizeof(path), "/proc/%d/fd/%d", asked.process, fd);
+    const int opened = open(path, O_WRONLY | O_CLOEXEC);
+    if (opened < 0)
+        stop("a file of neph cannot be opened");
+    return opened;
+}
+
+/* Ends with this program (PR_SET_PDEATHSIG), and has only its own files open. */
+[[noreturn]] void become_job(const request &asked, pid_t parent)
+{
+    constexpr int stream_fd = STDERR_FILENO + 1;
+    if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent)
+        _exit(EX_OSERR);
+    const int log = open_of_neph(asked, asked.log_fd), null = open("/dev/null", O_RDONLY);
+    dup2(log, STDERR_FILENO);
+    const int stream = open_of_neph(asked, asked.stream_fd);
+    if (null < 0 || dup2(null, STDIN_FILENO) < 0 || dup2(stream, stream_fd) < 0 ||
+        close_range(stream_fd + 1, UINT_MAX, 0) != 0)
+        stop("its files");
+    _exit(run(asked, writer(stream_fd)));
+}
+
+job start_job(const request &asked)
+{
+    job made = {0, -1, open_of_neph(asked, asked.answer_fd)};
+    const pid_t self = getpid();
+    made.pid = fork();
+    if (made.pid == 0)
+        become_job(asked, self);
+    if (made.pid < 0)
+        stop("fork");
+    made.pid_fd = static_cast<int>(syscall(SYS_pidfd_open, made.pid, 0));
+    if (made.pid_fd < 0)
+        stop("pidfd_open");
+    return made;
+}
+
+void finish_job(const job &ended)
+{
+    int end = 0;
+    rusage usage = {};
+    if (wait4(ended.pid, &end, 0, &usage) != ended.pid)
+        stop("wait4");
+    neph_oiio_answer answer = {};
+    answer.exit_code = WIFEXITED(end) ? WEXITSTATUS(end) : 0;
+    answer.signal = WIFSIGNALED(end) ? WTERMSIG(end) : 0;
+    answer.cpu_s = static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec);
+    const ssize_t written = write(ended.answer_fd, &answer, sizeof(answer));
+    static_cast<void>(written); /* neph may no longer wait for it */
+    close(ended.answer_fd);
+    close(ended.pid_fd);
+}
+
+/* False at the end of the pipe: neph has ended. */
+bool read_request(request &asked)
+{
+    auto *to = reinterpret_cast<char *>(&asked);
+    for (size_t have = 0; have < sizeof(asked);) {
+        const ssize_t got = read(STDIN_FILENO, to + have, sizeof(asked) - have);
+        if (got == 0)
+            return false;
+        if (got < 0 && errno != EINTR)
+            stop("a request cannot be read");
+        have += got > 0 ? static_cast<size_t>(got) : 0;
+    }
+    if (asked.magic != NEPH_OIIO_MAGIC || !memchr(asked.path, '\0', sizeof(asked.path))) {
+        fprintf(stderr, "it is of another version of neph\n");
+        _exit(EX_USAGE);
+    }
+    return true;
+}
+
+/* Read requests, and answer those whose process has ended, until neph ends. */
+void serve()
+{
+    std::vector<job> jobs;
+    request asked = {};
+    for (;;) {
+        std::vector<pollfd> fds = {{STDIN_FILENO, POLLIN, 0}};
+        for (const job &running : jobs)
+            fds.push_back({running.pid_fd, POLLIN, 0});
+        if (poll(fds.data(), fds.size(), -1) < 0)
+            continue;
+        for (size_t i = jobs.size(); i-- > 0;)
+            if (fds[i + 1].revents != 0) {
+                finish_job(jobs[i]);
+                jobs.erase(jobs.begin() + static_cast<std::ptrdiff_t>(i));
+            }
+        if (fds[0].revents != 0) {
+            if (!read_request(asked))
+                return;
+            jobs.push_back(start_job(asked));
+        }
+    }
+}
+
 } // namespace
 
+/* Threads that libraries have started by now are not in the forked processes. Those of log4cplus on
+ * Debian 12 wait and hold no lock; OpenImageIO must not start its own, which hold locks. The
+ * libraries' destructors are not run: they take a tenth of a second. */
 int main(int argc, char **argv)
 {
-    if (argc != 8 || strcmp(argv[1], "read") != 0) {
+    if (argc != 2 || strcmp(argv[1], "serve") != 0) {
         fprintf(stderr,
                 "neph-image is a part of neph, which runs it; base/oiio_stream.h explains\n");
         return EX_USAGE;
     }
-    return run({argv[2], argv[3],
-                strcmp(argv[4], "only") == 0 ? -1 : static_cast<int>(strtol(argv[4], nullptr, 10)),
-                strtoull(argv[5], nullptr, 10), strtoull(argv[6], nullptr, 10),
-                static_cast<int>(strtol(argv[7], nullptr, 10))});
+    mallopt(M_ARENA_MAX, 1);
+    signal(SIGPIPE, SIG_IGN);
+    OIIO::get_string_attribute("format_list"); /* finds the formats, once for all files */
+    serve();
+    _exit(EX_OK);
 }

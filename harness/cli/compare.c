@@ -741,8 +741,8 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
         .by_position = request.by_position || request.z, /* seeds are no frame numbers */
         .is_flicker = temporal,
     };
-    enum neph_status status = NEPH_OK;
-    if (request.limits_path) {
+    enum neph_status status = neph_oiio_server_create(&request.frame_choice.server, diag);
+    if (!status && request.limits_path) {
         status = neph_limits_read(request.limits_path, &limits, diag);
         request.limits = status ? NULL : &limits;
     }
@@ -757,6 +757,7 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
     neph_sides_finish(&sides);
     neph_limits_finish(&limits);
     neph_clips_close(&request.clips);
+    neph_oiio_server_destroy(request.frame_choice.server);
     return status;
 }
 

@@ -439,7 +439,9 @@ enum neph_status neph_cli_limits(int argc, char **argv, struct neph_diag *diag)
         return neph_cli_limit_nights(&request.shared, request.share, request.confidence, diag);
     work.limits.share = request.share;
     work.limits.confidence = request.confidence;
-    enum neph_status status = find_reference(&work, diag);
+    enum neph_status status = neph_oiio_server_create(&request.frame_choice.server, diag);
+    if (!status)
+        status = find_reference(&work, diag);
     if (!status)
         status = check_count(&work, diag);
     if (!status)
@@ -451,5 +453,6 @@ enum neph_status neph_cli_limits(int argc, char **argv, struct neph_diag *diag)
     neph_repeats_finish(&work.repeats);
     neph_limits_finish(&work.limits);
     neph_sequence_finish(&work.reference);
+    neph_oiio_server_destroy(request.frame_choice.server);
     return status;
 }

@@ -500,14 +500,17 @@ enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
     request.frame_choice.clips = &request.clips;
     const struct neph_cli_shared *shared = &request.shared;
     json_t *results = json_array();
-    enum neph_status status = work_on(&request, shared->output, shared->operands,
-                                      shared->operand_count, &results, diag);
+    enum neph_status status = neph_oiio_server_create(&request.frame_choice.server, diag);
+    if (!status)
+        status = work_on(&request, shared->output, shared->operands, shared->operand_count,
+                         &results, diag);
     if (!status && request.reference.count > 0)
         status = work_on(&request, neph_path_in(shared->output, "reference").text,
                          request.reference.list, request.reference.count, &results, diag);
     if (!status && !request.list && !shared->quiet)
         neph_cli_print_folder("post", shared->output);
     neph_clips_close(&request.clips);
+    neph_oiio_server_destroy(request.frame_choice.server);
     const enum neph_status printed = neph_cli_print_json(
         results, !status && !request.list && shared->json, diag);
     return status ? status : printed;

@@ -278,9 +278,12 @@ enum neph_status neph_cli_view(int argc, char **argv, struct neph_diag *diag)
     struct request request = {.limit_mb = 0.0};
     neph_cli_parse(&syntax, argc, argv, &request);
     request.view.frame_choice.clips = &request.clips;
-    enum neph_status status = prepare(&request, diag);
+    enum neph_status status = neph_oiio_server_create(&request.view.frame_choice.server, diag);
+    if (!status)
+        status = prepare(&request, diag);
     if (!status)
         status = write_page(&request, diag);
+    neph_oiio_server_destroy(request.view.frame_choice.server);
     neph_viewer_finish(&request.view);
     neph_clips_close(&request.clips);
     return status;

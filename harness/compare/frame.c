@@ -17,18 +17,20 @@
 #include <unistd.h>
 
 /* A PNG has no parts. */
-static enum neph_status read_png(const char *path, const char *part, struct neph_image **image,
+static enum neph_status read_png(const char *path, const char *part,
+                                 struct neph_oiio_server *server, struct neph_image **image,
                                  struct neph_diag *diag)
 {
     (void)part;
+    (void)server;
     return neph_png_read_image(path, image, diag);
 }
 
 static const struct format {
     const char *name;
     unsigned char magic[4]; /* first bytes of every file */
-    enum neph_status (*read)(const char *path, const char *part, struct neph_image **image,
-                             struct neph_diag *diag);
+    enum neph_status (*read)(const char *path, const char *part, struct neph_oiio_server *server,
+                             struct neph_image **image, struct neph_diag *diag);
 } formats[] = {
     {"OpenEXR", {0x76, 0x2f, 0x31, 0x01}, neph_exr_read_part},
     {"PNG", {0x89, 'P', 'N', 'G'}, read_png},
@@ -74,7 +76,9 @@ static enum neph_status read_image(const char *path, const struct neph_frame_cho
     int frame;
     if (!neph_clip_split(path, &file, &frame)) {
         const enum neph_status status = find_format(path, &format, diag);
-        return status ? status : format->read(path, choice ? choice->part : NULL, image, diag);
+        return status ? status
+                      : format->read(path, choice ? choice->part : NULL,
+                                     choice ? choice->server : NULL, image, diag);
     }
     const enum neph_status status = neph_clips_read(
         choice && choice->clips ? choice->clips : &alone, path, image, diag);
@@ -405,7 +409,7 @@ enum neph_status neph_frame_read(const char *path, const struct neph_frame_choic
 enum neph_status neph_frame_read_mask(const char *path, const struct neph_frame_choice *choice,
                                       struct neph_image **image, struct neph_diag *diag)
 {
-    const struct neph_frame_choice as_written = {.part = choice->part};
+    const struct neph_frame_choice as_written = {.part = choice->part, .server = choice->server};
     struct neph_image *mask = NULL;
     enum neph_status status = neph_frame_read(path, &as_written, SIZE_MAX, &mask, diag);
     if (status)

@@ -6,6 +6,7 @@
 #define NEPH_HARNESS_COMPARE_FRAME_H
 
 #include "base/image_window.h"
+#include "base/oiio_server.h"
 #include "harness/compare/clips.h"
 
 /* Attribute of a frame of a sequence: its frame rate in Hz. */
@@ -35,6 +36,8 @@ struct neph_frame_choice {
     /* Open files with several frames. NULL: a file is opened for each frame, and read from its
      * start. */
     struct neph_clips *clips;
+    /* The process that reads formats of OpenImageIO. NULL: one is started for each file. */
+    struct neph_oiio_server *server;
     /* The data window of the frame (harness/compare/frame_windows.h): pixels that the file does not
      * have are 0, in depth the sky, and transparent. Size 0: the file's. */
     struct neph_window window;

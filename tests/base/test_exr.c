@@ -687,7 +687,7 @@ static void read_anything(const char *path, const char *data, size_t size)
     scratch_write(path, data, size);
     struct neph_image *image = NULL;
     struct neph_diag diag = {0};
-    enum neph_status status = neph_exr_read_part(path, "second", &image, &diag);
+    enum neph_status status = neph_exr_read_part(path, "second", NULL, &image, &diag);
     assert_true((status == NEPH_OK) == (image != NULL));
     assert_true(status == NEPH_OK || diag.message[0] != '\0');
     if (image)

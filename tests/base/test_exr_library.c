@@ -60,7 +60,7 @@ static bool reads_part_right(void **state, const char *name, const char *part, c
     scratch_path(state, path, name);
     scratch_path(state, raw_path, raw_name);
     neph_assert_ok(neph_file_read(raw_path, SIZE_MAX, &raw, &raw_size, &diag), &diag);
-    const enum neph_status status = neph_exr_read_part(path, part, &image, &diag);
+    const enum neph_status status = neph_exr_read_part(path, part, NULL, &image, &diag);
     if (status)
         print_error("%s: %s\n", name, diag.message);
     const bool right = !status && is_as_the_library_reads(image, name, raw, raw_size);
@@ -83,7 +83,7 @@ static void assert_refused(void **state, const char *name, const char *part, con
     struct neph_image *image = NULL;
     struct neph_diag diag = {0};
     scratch_path(state, path, name);
-    assert_int_equal(neph_exr_read_part(path, part, &image, &diag), NEPH_ERR_INPUT);
+    assert_int_equal(neph_exr_read_part(path, part, NULL, &image, &diag), NEPH_ERR_INPUT);
     if (!strstr(diag.message, words))
         fail_msg("%s: %s", name, diag.message);
     assert_null(image);

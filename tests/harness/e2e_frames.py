@@ -418,6 +418,22 @@ class OtherFormats(neph_case.NephCase):
                   said=("/nowhere/neph-image", "libopenimageio-dev"))
         self.neph("compare", short, short, "--part", "left", code=65, said="numbered from 0")
 
+    def test_one_process_reads_a_sequence(self):
+        program, starts = self.folder / "counted", self.folder / "starts"
+        helper = NEPH.with_name("neph-image")
+        program.write_text(f'#!/bin/sh\necho >> {starts}\nexec {helper} "$@"\n')
+        program.chmod(0o755)
+        for side, grey in (("a", 100), ("b", 101)):
+            (self.folder / side).mkdir()
+            for t in range(6):
+                self.write(f"{side}/f.{t}.tif", self.tiff([grey + t] * 72, 6, 4))
+        words = "compare", "-r", self.folder / "a", self.folder / "b", "-m", "mae"
+        self.neph(*words, NEPH_IMAGE=program)
+        self.assertEqual(len(starts.read_text()), 1)
+        self.write("b/f.3.tif", self.tiff([100] * 72, 6, 4)[:60])
+        done = self.neph(*words, code=65, said=("b/f.3.tif': ", "damaged"))
+        self.assertEqual(done.stdout, "")
+
     @night.of_the_night
     def test_what_else_is_refused(self):
         self.refuse(self.write("cut.tif", self.tiff([100] * 72, 6, 4)[:60]), "damaged")
