@@ -10,6 +10,7 @@
 #include "base/oiio_stream.h"
 #include "base/srgb.h"
 #include "base/text.h"
+#include "base/whole.h"
 
 #include <limits.h>
 #include <math.h>
@@ -288,8 +289,10 @@ static enum neph_status run_and_map(struct neph_oiio_server *server, const char 
     enum neph_status status = neph_file_open(path, &fd, &file_bytes, diag);
     if (status)
         return status;
+    status = neph_whole_check(path, fd, file_bytes, diag);
     close(fd);
-    status = neph_shared_create("neph-image", memory, diag);
+    if (!status)
+        status = neph_shared_create("neph-image", memory, diag);
     if (!status)
         status = run(server, path, part, file_bytes, memory, diag);
     return status ? status : neph_shared_map(memory, bytes, size, diag);

@@ -15,7 +15,7 @@
 #include <limits.h>
 #include <stdint.h>
 
-enum { NEPH_OIIO_MAGIC = 0x4e494d32, NEPH_OIIO_NAME_BYTES = 256, NEPH_OIIO_CHANNELS_MAX = 1024 };
+enum { NEPH_OIIO_MAGIC = 0x4e494d31, NEPH_OIIO_NAME_BYTES = 256, NEPH_OIIO_CHANNELS_MAX = 1024 };
 
 struct neph_oiio_request {
     uint32_t magic;

@@ -385,6 +385,11 @@ class OtherFormats(neph_case.NephCase):
         return (b"II*\0" + struct.pack("<I", start + len(data)) + data + directory +
                 struct.pack("<I", 0))
 
+    def damaged_tiff(self, compression):
+        """Its pixels are not of that compression: OpenImageIO 2.4 reads them without an error."""
+        return self.tiff([100] * 72, 6, 4).replace(struct.pack("<HHII", 259, 3, 1, 1),
+                                                   struct.pack("<HHII", 259, 3, 1, compression))
+
     def mae(self, *words):
         return self.json("compare", *words, "-m", "mae")["measurements"][0]["value"]
 
@@ -430,13 +435,25 @@ class OtherFormats(neph_case.NephCase):
         words = "compare", "-r", self.folder / "a", self.folder / "b", "-m", "mae"
         self.neph(*words, NEPH_IMAGE=program)
         self.assertEqual(len(starts.read_text()), 1)
-        self.write("b/f.3.tif", self.tiff([100] * 72, 6, 4)[:60])
-        done = self.neph(*words, code=65, said=("b/f.3.tif': ", "damaged"))
-        self.assertEqual(done.stdout, "")
+        self.write("b/f.3.tif", self.damaged_tiff(5))
+        self.neph(*words, code=65, said=("b/f.3.tif': ", "damaged"), silent=True)
+
+    def test_pixels_that_are_not_there(self):
+        """OpenImageIO itself reads these, with zeros or grey for what the file has not."""
+        jpeg = (pathlib.Path(__file__).parent / "../fuzz/corpus/whole/grey.jpg").read_bytes()
+        wide = self.tiff([100] * 72, 6, 4).replace(struct.pack("<HHII", 256, 4, 1, 6),
+                                                   struct.pack("<HHII", 256, 4, 1, 16384))
+        for name, data, words in (("cut.jpg", jpeg[:-20], "no end-of-image marker"),
+                                  ("wide.tif", wide, "196608 bytes, and its strips have 72")):
+            path = self.write(name, data)
+            self.neph("compare", path, path, code=65, said=(name, words), silent=True,
+                      NEPH_IMAGE="/nowhere")  # refused before any program starts
 
     @night.of_the_night
     def test_what_else_is_refused(self):
         self.refuse(self.write("cut.tif", self.tiff([100] * 72, 6, 4)[:60]), "damaged")
+        for compression in (7, 8, 34712):
+            self.refuse(self.write("code.tif", self.damaged_tiff(compression)), "damaged")
         self.refuse(self.write("text.hdr", b"#?RADIANCE\n\nnonsense"), "damaged")
         for side, words in ((16384, "damaged"), (100000, "allowed are 1 to 16384 per side")):
             self.refuse(self.write("large.ppm", b"P6\n%d %d\n255\n" % (side, side) + bytes(20)),
