@@ -269,20 +269,29 @@ static enum neph_status convert(const char *path, struct neph_image *image, stru
     return status;
 }
 
-/* X Y Z together are one vector or one colour: then Z is not depth, and Y is not a grey image. */
+/* X Y Z together are one vector or one colour: then Z is not depth, and Y is not a grey image. A
+ * colour that is to be converted is CIE XYZ with white D65, unless the file names another space. */
 static enum neph_status set_vector_aside(const char *path, struct neph_image *image,
-                                         struct neph_diag *diag)
+                                         bool is_converted, struct neph_diag *diag)
 {
     static const char *const vector[] = {"X", "Y", "Z"};
     for (int c = 0; c < 3; c++)
         if (!neph_image_channel(image, vector[c]))
             return NEPH_OK;
+    if (!has_any(image, rgb_names, 3) && is_converted) {
+        for (int c = 0; c < 3; c++)
+            rename_channel(image, vector[c], rgb_names[c]);
+        return neph_image_attribute(image, "colour_space")
+                   ? NEPH_OK
+                   : neph_image_set_attribute(image, "colour_space", diag, "lin_ciexyzd65_scene");
+    }
     if (!has_any(image, rgb_names, 3)) {
         neph_fail(diag, NEPH_ERR_INPUT,
                   "'%s' has channels X Y Z and no R G B: CIE XYZ, or a vector, is neither radiance "
                   "nor depth",
                   path);
-        neph_hint(diag, "convert colours to R G B in linear Rec.709; depth is a Z without X and Y");
+        neph_hint(diag, "--convert takes it for CIE XYZ with white D65 and converts it to linear "
+                        "Rec.709; depth is a Z without X and Y");
         return NEPH_ERR_INPUT;
     }
     for (int i = 0; i < image->channel_count; i++)
@@ -334,7 +343,7 @@ enum neph_status neph_frame_read_as_written(const char *path,
     if (!status)
         rename_colours(frame);
     if (!status)
-        status = set_vector_aside(path, frame, diag);
+        status = set_vector_aside(path, frame, choice && choice->convert, diag);
     if (!status)
         status = make_grey_rgb(frame, diag);
     if (!status && choice)

@@ -51,7 +51,8 @@ struct neph_frame_choice {
  *   NEPH_DISPLAY_ATTRIBUTE.
  * - `choice` NULL: no part, no layer.
  * - Other names of colours (base/colour_names.h) become R, G and B; one channel Y, L or R without
- *   other colours is a grey image. X, Y and Z beside R G B are a vector and become vector.X, ...
+ *   other colours is a grey image. X, Y and Z beside R G B are a vector and become vector.X, ...;
+ *   without R G B they are CIE XYZ with white D65 if `choice->convert` is true.
  * - A depth of 0, 65504, 65535, 1e9, or at least 1e10 is the sky and becomes +inf.
  * - Unknown channels with NaN or infinite values (identifiers) are removed.
  * - `negative_allowed`: accepted number of negative values, as for neph_validity_gate().

@@ -203,10 +203,26 @@ class Colours(neph_case.NephCase):
     TO_REC709 = ((1.70505, -0.62179, -0.08326), (-0.13026, 1.14080, -0.01055),
                  (-0.02400, -0.12897, 1.15297))
 
-    def write(self, name, pixels, *attributes):
+    # IEC 61966-2-1, of the linear values
+    TO_XYZ = ((0.4124, 0.3576, 0.1805), (0.2126, 0.7152, 0.0722), (0.0193, 0.1192, 0.9505))
+
+    def write(self, name, pixels, *attributes, channels="RGB"):
         (self.folder / name).write_bytes(frames.exr_bytes(
-            8, 8, dict(zip("RGB", zip(*pixels))), attributes))
+            8, 8, dict(zip(channels, zip(*pixels))), attributes))
         return self.folder / name
+
+    def test_cie_xyz_is_converted_when_asked(self):
+        light = [(0.2 + i / 128, 0.3 + i / 100, 0.5 - i / 200) for i in range(64)]
+        xyz = [[sum(m * v for m, v in zip(row, pixel)) for row in self.TO_XYZ] for pixel in light]
+        plain = self.write("plain.exr", light)
+        test = self.write("xyz.exr", xyz, channels="XYZ")
+        self.neph("compare", plain, test, code=65, said=("CIE XYZ", "hint: --convert"))
+        found = self.json("compare", plain, test, "--convert", "-m", "max_abs")
+        self.assertLess(found["measurements"][0]["value"], 4e-4)  # digits of the matrix
+        self.assertEqual(found["converted"]["test"], "lin_ciexyzd65_scene")
+        wide = self.write("wide.exr", xyz, ("colorInteropID", "string", b"acescct"),
+                          channels="XYZ")
+        self.neph("compare", plain, wide, "--convert", code=65, said="acescct")
 
     def test_spaces_are_converted_when_asked(self):
         given = [(0.2 + i / 128, 0.3 + i / 100, 0.5 - i / 200) for i in range(64)]
