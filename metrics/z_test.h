@@ -91,10 +91,11 @@ enum neph_status neph_z_test(const struct neph_z_side *reference, const struct n
 
 /* Adjust the p-values of all planes of a pair by Holm's method with weights (S. Holm, Scandinavian
  * Journal of Statistics 6, 1979, section 3), valid for any dependence: the mean of plane 0 has
- * 0.8 of the level, the other tests share the remainder evenly. With normal noise a bias of
- * the mean of three standard errors is so found in 83 % of the cases, with skewed noise in fewer
- * (lognormal, 8 samples: 78 %); the extremes lose a tenth of their power in
- * standard errors. Returns the smallest adjusted value; 0 when a pixel is contrary. */
+ * 0.8 of the level, the other tests share the remainder evenly. With normal noise a bias of the
+ * mean of three standard errors is so found in 83 % of the cases, with lognormal noise of 8 samples
+ * in 80 % (12,000 pairs; random signs of the pixels find 81 %, but with light on one path of ten
+ * only 64 %); the extremes lose a tenth of their power in standard errors. Returns the smallest
+ * adjusted value; 0 when a pixel is contrary. */
 double neph_z_combine(struct neph_z_plane *planes, int count);
 
 /* Mean and variance of the mean of `count` >= 2 repeats of a plane, and the correlation of pixels
