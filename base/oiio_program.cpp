@@ -144,7 +144,10 @@ std::unique_ptr<ImageInput> open_file(const request &asked)
         return input;
     if (input->seek_subimage(1, 0))
         throw bad_file("it has several images\tchoose one by its number from 0: --part N");
-    return open_image(asked.path); /* a search that failed leaves an error */
+    input->geterror(); /* of the search; clears it */
+    if (strcmp(input->format_name(), "webp") == 0 || !input->seek_subimage(0, 0))
+        return open_image(asked.path); /* the search ends WebP's reader */
+    return input;
 }
 
 void check_spec(const request &asked, const ImageSpec &spec)
@@ -253,7 +256,7 @@ void copy_pixels(ImageInput &input, const ImageSpec &spec, int part, const write
 {
     const auto channels = static_cast<size_t>(spec.nchannels);
     const auto width = static_cast<size_t>(spec.width);
-    /* Of several rows of integers by Deflate, OpenImageIO 2.4 returns no error of decompression. */
+    /* OpenImageIO 2.4 keeps no error of several rows of integers by Deflate. */
     const bool is_silent = spec.get_string_attribute("compression") == "zip" &&
                            !spec.format.is_floating_point();
     const int strip = spec.tile_width > 0 ? std::max(spec.tile_height, 1)

@@ -441,7 +441,8 @@ class OtherFormats(neph_case.NephCase):
 
     def test_one_process_reads_a_sequence(self):
         program, starts = self.folder / "counted", self.folder / "starts"
-        program.write_text(f'#!/bin/sh\necho >> {starts}\nexec {NEPH.with_name("neph-image")} "$@"\n')
+        helper = NEPH.with_name("neph-image")
+        program.write_text(f'#!/bin/sh\necho >> {starts}\nexec {helper} "$@"\n')
         program.chmod(0o755)
         for side, grey in (("a", 100), ("b", 101)):
             (self.folder / side).mkdir()
