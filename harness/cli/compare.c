@@ -9,11 +9,11 @@
 #include "base/heap.h"
 #include "base/interrupt.h"
 #include "base/threads.h"
-#include "harness/cli/compare_choice.h"
 #include "harness/cli/compare_page.h"
 #include "harness/cli/compare_sides.h"
 #include "harness/cli/compare_z.h"
 #include "harness/compare/alone.h"
+#include "harness/compare/choice.h"
 #include "harness/compare/comparison.h"
 #include "harness/compare/limits_file.h"
 #include "harness/compare/verdict.h"
@@ -227,6 +227,18 @@ static const char *wanted_mask(const struct request *request)
     return names_mask_file(request) ? "file" : request->mask;
 }
 
+static struct neph_named make_named(const struct request *request)
+{
+    return (struct neph_named){
+        .metrics = request->metrics.words,
+        .metric_count = request->metrics.count,
+        .settings = request->shared.settings.list,
+        .setting_count = request->shared.settings.count,
+        .mask = wanted_mask(request),
+        .is_flicker = request->temporal,
+    };
+}
+
 /* The limits of the command line. */
 static int own_limit_count(const struct request *request)
 {
@@ -298,6 +310,7 @@ static enum neph_status prepare(const struct request *request, struct neph_sides
     if (request->shared.json && request->csv && strcmp(request->csv, "-") == 0)
         return neph_fail(diag, NEPH_ERR_USAGE, "--json and --csv - are both for stdout");
     *comparison = (struct neph_comparison){
+        .source = &neph_frame_files,
         .reference = sides->reference,
         .without_reference = sides->without_reference,
         .test = sides->test,
@@ -322,50 +335,6 @@ static enum neph_status prepare(const struct request *request, struct neph_sides
                ? status
                : neph_sequence_find(1, &request->second, request->by_position, &comparison->second,
                                     diag);
-}
-
-/* ---- the numbers to show --------------------------------------------------------------------- */
-
-static bool is_wanted(const struct neph_measurement *number, const void *context)
-{
-    const struct request *request = context;
-    const char *mask = wanted_mask(request), *metric = number->metric->name;
-    if (mask && strcmp(mask, number->mask) != 0)
-        return false;
-    const struct neph_extractor *owner = NULL;
-    neph_metric_find(metric, &owner);
-    bool named = request->metrics.count == 0;
-    for (int i = 0; i < request->metrics.count; i++) {
-        const char *word = request->metrics.words[i];
-        named |= strcmp(word, "all") == 0 || strcmp(word, owner->name) == 0 ||
-                 strcmp(word, metric) == 0;
-    }
-    for (int i = 0; i < request->shared.settings.count; i++) {
-        const char *setting = request->shared.settings.list[i];
-        const size_t length = strlen(owner->name);
-        named |= strncmp(setting, owner->name, length) == 0 &&
-                 (setting[length] == '.' || setting[length] == ':');
-    }
-    return named;
-}
-
-/* A finding combines several metrics, so only its mask decides. `half_life` belongs to no mask. */
-static bool is_wanted_finding(const struct request *request, const struct neph_finding *finding)
-{
-    const char *mask = wanted_mask(request);
-    return !mask || strcmp(mask, finding->mask) == 0 || strcmp(finding->name, "half_life") == 0;
-}
-
-/* Remove the numbers and findings that are not wanted. */
-static void select_wanted(const struct request *request, struct neph_compared *compared)
-{
-    struct neph_findings *findings = &compared->findings;
-    int kept = 0;
-    neph_measurements_select(&compared->numbers, is_wanted, request);
-    for (int i = 0; i < findings->count; i++)
-        if (is_wanted_finding(request, &findings->list[i]))
-            findings->list[kept++] = findings->list[i];
-    findings->count = kept;
 }
 
 /* ---- the run --------------------------------------------------------------------------------- */
@@ -518,7 +487,8 @@ static enum neph_status add_versus(struct work *work, struct neph_diag *diag)
         neph_hint(diag, "these are frames of '%s'; if they are meant to be frozen, say --frozen-ok",
                   work->sides->other_name);
     if (!status) {
-        select_wanted(work->request, beside);
+        const struct neph_named named = make_named(work->request);
+        neph_named_select(&named, beside);
         status = neph_versus(&compared->numbers, &beside->numbers, &compared->versus, diag);
     }
     if (!status)
@@ -528,41 +498,12 @@ static enum neph_status add_versus(struct work *work, struct neph_diag *diag)
     return status ? status : judged;
 }
 
-static bool has_extractor_numbers(const struct neph_compared *compared,
-                                  const struct neph_extractor *extractor)
-{
-    for (int i = 0; i < compared->numbers.count; i++) {
-        const struct neph_extractor *owner = NULL;
-        neph_metric_find(compared->numbers.list[i].metric->name, &owner);
-        if (owner == extractor)
-            return true;
-    }
-    return false;
-}
-
-/* An explicitly named metric that was not measured is an error. */
-static enum neph_status check_was_measured(const char *word, const struct neph_compared *compared,
-                                           struct neph_diag *diag)
-{
-    const struct neph_extractor *extractor = neph_find_extractor(word);
-    if (!extractor || has_extractor_numbers(compared, extractor)) /* "all" is no extractor */
-        return NEPH_OK;
-    const char *because = "the images have nothing that it is taken of";
-    for (int i = 0; i < compared->not_taken_count; i++)
-        if (strcmp(compared->not_taken[i].extractor, extractor->name) == 0)
-            because = compared->not_taken[i].because;
-    return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s was not measured: %s", word, because);
-}
-
 /* Check that all named metrics were measured, and that all limits are met. */
 static enum neph_status check_all(const struct request *request,
                                   const struct neph_compared *compared, struct neph_diag *diag)
 {
-    enum neph_status status = NEPH_OK;
-    if (request->metrics.count == 0 && request->temporal)
-        status = check_was_measured("flicker", compared, diag);
-    for (int i = 0; i < request->metrics.count && !status; i++)
-        status = check_was_measured(request->metrics.words[i], compared, diag);
+    const struct neph_named named = make_named(request);
+    enum neph_status status = neph_named_check(&named, compared, diag);
     for (int i = 0; i < limit_count(request) && !status; i++) {
         struct neph_limit limit;
         status = parse_limit(request, i, &limit, diag);
@@ -623,6 +564,7 @@ static void add_run(const struct request *request, enum neph_status status,
 static enum neph_status tell(struct work *work, enum neph_status status, struct neph_diag *diag)
 {
     const struct request *request = work->request;
+    const struct neph_named named = make_named(request);
     struct neph_compared *compared = &work->compared[NEPH_PAGE_TEST];
     struct neph_diag late = {.line = 0};
     if (!status && request->limits)
@@ -635,7 +577,7 @@ static enum neph_status tell(struct work *work, enum neph_status status, struct 
         work->limits_json = neph_limits_result_json(request->limits, &compared->numbers);
     add_limits(request, request->limits && !work->limits_apply ? NULL : &compared->numbers, diag,
                work->junit);
-    select_wanted(request, compared);
+    neph_named_select(&named, compared);
     if (work->sides->other.count > 0 && (!status || status == NEPH_ERR_GATE)) {
         const enum neph_status versus = add_versus(work, status ? NULL : diag);
         status = status ? status : versus;

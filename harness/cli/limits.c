@@ -9,9 +9,9 @@
 #include "base/hash.h"
 #include "base/heap.h"
 #include "base/threads.h"
-#include "harness/cli/compare_choice.h"
 #include "harness/cli/limits_night.h"
 #include "harness/compare/alone.h"
+#include "harness/compare/choice.h"
 #include "harness/compare/headlines.h"
 #include "harness/compare/repeats.h"
 #include "harness/progress.h"
@@ -402,6 +402,7 @@ static enum neph_status choose(struct work *work, struct neph_diag *diag)
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     struct neph_comparison *form = &work->form;
     *form = (struct neph_comparison){
+        .source = &neph_frame_files,
         .without_reference = work->reference.count == 0,
         .viewing = {given_or(request->frame_rate_hz, viewing.frame_rate_hz),
                     given_or(request->pixels_per_degree, viewing.pixels_per_degree),

@@ -153,7 +153,8 @@ static enum neph_status take_frame(struct pass *pass, const struct neph_comparis
         *image = held ? held->image : NULL;
         return NEPH_OK;
     }
-    const enum neph_status status = neph_read_ahead_take(pass->ahead, path, &asked->frame_choice,
+    const enum neph_status status = neph_read_ahead_take(pass->ahead, asked->source, path,
+                                                         &asked->frame_choice,
                                                          asked->negative_allowed, &read, diag);
     if (status)
         return status;
@@ -179,7 +180,8 @@ static int count_frames_ahead(const struct pass *pass)
 static void start_file(struct pass *pass, const struct neph_comparison *asked, const char *path)
 {
     if (path && !find_at_hand(pass, path))
-        neph_read_ahead_start(pass->ahead, path, &asked->frame_choice, asked->negative_allowed);
+        neph_read_ahead_start(pass->ahead, asked->source, path, &asked->frame_choice,
+                              asked->negative_allowed);
 }
 
 /* Start to read the files of the frames after `index`. */
@@ -316,8 +318,9 @@ static enum neph_status add_frame_masks(struct work *work, int index, struct nep
     struct neph_image *frame = NULL;
     const struct neph_sequence *reference = &work->asked->reference;
     const char *path = reference->paths[index];
-    enum neph_status status = neph_frame_read(path, &work->asked->frame_choice, SIZE_MAX, &frame,
-                                              diag);
+    const struct neph_frame_source *source = work->asked->source;
+    enum neph_status status = source->read(source->context, path, &work->asked->frame_choice,
+                                           SIZE_MAX, &frame, diag);
     if (!status)
         status = check_form(&work->forms[0], reference, index, frame, diag);
     if (!status)
@@ -346,8 +349,9 @@ static enum neph_status unite_masks(struct work *work, struct neph_diag *diag)
 static enum neph_status add_file_mask(struct work *work, struct neph_diag *diag)
 {
     struct neph_image *picture = NULL;
-    enum neph_status status = neph_frame_read_mask(work->asked->mask_file,
-                                                   &work->asked->frame_choice, &picture, diag);
+    const struct neph_frame_source *source = work->asked->source;
+    enum neph_status status = source->read_mask(source->context, work->asked->mask_file,
+                                                &work->asked->frame_choice, &picture, diag);
     if (!status && work->mask_count == NEPH_MASKS_MAX)
         status = neph_fail(diag, NEPH_ERR_INPUT, "more than %d masks", NEPH_MASKS_MAX);
     if (!status)

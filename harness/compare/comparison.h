@@ -25,11 +25,12 @@ typedef enum neph_status neph_map_taker(void *context, const struct neph_map *ma
                                         const struct neph_image *image, struct neph_diag *diag);
 
 struct neph_comparison {
-    struct neph_sequence reference; /* one frame for all, or as many frames as the test */
-    bool without_reference;         /* `reference` is then a frame of a test, a constant that
+    const struct neph_frame_source *source; /* of all frames: neph_frame_files, ...; borrowed */
+    struct neph_sequence reference;         /* one frame for all, or as many frames as the test */
+    bool without_reference;      /* `reference` is then a frame of a test, a constant that
                                        provides masks; only metrics that do not depend on it are
                                        kept (harness/compare/alone.h) */
-    struct neph_sequence second;    /* reference with another seed; empty: none */
+    struct neph_sequence second; /* reference with another seed; empty: none */
     struct neph_sequence test;
     const struct neph_image *const *test_images; /* test frames in memory by their index, as
                                                     neph_frame_read() returns them; an element NULL:

@@ -329,16 +329,15 @@ double neph_frame_rate_hz(const struct neph_image *image)
     return NAN;
 }
 
-enum neph_status neph_frame_read_as_written(const char *path,
-                                            const struct neph_frame_choice *choice,
-                                            size_t negative_allowed, struct neph_image **image,
-                                            struct neph_diag *diag)
+/* Give an image the channels of a frame, and check it. The image is consumed. */
+static enum neph_status interpret(const char *path, struct neph_image *frame,
+                                  const struct neph_frame_choice *choice, size_t negative_allowed,
+                                  struct neph_image **image, struct neph_diag *diag)
 {
-    struct neph_image *frame = NULL;
-    enum neph_status status = read_image(path, choice, &frame, diag);
-    if (!status && choice)
+    enum neph_status status = NEPH_OK;
+    if (choice)
         set_depth_aside(frame, choice->depth);
-    if (!status && choice && choice->layer)
+    if (choice && choice->layer)
         status = take_layer(path, frame, choice->layer, diag);
     if (!status)
         rename_colours(frame);
@@ -362,6 +361,16 @@ enum neph_status neph_frame_read_as_written(const char *path,
     else
         *image = frame;
     return status;
+}
+
+enum neph_status neph_frame_read_as_written(const char *path,
+                                            const struct neph_frame_choice *choice,
+                                            size_t negative_allowed, struct neph_image **image,
+                                            struct neph_diag *diag)
+{
+    struct neph_image *read = NULL;
+    const enum neph_status status = read_image(path, choice, &read, diag);
+    return status ? status : interpret(path, read, choice, negative_allowed, image, diag);
 }
 
 /* Values outside the data window: black, and without an object or a medium. */
@@ -395,24 +404,32 @@ static enum neph_status place(const char *path, const struct neph_window *window
     return status;
 }
 
+enum neph_status neph_frame_make(const char *path, struct neph_image *image,
+                                 const struct neph_frame_choice *choice, size_t negative_allowed,
+                                 struct neph_image **frame, struct neph_diag *diag)
+{
+    struct neph_image *made = NULL;
+    enum neph_status status = interpret(path, image, choice, negative_allowed, &made, diag);
+    if (status)
+        return status;
+    remove_nonfinite_channels(made);
+    mark_sky(made);
+    if (choice && choice->window.size_px[0] > 0)
+        status = place(path, &choice->window, made, diag);
+    if (status)
+        neph_image_destroy(made);
+    else
+        *frame = made;
+    return status;
+}
+
 enum neph_status neph_frame_read(const char *path, const struct neph_frame_choice *choice,
                                  size_t negative_allowed, struct neph_image **image,
                                  struct neph_diag *diag)
 {
-    struct neph_image *frame = NULL;
-    enum neph_status status = neph_frame_read_as_written(path, choice, negative_allowed, &frame,
-                                                         diag);
-    if (status)
-        return status;
-    remove_nonfinite_channels(frame);
-    mark_sky(frame);
-    if (choice && choice->window.size_px[0] > 0)
-        status = place(path, &choice->window, frame, diag);
-    if (status)
-        neph_image_destroy(frame);
-    else
-        *image = frame;
-    return status;
+    struct neph_image *read = NULL;
+    const enum neph_status status = read_image(path, choice, &read, diag);
+    return status ? status : neph_frame_make(path, read, choice, negative_allowed, image, diag);
 }
 
 enum neph_status neph_frame_read_mask(const char *path, const struct neph_frame_choice *choice,
@@ -433,3 +450,23 @@ enum neph_status neph_frame_read_mask(const char *path, const struct neph_frame_
         *image = mask;
     return status;
 }
+
+/* ---- files as a source ----------------------------------------------------------------------- */
+
+static enum neph_status read_file(const void *context, const char *path,
+                                  const struct neph_frame_choice *choice, size_t negative_allowed,
+                                  struct neph_image **image, struct neph_diag *diag)
+{
+    (void)context;
+    return neph_frame_read(path, choice, negative_allowed, image, diag);
+}
+
+static enum neph_status read_mask_file(const void *context, const char *path,
+                                       const struct neph_frame_choice *choice,
+                                       struct neph_image **image, struct neph_diag *diag)
+{
+    (void)context;
+    return neph_frame_read_mask(path, choice, image, diag);
+}
+
+const struct neph_frame_source neph_frame_files = {.read = read_file, .read_mask = read_mask_file};

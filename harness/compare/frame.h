@@ -65,6 +65,12 @@ enum neph_status neph_frame_read(const char *path, const struct neph_frame_choic
                                  size_t negative_allowed, struct neph_image **image,
                                  struct neph_diag *diag);
 
+/* The steps of neph_frame_read() after the file: make a frame of `image`, which is consumed. `path`
+ * names it in messages. Errors as of neph_frame_read(). */
+enum neph_status neph_frame_make(const char *path, struct neph_image *image,
+                                 const struct neph_frame_choice *choice, size_t negative_allowed,
+                                 struct neph_image **frame, struct neph_diag *diag);
+
 /* Read the image of a mask, which may have the data window of a frame or of the file: it is placed
  * in `choice->window` if its display window is that of the frames. The layer is not used. */
 enum neph_status neph_frame_read_mask(const char *path, const struct neph_frame_choice *choice,
@@ -76,5 +82,21 @@ enum neph_status neph_frame_read_as_written(const char *path,
                                             const struct neph_frame_choice *choice,
                                             size_t negative_allowed, struct neph_image **image,
                                             struct neph_diag *diag);
+
+/* Where the frames of a comparison come from. Functions are called by several threads. */
+struct neph_frame_source {
+    const void *context;
+    /* As neph_frame_read(). */
+    enum neph_status (*read)(const void *context, const char *path,
+                             const struct neph_frame_choice *choice, size_t negative_allowed,
+                             struct neph_image **image, struct neph_diag *diag);
+    /* As neph_frame_read_mask(); NULL: there are no such masks. */
+    enum neph_status (*read_mask)(const void *context, const char *path,
+                                  const struct neph_frame_choice *choice, struct neph_image **image,
+                                  struct neph_diag *diag);
+};
+
+/* The files of the paths. */
+extern const struct neph_frame_source neph_frame_files;
 
 #endif

@@ -10,6 +10,7 @@
 enum { FILES_MAX = 64 };
 
 struct file {
+    const struct neph_frame_source *source;
     const char *path; /* borrowed; NULL: free */
     const struct neph_frame_choice *choice;
     size_t negative_allowed;
@@ -63,33 +64,36 @@ static struct file *find_file(struct neph_read_ahead *ahead, const char *path)
 static void read_file(void *context)
 {
     struct file *file = context;
-    file->status = neph_frame_read(file->path, file->choice, file->negative_allowed, &file->image,
-                                   &file->diag);
+    file->status = file->source->read(file->source->context, file->path, file->choice,
+                                      file->negative_allowed, &file->image, &file->diag);
 }
 
-void neph_read_ahead_start(struct neph_read_ahead *ahead, const char *path,
-                           const struct neph_frame_choice *choice, size_t negative_allowed)
+void neph_read_ahead_start(struct neph_read_ahead *ahead, const struct neph_frame_source *source,
+                           const char *path, const struct neph_frame_choice *choice,
+                           size_t negative_allowed)
 {
     struct neph_path clip;
     int frame;
     struct file *file = find_file(ahead, path) ? NULL : find_file(ahead, NULL);
     if (!file || neph_clip_split(path, &clip, &frame))
         return;
-    *file = (struct file){.path = path,
+    *file = (struct file){.source = source,
+                          .path = path,
                           .choice = choice,
                           .negative_allowed = negative_allowed,
                           .task = {.work = read_file, .context = file}};
     neph_workers_add(ahead->workers, &file->task);
 }
 
-enum neph_status neph_read_ahead_take(struct neph_read_ahead *ahead, const char *path,
+enum neph_status neph_read_ahead_take(struct neph_read_ahead *ahead,
+                                      const struct neph_frame_source *source, const char *path,
                                       const struct neph_frame_choice *choice,
                                       size_t negative_allowed, struct neph_image **image,
                                       struct neph_diag *diag)
 {
     struct file *file = find_file(ahead, path);
     if (!file)
-        return neph_frame_read(path, choice, negative_allowed, image, diag);
+        return source->read(source->context, path, choice, negative_allowed, image, diag);
     neph_workers_wait(ahead->workers, &file->task);
     const enum neph_status status = file->status;
     if (status && diag)

@@ -122,6 +122,7 @@ static struct neph_comparison make_set_comparison(struct maps *maps, int set, bo
     const struct neph_viewer *view = maps->view;
     const bool is_sequence = view->sets[set].frames.count > 1;
     struct neph_comparison comparison = {
+        .source = &neph_frame_files,
         .reference = view->sets[0].frames,
         .test = view->sets[set].frames,
         .viewing = view->viewing,

@@ -317,7 +317,8 @@ static enum neph_status draw_flicker(const struct neph_evidence_source *source,
 {
     static const struct neph_meter_number wanted[] = {{"seen_contrast", "all"}, {.metric = NULL}};
     const struct neph_extractor *seen = neph_extractor_find("seen");
-    struct neph_comparison comparison = {.reference = *source->reference,
+    struct neph_comparison comparison = {.source = &neph_frame_files,
+                                         .reference = *source->reference,
                                          .test = *source->files,
                                          .test_images = source->images,
                                          .viewing = *viewing,

@@ -273,6 +273,7 @@ static enum neph_status prepare_comparison(const struct neph_capture *take,
     const struct neph_reference *reference = reading->reference ? reading->reference
                                                                 : take->reference;
     *comparison = (struct neph_comparison){
+        .source = &neph_frame_files,
         .reference = reference->frames[reading->against], /* borrowed */
         .test = frames->files,                            /* borrowed */
         .test_images = (const struct neph_image *const *)frames->images,

@@ -76,6 +76,7 @@ static double measure_seen(const struct neph_sequence *test, const struct neph_s
     const struct neph_extractor *extractor = neph_extractor_find("seen");
     double seen = NAN;
     const struct neph_comparison comparison = {
+        .source = &neph_frame_files,
         .reference = *reference,
         .test = *test,
         .choices = {{extractor, neph_options_default(extractor->options)}},

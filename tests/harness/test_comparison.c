@@ -55,6 +55,7 @@ static struct neph_sequence make_files(void **state, const char *name, int count
 
 static void choose(struct neph_comparison *comparison)
 {
+    comparison->source = &neph_frame_files;
     static const char *const names[] = {"seen", "cycles", "flicker", "error"};
     for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
         const struct neph_extractor *extractor = neph_extractor_find(names[i]);
@@ -197,8 +198,11 @@ static void test_channels_that_some_frames_lack(void **state)
     struct neph_sequence moving = make_files(state, "moving", FRAMES, false);
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct neph_sequence test = make_files(state, cases[i].name, FRAMES, true);
-        struct neph_comparison comparison = {
-            .reference = moving, .test = test, .viewing = NEPH_VIEWING_DEFAULTS, .quiet = true};
+        struct neph_comparison comparison = {.source = &neph_frame_files,
+                                             .reference = moving,
+                                             .test = test,
+                                             .viewing = NEPH_VIEWING_DEFAULTS,
+                                             .quiet = true};
         struct neph_compared compared = {.asked = NULL};
         struct neph_diag diag = {.line = 0};
         choose(&comparison);

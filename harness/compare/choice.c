@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/cli/compare_choice.h"
+#include "harness/compare/choice.h"
 
 #include "base/text.h"
 #include "harness/compare/alone.h"
@@ -109,4 +109,83 @@ enum neph_status neph_choose_setting(struct neph_comparison *comparison, const c
     snprintf(owner, sizeof(owner), "extractor %s", name);
     return neph_options_set(extractor->options, owner, key,
                             &find_choice(comparison, extractor)->settings, diag);
+}
+
+/* ---- what was named -------------------------------------------------------------------------- */
+
+static bool is_wanted(const struct neph_measurement *number, const void *context)
+{
+    const struct neph_named *named = context;
+    const char *metric = number->metric->name;
+    const struct neph_extractor *owner = NULL;
+    if (named->mask && strcmp(named->mask, number->mask) != 0)
+        return false;
+    neph_metric_find(metric, &owner);
+    bool found = named->metric_count == 0;
+    for (int i = 0; i < named->metric_count; i++) {
+        const char *word = named->metrics[i];
+        found |= strcmp(word, "all") == 0 || strcmp(word, owner->name) == 0 ||
+                 strcmp(word, metric) == 0;
+    }
+    for (int i = 0; i < named->setting_count; i++) {
+        const char *setting = named->settings[i];
+        const size_t length = strlen(owner->name);
+        found |= strncmp(setting, owner->name, length) == 0 &&
+                 (setting[length] == '.' || setting[length] == ':');
+    }
+    return found;
+}
+
+/* A finding combines several metrics, so only its mask decides. `half_life` belongs to no mask. */
+static bool is_wanted_finding(const struct neph_named *named, const struct neph_finding *finding)
+{
+    return !named->mask || strcmp(named->mask, finding->mask) == 0 ||
+           strcmp(finding->name, "half_life") == 0;
+}
+
+void neph_named_select(const struct neph_named *named, struct neph_compared *compared)
+{
+    struct neph_findings *findings = &compared->findings;
+    int kept = 0;
+    neph_measurements_select(&compared->numbers, is_wanted, named);
+    for (int i = 0; i < findings->count; i++)
+        if (is_wanted_finding(named, &findings->list[i]))
+            findings->list[kept++] = findings->list[i];
+    findings->count = kept;
+}
+
+static bool has_extractor_numbers(const struct neph_compared *compared,
+                                  const struct neph_extractor *extractor)
+{
+    for (int i = 0; i < compared->numbers.count; i++) {
+        const struct neph_extractor *owner = NULL;
+        neph_metric_find(compared->numbers.list[i].metric->name, &owner);
+        if (owner == extractor)
+            return true;
+    }
+    return false;
+}
+
+static enum neph_status check_was_measured(const char *word, const struct neph_compared *compared,
+                                           struct neph_diag *diag)
+{
+    const struct neph_extractor *extractor = neph_find_extractor(word);
+    if (!extractor || has_extractor_numbers(compared, extractor)) /* "all" is no extractor */
+        return NEPH_OK;
+    const char *because = "the images have nothing that it is taken of";
+    for (int i = 0; i < compared->not_taken_count; i++)
+        if (strcmp(compared->not_taken[i].extractor, extractor->name) == 0)
+            because = compared->not_taken[i].because;
+    return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s was not measured: %s", word, because);
+}
+
+enum neph_status neph_named_check(const struct neph_named *named,
+                                  const struct neph_compared *compared, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    if (named->metric_count == 0 && named->is_flicker)
+        status = check_was_measured("flicker", compared, diag);
+    for (int i = 0; i < named->metric_count && !status; i++)
+        status = check_was_measured(named->metrics[i], compared, diag);
+    return status;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Chooses the extractors of a comparison from words of the command line.
+ * Chooses the extractors of a comparison from words of a command line or of another program.
  */
-#ifndef NEPH_HARNESS_CLI_COMPARE_CHOICE_H
-#define NEPH_HARNESS_CLI_COMPARE_CHOICE_H
+#ifndef NEPH_HARNESS_COMPARE_CHOICE_H
+#define NEPH_HARNESS_COMPARE_CHOICE_H
 
 #include "harness/compare/comparison.h"
 
@@ -31,5 +31,23 @@ enum neph_status neph_choice_check_reference(const struct neph_comparison *compa
 /* Apply "EXTRACTOR:KEY=VALUE", and add that extractor. NEPH_ERR_USAGE. */
 enum neph_status neph_choose_setting(struct neph_comparison *comparison, const char *text,
                                      struct neph_diag *diag);
+
+/* What the user named. All texts are borrowed. */
+struct neph_named {
+    const char *const *metrics; /* extractors, metrics, or "all"; none: the usual ones */
+    int metric_count;
+    const char *const *settings; /* "EXTRACTOR:KEY=VALUE" */
+    int setting_count;
+    const char *mask; /* NULL: all masks */
+    bool is_flicker;
+};
+
+/* Remove the numbers and findings that are not named. */
+void neph_named_select(const struct neph_named *named, struct neph_compared *compared);
+
+/* NEPH_ERR_UNSUPPORTED: a named metric was not measured; without names, `flicker` of a task of
+ * flicker. */
+enum neph_status neph_named_check(const struct neph_named *named,
+                                  const struct neph_compared *compared, struct neph_diag *diag);
 
 #endif
