@@ -65,7 +65,11 @@ class Install(unittest.TestCase):
         self.assertEqual(programs - {"neph-image"}, {"neph", "neph-vdb"})
         self.assertEqual("neph-image" in programs, BUILT.with_name("neph-image").exists())
         self.assertTrue((self.data / "scripts/blender_render.py").exists())
-        self.assertFalse((self.prefix / "lib").exists() or (self.prefix / "include").exists())
+        headers = {path.name for path in (self.prefix / "include").iterdir()}
+        self.assertEqual(headers, {"neph_metrics.h"})
+        libraries = {path.name for path in self.prefix.rglob("*")
+                     if ".so" in path.name or path.suffix == ".a"}
+        self.assertEqual({name.split(".so")[0] for name in libraries}, {"libneph_metrics"})
 
     def test_the_manual_has_every_verb_and_option(self):
         path = self.prefix / "share/man/man1/neph.1"
