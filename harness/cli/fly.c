@@ -47,19 +47,20 @@ static const struct neph_cli_option options[] = {
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &neph_cli_one_scene,
-    .doc = "Fly through a scene in a window: presets of realtime and march at a key, their error "
-           "and their flicker as maps, times of all passes.\v"
-           "W A S D, Q and E fly, the right button looks around, the wheel changes the speed. 0 to "
-           "9 are presets, R and M realtime and march, C a line to drag between the two, X the "
-           "error against march, F the flicker of a static camera, [ and ] the exposure, space "
-           "stops sun and wind, T shows the time of each pass, H all keys. P writes "
-           "DIR/SCENE_fly.exr and .png, K records the way as DIR/SCENE_path.yaml, a scene for "
-           "every engine; no file is replaced. Needs SDL 2 and a display. At the end come the "
-           "number of frames and the median of their times.\n\n"
-           "Examples:\n"
-           "  neph fly fence_backlit\n"
-           "  neph fly cloud_below --size 640x360 --preset unity -s lighting=octaves\n"
-           "  neph fly fence_backlit --frames 300 --keys \"w*60 d*60\" --json",
+    .doc =
+        "Fly through a scene in a window: presets of realtime and march at a key, their error "
+        "and their flicker as maps, times of all passes.\v"
+        "W A S D, Q and E fly, the right button looks around, the wheel changes the speed. 0 to "
+        "9 and B are presets, R and M realtime and march, C a line to drag between the two, X the "
+        "error against march, F the flicker of a static camera, [ and ] the exposure, space "
+        "stops sun and wind, T shows the time of each pass, H all keys. P writes "
+        "DIR/SCENE_fly.exr and .png, K records the way as DIR/SCENE_path.yaml, a scene for "
+        "every engine; no file is replaced. Needs SDL 2 and a display. At the end come the "
+        "number of frames and the median of their times.\n\n"
+        "Examples:\n"
+        "  neph fly fence_backlit\n"
+        "  neph fly cloud_below --size 640x360 --preset unity -s lighting=octaves\n"
+        "  neph fly fence_backlit --frames 300 --keys \"w*60 d*60\" --json",
 };
 
 /* Print a median time; nothing if too few frames were shown for one. */

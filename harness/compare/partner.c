@@ -90,7 +90,7 @@ struct run {
     double gain;
 };
 
-static const struct neph_sequence *sequence_of(const struct run *run, enum side side)
+static const struct neph_sequence *find_sequence(const struct run *run, enum side side)
 {
     const struct neph_sequence *const sequences[SIDES] = {run->job->reference, run->job->test,
                                                           run->job->other};
@@ -139,7 +139,7 @@ static enum neph_status write_frame(struct run *run, enum side side, int frame,
                                     struct neph_diag *diag)
 {
     const struct neph_partner_job *job = run->job;
-    const struct neph_sequence *sequence = sequence_of(run, side);
+    const struct neph_sequence *sequence = find_sequence(run, side);
     const struct neph_path path = neph_path_in(run->folder, name_frame(side, frame).text);
     struct neph_image *image = NULL;
     if (neph_interrupted())
@@ -173,7 +173,7 @@ static enum neph_status write_frames(struct run *run, struct neph_diag *diag)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%d frames, and cvvdp reads at most %d",
                          run->frame_count, FRAMES_MAX);
     for (int side = 0; side < SIDES; side++)
-        for (int f = 0; f < run->frame_count && sequence_of(run, side)->count > 0 && !status; f++)
+        for (int f = 0; f < run->frame_count && find_sequence(run, side)->count > 0 && !status; f++)
             status = write_frame(run, side, f, diag);
     return status;
 }

@@ -11,7 +11,8 @@ static const double fast_factor = 4.0;
 /* The order of `held`: two opposite directions for each axis. */
 static const char ways[NEPH_FLY_WAYS] = {'d', 'a', 'e', 'q', 'w', 's'};
 
-/* The digit keys choose presets. */
+const char neph_fly_preset_keys[] = "0123456789b";
+
 static const struct {
     int key;
     struct neph_fly_command_event order;
@@ -38,7 +39,7 @@ static const struct {
 const struct neph_fly_help neph_fly_help[] = {
     {"W A S D, Q E", "fly; E up, Q down; shift: four times as fast; wheel: the speed"},
     {"right button", "look around; tab: without the button"},
-    {"0 .. 9", "a preset of realtime, named below"},
+    {"0 .. 9, B", "a preset of realtime, named below"},
     {"R, M", "realtime; march"},
     {"C", "realtime left, march right; drag the line with the left button"},
     {"X", "error against march"},
@@ -69,6 +70,14 @@ static void hold(struct neph_controls *controls, int key, bool is_down)
         controls->is_fast = is_down;
 }
 
+static void give_preset(struct neph_controls *controls, int key)
+{
+    const char *place = key > 0 && key < 128 ? strchr(neph_fly_preset_keys, key) : NULL;
+    if (place)
+        give(controls,
+             (struct neph_fly_command_event){NEPH_FLY_PRESET, (int)(place - neph_fly_preset_keys)});
+}
+
 static void push_button(struct neph_controls *controls, const struct neph_fly_event *event,
                         bool is_down)
 {
@@ -95,8 +104,7 @@ void neph_controls_add_event(struct neph_controls *controls, const struct neph_f
     switch (event->kind) {
     case NEPH_FLY_KEY_DOWN:
         hold(controls, event->key, true);
-        if (event->key >= '0' && event->key <= '9')
-            give(controls, (struct neph_fly_command_event){NEPH_FLY_PRESET, event->key - '0'});
+        give_preset(controls, event->key);
         for (size_t i = 0; i < sizeof(commands) / sizeof(commands[0]); i++)
             if (commands[i].key == event->key)
                 give(controls, commands[i].order);

@@ -37,6 +37,9 @@ struct neph_fly_help {
 };
 extern const struct neph_fly_help neph_fly_help[];
 
+/* The key of each preset, in the order of the presets. */
+extern const char neph_fly_preset_keys[];
+
 struct neph_fly_command_event {
     enum neph_fly_command command;
     int number;

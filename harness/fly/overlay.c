@@ -4,6 +4,7 @@
 #include "harness/engines/engines.h"
 #include "harness/fly/controls.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -73,9 +74,10 @@ static void put_help(struct neph_canvas *canvas, int line)
     char presets[LINE_SIZE] = "presets       "; /* "0 off  1 seed  2 fixed ..": the key of each
                                                  * preset */
     const struct neph_preset *preset = neph_engine_realtime.presets;
-    for (int i = 0; preset[i].name; i++) {
+    for (int i = 0; preset[i].name && neph_fly_preset_keys[i]; i++) {
         const size_t used = strlen(presets);
-        snprintf(presets + used, sizeof(presets) - used, " %d %s ", i, preset[i].name);
+        snprintf(presets + used, sizeof(presets) - used, " %c %s ",
+                 toupper((unsigned char)neph_fly_preset_keys[i]), preset[i].name);
     }
     neph_canvas_text(canvas, line, plain, presets);
 }
