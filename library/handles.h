@@ -8,6 +8,7 @@
 #include "base/arena.h"
 #include "base/image.h"
 #include "library/neph_metrics.h"
+#include "metrics/extractor.h"
 
 #include <locale.h>
 #include <stdbool.h>
@@ -30,7 +31,7 @@ struct nephm_task {
     const char *mask; /* NULL: all */
     bool rings, negative_is_fine, frozen_is_fine;
     double warm_up_frames;
-    double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: the default */
+    struct neph_viewing viewing; /* NaN: the default */
 };
 
 /* Give a status and its reason to the caller of the library. */

@@ -31,7 +31,9 @@ void nephm_image_destroy(nephm_image *image)
 static enum neph_status find_channel(nephm_image *image, const char *name, float **samples,
                                      struct neph_diag *diag)
 {
-    const size_t length = strlen(name);
+    const size_t length = name ? strlen(name) : 0;
+    if (!image)
+        return neph_fail(diag, NEPH_ERR_USAGE, "the image is NULL");
     if (length == 0 || length >= NEPH_IMAGE_NAME_MAX || !neph_text_is_utf8(name, length))
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "the name of a channel has %zu bytes: 1 to %d of UTF-8 are allowed",
@@ -46,8 +48,10 @@ int nephm_image_set_floats(nephm_image *image, const char *channel, const void *
 {
     struct neph_diag diag = {.line = 0};
     float *to;
-    const enum neph_status status = find_channel(image, channel, &to, &diag);
-    for (int y = 0; y < image->image->height_px && !status; y++) {
+    const enum neph_status status = samples
+                                        ? find_channel(image, channel, &to, &diag)
+                                        : neph_fail(&diag, NEPH_ERR_USAGE, "the samples are NULL");
+    for (int y = 0; !status && y < image->image->height_px; y++) {
         const char *from = (const char *)samples + y * row_stride_bytes;
         for (int x = 0; x < image->image->width_px; x++, to++, from += pixel_stride_bytes)
             memcpy(to, from, sizeof(*to)); /* it may be unaligned */
@@ -79,6 +83,8 @@ static enum neph_status set_srgb_codes(nephm_image *image, const char *channel, 
                                        ptrdiff_t row_stride_bytes, struct neph_diag *diag)
 {
     float *to;
+    if (!codes)
+        return neph_fail(diag, NEPH_ERR_USAGE, "the codes are NULL");
     if (code_bytes != 1 && code_bytes != 2)
         return neph_fail(diag, NEPH_ERR_USAGE, "codes of %d bytes: 1 and 2 are allowed",
                          code_bytes);
@@ -86,7 +92,7 @@ static enum neph_status set_srgb_codes(nephm_image *image, const char *channel, 
     float *light = status ? NULL : make_light(code_bytes);
     if (!status && !light)
         status = neph_fail_memory(diag);
-    for (int y = 0; y < image->image->height_px && !status; y++) {
+    for (int y = 0; !status && y < image->image->height_px; y++) {
         const char *from = (const char *)codes + y * row_stride_bytes;
         for (int x = 0; x < image->image->width_px; x++, to++, from += pixel_stride_bytes)
             *to = light[read_code(from, code_bytes)];

@@ -4,6 +4,7 @@
 #include "library/handles.h"
 #include "metrics/extractors/extractors.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,6 +75,8 @@ static enum neph_status add_sequence(nephm_result *result, const char *what,
     sequence->paths = calloc(count, sizeof(*sequence->paths));
     for (size_t i = 0; i < count && sequence->paths; i++) {
         char name[64];
+        if (!images[i])
+            return neph_fail(diag, NEPH_ERR_USAGE, "%s image %zu is NULL", what, i);
         neph_text_format(name, sizeof(name), count > 1 ? "%s[%zu]" : "%s", what, i);
         sequence->paths[i] = strdup(name);
         if (!sequence->paths[i])
@@ -99,19 +102,6 @@ static enum neph_status put_still(const nephm_task *task, nephm_result *result,
     return asked->reference.count ? NEPH_OK : neph_fail_memory(diag);
 }
 
-static struct neph_viewing make_viewing(const nephm_task *task)
-{
-    const struct neph_viewing usual = NEPH_VIEWING_DEFAULTS;
-    return (struct neph_viewing){
-        .frame_rate_hz = isnan(task->frame_rate_hz) ? usual.frame_rate_hz : task->frame_rate_hz,
-        .pixels_per_degree = isnan(task->pixels_per_degree) ? usual.pixels_per_degree
-                                                            : task->pixels_per_degree,
-        .exposure_ev = isnan(task->exposure_ev) ? usual.exposure_ev : task->exposure_ev,
-        .white_cd_per_m2 = isnan(task->white_cd_per_m2) ? usual.white_cd_per_m2
-                                                        : task->white_cd_per_m2,
-    };
-}
-
 static enum neph_status choose(const nephm_task *task, struct neph_comparison *asked,
                                struct neph_diag *diag)
 {
@@ -130,7 +120,9 @@ static enum neph_status prepare(const nephm_task *task, const nephm_image *const
                                 size_t test_count, nephm_result *result, struct neph_diag *diag)
 {
     struct neph_comparison *asked = &result->asked;
-    if (test_count == 0 || test_count > 1000000 || reference_count > test_count ||
+    if (!test || (reference_count > 0 && !reference))
+        return neph_fail(diag, NEPH_ERR_USAGE, "the list of images is NULL");
+    if (test_count == 0 || test_count > INT_MAX / 2 || reference_count > test_count ||
         (reference_count == 0 && !task->is_flicker))
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "%zu reference and %zu test images: one reference for all, or as many",
@@ -138,14 +130,15 @@ static enum neph_status prepare(const nephm_task *task, const nephm_image *const
     result->source = (struct neph_frame_source){.context = result, .read = read_frame};
     *asked = (struct neph_comparison){
         .source = &result->source,
-        .viewing = make_viewing(task),
-        .own_frame_rate = isnan(task->frame_rate_hz),
+        .viewing = neph_viewing_complete(task->viewing),
+        .own_frame_rate = isnan(task->viewing.frame_rate_hz),
         .warm_up_frames = (int)task->warm_up_frames,
         .mask = task->mask,
         .detail_masks = task->is_flicker || task->rings ||
                         (task->mask && neph_mask_is_detail(task->mask)),
         .negative_allowed = task->negative_is_fine ? SIZE_MAX : 0,
         .by_position = true,
+        .with_histogram = !task->is_flicker,
         .allow_frozen_frames = task->frozen_is_fine || !task->is_flicker,
         .quiet = true,
     };

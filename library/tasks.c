@@ -57,7 +57,8 @@ static enum neph_status set_mask(nephm_task *task, const char *value, struct nep
 struct task_option {
     const char *name;
     enum neph_status (*read)(nephm_task *task, const char *value, struct neph_diag *diag);
-    size_t flag, real; /* else the place of a bool or a double in the task */
+    size_t flag, real; /* without `read`: the place of a bool or of a double in the task; 0: it is
+                        * the other one (the task begins with neither) */
     double least, most;
 };
 
@@ -71,10 +72,10 @@ static const struct task_option task_options[] = {
     {"negative-ok", FLAG(negative_is_fine)},
     {"frozen-ok", FLAG(frozen_is_fine)},
     {"warm-up", REAL(warm_up_frames), .least = 0, .most = 1e6},
-    {"fps", REAL(frame_rate_hz), .least = 0, .most = 1e6},
-    {"ppd", REAL(pixels_per_degree), .least = 0, .most = 1e6},
-    {"exposure", REAL(exposure_ev), .least = -126, .most = 127},
-    {"white", REAL(white_cd_per_m2), .least = 0, .most = 1e6},
+    {"fps", REAL(viewing.frame_rate_hz), .least = 0, .most = 1e6},
+    {"ppd", REAL(viewing.pixels_per_degree), .least = 0, .most = 1e6},
+    {"exposure", REAL(viewing.exposure_ev), .least = -126, .most = 127},
+    {"white", REAL(viewing.white_cd_per_m2), .least = 0, .most = 1e6},
 };
 #undef FLAG
 #undef REAL
@@ -136,8 +137,7 @@ int nephm_task_create(int kind, nephm_task **task, struct nephm_error *error)
         status = neph_fail_memory(&diag);
     if (!status) {
         made->is_flicker = kind == NEPHM_FLICKER;
-        made->frame_rate_hz = made->pixels_per_degree = made->exposure_ev = NAN;
-        made->white_cd_per_m2 = NAN;
+        made->viewing = (struct neph_viewing){NAN, NAN, NAN, NAN};
         *task = made;
     }
     return neph_library_tell(status, &diag, error);

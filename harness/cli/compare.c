@@ -197,22 +197,11 @@ static const struct neph_cli_syntax flicker_syntax = {
 
 /* ---- the measurement set-up ------------------------------------------------------------------ */
 
-/* The viewing conditions: the defaults, replaced by the given options. */
 static struct neph_viewing make_viewing(const struct request *request)
 {
-    struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    const struct {
-        double given, *value;
-    } conditions[] = {
-        {request->frame_rate_hz, &viewing.frame_rate_hz},
-        {request->pixels_per_degree, &viewing.pixels_per_degree},
-        {request->exposure_ev, &viewing.exposure_ev},
-        {request->white_cd_per_m2, &viewing.white_cd_per_m2},
-    };
-    for (size_t i = 0; i < sizeof(conditions) / sizeof(conditions[0]); i++)
-        if (!isnan(conditions[i].given))
-            *conditions[i].value = conditions[i].given;
-    return viewing;
+    return neph_viewing_complete(
+        (struct neph_viewing){request->frame_rate_hz, request->pixels_per_degree,
+                              request->exposure_ev, request->white_cd_per_m2});
 }
 
 /* Whether --mask names a file: names of built-in masks have neither dot nor slash. */

@@ -391,23 +391,16 @@ static enum neph_status conclude(struct work *work, struct neph_diag *diag)
 
 /* ---- the verb -------------------------------------------------------------------------------- */
 
-static double given_or(double given, double otherwise)
-{
-    return isnan(given) ? otherwise : given;
-}
-
 static enum neph_status choose(struct work *work, struct neph_diag *diag)
 {
     const struct request *request = work->request;
-    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     struct neph_comparison *form = &work->form;
     *form = (struct neph_comparison){
         .source = &neph_frame_files,
         .without_reference = work->reference.count == 0,
-        .viewing = {given_or(request->frame_rate_hz, viewing.frame_rate_hz),
-                    given_or(request->pixels_per_degree, viewing.pixels_per_degree),
-                    given_or(request->exposure_ev, viewing.exposure_ev),
-                    given_or(request->white_cd_per_m2, viewing.white_cd_per_m2)},
+        .viewing = neph_viewing_complete(
+            (struct neph_viewing){request->frame_rate_hz, request->pixels_per_degree,
+                                  request->exposure_ev, request->white_cd_per_m2}),
         .own_frame_rate = isnan(request->frame_rate_hz),
         .warm_up_frames = request->warm_up_frames,
         .detail_masks = request->temporal,

@@ -6,6 +6,7 @@
 #include "harness/old_options.h"
 #include "metrics/extractors/extractors.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -109,6 +110,24 @@ enum neph_status neph_choose_setting(struct neph_comparison *comparison, const c
     snprintf(owner, sizeof(owner), "extractor %s", name);
     return neph_options_set(extractor->options, owner, key,
                             &find_choice(comparison, extractor)->settings, diag);
+}
+
+/* ---- viewing --------------------------------------------------------------------------------- */
+
+static double given_or(double given, double otherwise)
+{
+    return isnan(given) ? otherwise : given;
+}
+
+struct neph_viewing neph_viewing_complete(struct neph_viewing given)
+{
+    const struct neph_viewing usual = NEPH_VIEWING_DEFAULTS;
+    return (struct neph_viewing){
+        .frame_rate_hz = given_or(given.frame_rate_hz, usual.frame_rate_hz),
+        .pixels_per_degree = given_or(given.pixels_per_degree, usual.pixels_per_degree),
+        .exposure_ev = given_or(given.exposure_ev, usual.exposure_ev),
+        .white_cd_per_m2 = given_or(given.white_cd_per_m2, usual.white_cd_per_m2),
+    };
 }
 
 /* ---- what was named -------------------------------------------------------------------------- */

@@ -32,6 +32,9 @@ enum neph_status neph_choice_check_reference(const struct neph_comparison *compa
 enum neph_status neph_choose_setting(struct neph_comparison *comparison, const char *text,
                                      struct neph_diag *diag);
 
+/* Viewing conditions: those given, and the default where one is NaN. */
+struct neph_viewing neph_viewing_complete(struct neph_viewing given);
+
 /* What the user named. All texts are borrowed. */
 struct neph_named {
     const char *const *metrics; /* extractors, metrics, or "all"; none: the usual ones */

@@ -21,8 +21,7 @@ enum map { RGB, LUMA, UNIFORM, MAP_COUNT };
 
 enum {
     CHANNELS = 3,
-    /* The planes have so many more pixels on each side, so that the margin of structure.h is that
-        * of a window of 7x7. */
+    /* Further pixels of the planes on each side: the margin of structure.h becomes that of 7x7. */
     PAD_PX = NEPH_STRUCTURE_MARGIN_PX - 3
 };
 

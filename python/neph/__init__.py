@@ -143,9 +143,12 @@ def _measure(kind, reference, test, options):
     try:
         _library.call("nephm_task_run", task.pointer, reference_list, len(references), test_list,
                       len(tests), ctypes.byref(result.pointer))
-    except FrozenError as error:
-        error.result = _take(result)
-        raise
+    except InputError as error:
+        if not result.pointer:
+            raise
+        frozen = FrozenError(error.status, str(error))  # the only error with a result
+        frozen.result = _take(result)
+        raise frozen from None
     return _take(result)
 
 

@@ -101,8 +101,8 @@ def call(name, *arguments):
         text = error.text.decode("utf-8", "replace")
         if status == "memory":
             raise MemoryError(text)
-        kind = {"gate": FrozenError if "frames are bit for bit" in text else InputError,
-                "input": InputError, "usage": InputError, "unsupported": InputError}
+        kind = {"gate": InputError, "input": InputError, "usage": InputError,
+                "unsupported": InputError}
         raise kind.get(status, Error)(status, text)
 
 

@@ -23,6 +23,34 @@ add_executable(example {example})
 target_link_libraries(example PRIVATE neph::metrics)
 """
 
+# Every NULL that a caller may pass by mistake is a status with a reason.
+NULLS = """#include <neph_metrics.h>
+#include <stdio.h>
+int main(void)
+{
+    const float samples[4] = {1, 1, 1, 1};
+    struct nephm_error error;
+    nephm_image *image = NULL;
+    nephm_task *task = NULL;
+    nephm_result *result = NULL;
+    int wrong = nephm_image_create(2, 2, &image, NULL) + nephm_task_create(0, &task, NULL);
+    wrong += nephm_image_set_floats(NULL, "R", samples, 4, 8, &error) != NEPHM_ERR_USAGE;
+    wrong += nephm_image_set_floats(image, "R", NULL, 4, 8, &error) != NEPHM_ERR_USAGE;
+    wrong += nephm_image_set_floats(image, NULL, samples, 4, 8, &error) != NEPHM_ERR_USAGE;
+    wrong += nephm_image_set_srgb_codes(image, "R", NULL, 1, 1, 2, &error) != NEPHM_ERR_USAGE;
+    wrong += nephm_image_set_floats(image, "R", samples, 4, 8, &error);
+    const nephm_image *images[2] = {image, NULL};
+    wrong += nephm_task_run(task, images, 1, images, 2, &result, &error) != NEPHM_ERR_USAGE;
+    wrong += nephm_task_run(task, NULL, 1, images, 1, &result, &error) != NEPHM_ERR_USAGE;
+    wrong += nephm_task_run(task, images, 1, images, 1, &result, &error);
+    nephm_result_destroy(result);
+    nephm_task_destroy(task);
+    nephm_image_destroy(image);
+    printf("%d wrong\\n", wrong);
+    return 0;
+}
+"""
+
 
 def run(*words, **environment):
     return subprocess.run([str(word) for word in words], capture_output=True, text=True,
@@ -104,6 +132,13 @@ class Library(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         version, library = done.stdout.split()
         self.assertTrue(os.path.samefile(library, moved / self.shared.relative_to(self.prefix)))
+
+    def test_null_is_a_status(self):
+        source = self.folder / "nulls.c"
+        source.write_text(NULLS, encoding="utf-8")
+        done = run("cc", *CC, source, *self.flags(), "-o", self.folder / "nulls")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.example(self.folder / "nulls"), "0 wrong\n")
 
     def test_the_header_in_cplusplus(self):
         source = self.folder / "header.cpp"
