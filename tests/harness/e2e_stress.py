@@ -6,6 +6,8 @@ import json
 import os
 import pathlib
 import re
+import shutil
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -404,25 +406,33 @@ class OldNames(unittest.TestCase):
 
 
 class Interrupted(NephCase):
-    ONE = ["--only", "fog_none", "--preset", "fixed", "--preset", FAULT, "--size", "32x18"]
+    ONE = ["--only", "fog_none", "--preset", "fixed", "--preset", FAULT]
     TWO = [*ONE, "--only", "history_first", "--only", "ray_bad", "--jobs", "2"]
+    SIZES = ("32x18", "64x36", "128x72", "256x144")
 
     def interrupted(self, words, when):
-        """Interrupts a run as soon as it has written a file. The run has a lower priority: on a
-        busy machine it would otherwise end before this process sees its page."""
-        child = self.start("validate", "--suite", "stress", "-q", "-o", self.folder, *words,
-                           niceness=10)
-        self.wait_until(when)
-        out, err = self.interrupt(child)
-        self.assertEqual(out, "")
+        """Interrupts a run as soon as `when` holds, and returns the words of that run. A run may
+        end before this process is scheduled again; it is then repeated with larger frames."""
+        for size in self.SIZES:
+            shutil.rmtree(self.folder, ignore_errors=True)
+            sized = [*words, "--size", size]
+            child = self.start("validate", "--suite", "stress", "-q", "-o", self.folder, *sized,
+                               niceness=10)
+            self.wait_until(when, child)
+            child.send_signal(signal.SIGINT)
+            out, err = child.communicate(timeout=120)
+            if child.returncode != 0 or size == self.SIZES[-1]:
+                break
+        self.assertEqual((child.returncode, out), (130, ""), err)
         self.assertEqual(page_of(self.folder)["state"], "interrupted")
         self.assertIn("report so far", err)
+        return sized
 
     def test_finished_frames_are_reused(self):
         store = self.folder / "store/frames"
-        self.interrupted(self.ONE, lambda: store.exists() and any(store.iterdir()))
+        words = self.interrupted(self.ONE, lambda: store.exists() and any(store.iterdir()))
         kept = self.stamps(store)
-        done = suite(self.folder, *self.ONE, "--json")
+        done = suite(self.folder, *words, "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertGreaterEqual(len(kept), 1)
         self.assertEqual({path: path.stat().st_mtime_ns for path in kept}, kept)
@@ -430,9 +440,10 @@ class Interrupted(NephCase):
     def test_the_page_is_of_all_processes(self):
         """While they run: the process that updates it does not render."""
         data = self.folder / "report/data.json"
-        self.interrupted(self.TWO, lambda: data.exists() and page_of(self.folder)["compared"] > 0)
+        words = self.interrupted(
+            self.TWO, lambda: data.exists() and page_of(self.folder)["compared"] > 0)
         told = [r for r in page_of(self.folder)["results"] if r["verdict"] != "not_yet"]
-        whole = json.loads(suite(self.folder, *self.TWO, "--json").stdout)["results"]
+        whole = json.loads(suite(self.folder, *words, "--json").stdout)["results"]
         self.assertGreater(len(whole), len(told))
         for result in told:
             self.assertIn(result, whole)
