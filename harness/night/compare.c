@@ -227,7 +227,10 @@ static enum neph_status read_all(struct work *work, struct neph_diag *diag)
         status = read_candidates(work, diag);
     for (int i = 0; i < work->count && !status; i++) {
         struct candidate *c = &work->candidates[i];
-        status = read_accepted_night(work, c->name, &c->accepted, diag);
+        c->accepted = work->against;
+        if (work->against == 0)
+            status = neph_accepted_night_in(work->index, work->comparison->night, c->name,
+                                            c->environment, &c->accepted, diag);
         if (!status && c->accepted > 0)
             status = read_past(work, c, diag);
         if (!status && c->accepted > 0)
@@ -488,7 +491,9 @@ static const char *explain_no_judgement(struct neph_night_comparison *comparison
         return "another size";
     if (c->other_environment) {
         comparison->elsewhere++;
-        return neph_arena_format(&comparison->arena, "another environment: %s, accepted was %s",
+        return neph_arena_format(&comparison->arena,
+                                 "another environment: %s; no run of it is accepted, the last "
+                                 "accepted was %s",
                                  c->environment, c->other_environment);
     }
     return NULL;
@@ -585,7 +590,9 @@ static void report_environments(struct work *work)
         }
         if (c->other_environment && before == 0)
             report_finding(work, NEPH_FOUND_ENVIRONMENT, c->environment, "",
-                           neph_arena_format(arena, "%d series are not compared: accepted was %s",
+                           neph_arena_format(arena,
+                                             "%d series are not compared: no run of this "
+                                             "environment is accepted, the last accepted was %s",
                                              all, c->other_environment));
     }
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/night/lost.h"
 
+#include "harness/night/environment.h"
 #include "harness/night/judge.h"
 #include "harness/night/plan.h"
 #include "harness/run/record.h"
@@ -24,6 +25,13 @@ struct search {
                      versions of edited scenes */
 };
 
+/* Acceptances "a" that count for series ?1 in run ?2. */
+#define COUNTED                                                                                    \
+    "a.series IN ('*', ?1) AND a.night < ?2 AND a.night IN (SELECT id FROM nights) AND NOT "       \
+    "(a.series = '*' AND EXISTS (SELECT 1 FROM steps AS t WHERE t.night = a.night AND t.outcome "  \
+    "!= 'done' AND t.name IN (SELECT step FROM measurements WHERE series = (SELECT id FROM "       \
+    "series WHERE name = ?1))))"
+
 enum neph_status neph_accepted_night(struct neph_database *index, int64_t night, int64_t against,
                                      const char *series, int64_t *accepted, struct neph_diag *diag)
 {
@@ -32,13 +40,33 @@ enum neph_status neph_accepted_night(struct neph_database *index, int64_t night,
         return NEPH_OK;
     }
     *accepted = 0;
-    return neph_database_count(
-        index, accepted, diag,
-        "SELECT night FROM acceptances AS a WHERE series IN ('*', ?1) AND night < ?2 AND night IN "
-        "(SELECT id FROM nights) AND NOT (series = '*' AND EXISTS (SELECT 1 FROM steps AS t WHERE "
-        "t.night = a.night AND t.outcome != 'done' AND t.name IN (SELECT step FROM measurements "
-        "WHERE series = (SELECT id FROM series WHERE name = ?1)))) ORDER BY id DESC LIMIT 1",
+    return neph_database_count(index, accepted, diag,
+                               "SELECT a.night FROM acceptances AS a WHERE " COUNTED
+                               " ORDER BY a.id DESC LIMIT 1",
+                               "si", series, night);
+}
+
+enum neph_status neph_accepted_night_in(struct neph_database *index, int64_t night,
+                                        const char *series, const char *environment,
+                                        int64_t *accepted, struct neph_diag *diag)
+{
+    int64_t last = 0, same = 0;
+    struct neph_query *query = neph_query(
+        index, diag,
+        "SELECT a.night, m.environment, m.night IS NOT NULL FROM acceptances AS a LEFT JOIN "
+        "measurements AS m ON m.night = a.night AND m.series = (SELECT id FROM series WHERE name "
+        "= ?1) WHERE " COUNTED " ORDER BY a.id DESC",
         "si", series, night);
+    for (bool measured = true; same == 0 && measured && neph_query_next(query);) {
+        measured = neph_query_integer(query, 2) != 0; /* else it was accepted as lost */
+        last = last ? last : neph_query_integer(query, 0);
+        if (measured && neph_is_same_environment(neph_query_text(query, 1), environment))
+            same = neph_query_integer(query, 0);
+    }
+    const enum neph_status status = neph_query_end(query, NEPH_OK);
+    if (!status)
+        *accepted = same ? same : last;
+    return status;
 }
 
 /* ---- names ----------------------------------------------------------------------------------- */

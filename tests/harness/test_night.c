@@ -722,6 +722,41 @@ static void test_numbers_of_another_environment(void **state)
     }
 }
 
+/* Each environment has its own baseline: the last accepted run that measured in it. */
+static void test_each_environment_has_its_baseline(void **state)
+{
+    struct bench *bench = *state;
+    struct neph_measurement here = fog, there = fog;
+    here.environment = "V, revision 1, GPU", there.environment = "V, revision 1, CPU";
+    here.value = 0.2, there.value = 0.3;
+    accept(bench, "*", add_night(bench, &fog_step, &here, 1, true));
+    accept(bench, "*", add_night(bench, &fog_step, &there, 1, true));
+    here.environment = "V, revision 2, GPU";
+    compare_fog_value(bench, &here);
+    assert_true(bench->c.passes);
+    assert_int_equal(bench->c.compared, 1);
+    assert_int_equal(bench->c.elsewhere, 0);
+    here.value = 0.25; /* better than the CPU's, which was accepted last */
+    compare_fog_value(bench, &here);
+    assert_int_equal(count_found(&bench->c, NEPH_FOUND_WORSE), 1);
+    assert_int_equal(bench->c.findings[0].accepted, 1);
+    here.environment = "V, another GPU"; /* of which no run was accepted */
+    compare_fog_value(bench, &here);
+    assert_int_equal(bench->c.elsewhere, 1);
+    assert_non_null(strstr(bench->c.series[0].why, "no run of it is accepted"));
+    accept(bench, fog.series, add_night(bench, &fog_step, &here, 1, true));
+    compare_fog_value(bench, &here);
+    assert_int_equal(bench->c.compared, 1);
+    assert_true(bench->c.passes);
+    /* Accepted as lost: what an environment had before does not count. */
+    const struct neph_measurement other = {
+        FOG("1", "radiance p99/exact"), "fixed", 0.25, NAN, "D", ""};
+    accept(bench, fog.series, add_night(bench, &fog_step, &other, 1, true));
+    compare_fog_value(bench, &here);
+    assert_int_equal(bench->c.compared, 0);
+    assert_int_equal(bench->c.fresh, 1);
+}
+
 /* An engine that is declared stochastic from this run on does not get eight runs without judgement.
  */
 static void test_a_fixed_number_that_is_called_drawn_is_judged_as_before(void **state)
@@ -812,6 +847,7 @@ int main(void)
         bench_test(test_a_step_that_was_not_run_and_one_that_is_gone),
         bench_test(test_untimed_steps_stay_expected),
         bench_test(test_numbers_of_another_environment),
+        bench_test(test_each_environment_has_its_baseline),
         bench_test(test_a_fixed_number_that_is_called_drawn_is_judged_as_before),
         bench_test(test_slow_drift_is_found),
         bench_test(test_a_clock_that_was_set_back_changes_no_verdict),
