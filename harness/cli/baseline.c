@@ -4,16 +4,10 @@
  */
 #include "harness/cli/cli.h"
 
-#include "base/text.h"
-#include "harness/run/history.h"
+#include "harness/night/accept.h"
 
-#include <pwd.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-
-enum { WHO_BYTES = 256 };
 
 struct request {
     struct neph_cli_shared shared;
@@ -50,58 +44,44 @@ static void check_request(const void *request_, const struct argp_state *state)
         argp_error(state, "why is it accepted? --why \"the new phase function is right: see ...\"");
 }
 
-static const struct neph_cli_operands operands = {.shown = "accept|list [SERIES]",
+static const struct neph_cli_operands operands = {.shown = "accept|list [SERIES...]",
                                                   .minimum = 1,
-                                                  .maximum = 2,
+                                                  .maximum = NEPH_CLI_WORDS_MAX,
                                                   .missing = "accept or list?",
-                                                  .surplus = "one series"};
+                                                  .surplus = "1023 series"};
 
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check_request,
-    .doc = "Accept a nightly run as the baseline of later runs, or list the acceptances.\v"
-           "accept makes a nightly run the baseline of all series, or only of SERIES, a name in "
-           "nightly.json. A SERIES that the run has lost is accepted as lost: later runs do not "
-           "expect it. Acceptances are added and never changed: the last one counts, and its "
-           "frames are kept by `neph store gc`.\n\n"
-           "Examples:\n"
-           "  neph baseline accept --why \"first night, looked at\"\n"
-           "  neph baseline accept --night 12 catalog/voxel_grid@15da7c6d/march/\"radiance "
-           "rel_rmse\"/exact --why \"steps halved on purpose\"\n"
-           "  neph baseline list",
+    .doc =
+        "Accept a nightly run as the baseline of later runs, or list the acceptances.\v"
+        "accept makes a nightly run the baseline of all series, or only of each SERIES, a name in "
+        "nightly.json. A SERIES that the run has lost is accepted as lost: later runs do not "
+        "expect it. Acceptances are added and never changed: the last one counts, and its "
+        "frames are kept by `neph store gc`.\n\n"
+        "Examples:\n"
+        "  neph baseline accept --why \"first night, looked at\"\n"
+        "  neph baseline accept --night 12 catalog/voxel_grid@15da7c6d/march/\"radiance "
+        "rel_rmse\"/exact --why \"steps halved on purpose\"\n"
+        "  neph baseline list",
 };
-
-static void name_user(char who[WHO_BYTES])
-{
-    char host[128] = "";
-    const struct passwd *user = getpwuid(geteuid());
-    gethostname(host, sizeof(host) - 1);
-    neph_text_format(who, WHO_BYTES, "%s@%s", user ? user->pw_name : "unknown", host);
-}
 
 static enum neph_status accept(const struct request *request, struct neph_store *store,
                                struct neph_database *index, struct neph_diag *diag)
 {
-    char who[WHO_BYTES];
-    int64_t night = request->night;
-    const char *series = request->shared.operand_count > 1 ? request->shared.operands[1] : "*";
-    enum neph_status status = NEPH_OK;
-    name_user(who);
-    if (night < 1)
-        status = neph_database_count(
-            index, &night, diag, "SELECT coalesce(max(id), 0) FROM nights WHERE ended_utc != ''",
-            "");
-    if (!status && night < 1) {
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "no nightly run has ended yet");
-        neph_hint(diag, "`neph nightly` runs one");
-    }
-    if (!status)
-        status = neph_history_accept(index, neph_store_folder(store), series, night,
-                                     request->who ? request->who : who, request->why, diag);
-    if (!status && !request->shared.json)
-        printf("nightly run %lld is the baseline of %s\n", (long long)night,
-               strcmp(series, "*") == 0 ? "all series" : series);
+    const int count = request->shared.operand_count - 1;
+    const struct neph_acceptance asked = {request->shared.operands + 1, count,
+                                          request->night > 0 ? request->night : 0, request->who,
+                                          request->why};
+    struct neph_accepted accepted;
+    const enum neph_status status = neph_accept(index, neph_store_folder(store), &asked, &accepted,
+                                                diag);
+    if (!status && !request->shared.json && count == 0)
+        printf("nightly run %lld is the baseline of all series\n", (long long)accepted.night);
+    for (int i = 0; i < count && !status && !request->shared.json; i++)
+        printf("nightly run %lld is the baseline of %s\n", (long long)accepted.night,
+               asked.series[i]);
     return status;
 }
 

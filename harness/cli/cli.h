@@ -31,6 +31,7 @@ neph_verb neph_cli_conform;
 neph_verb neph_cli_study;
 neph_verb neph_cli_nightly;
 neph_verb neph_cli_baseline;
+neph_verb neph_cli_serve;
 neph_verb neph_cli_store;
 neph_verb neph_cli_scenes;
 neph_verb neph_cli_engines;

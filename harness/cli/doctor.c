@@ -13,6 +13,7 @@
 #include "harness/fly/window.h"
 #include "harness/host.h"
 #include "harness/packages.h"
+#include "harness/serve/http.h"
 #include "scenes/volume_file.h"
 
 #include <stdio.h>
@@ -39,6 +40,12 @@ static bool has_windows(const char *library)
 {
     (void)library;
     return neph_window_has_library();
+}
+
+static bool has_server(const char *library)
+{
+    (void)library;
+    return neph_http_has_library();
 }
 
 static bool has_openimageio(const char *name)
@@ -108,6 +115,11 @@ static const struct {
      has_windows,
      "neph fly",
      {"libsdl2-dev", "SDL2-devel", "sdl2"},
+     ", and build neph again"},
+    {"libmicrohttpd",
+     has_server,
+     "neph serve",
+     {"libmicrohttpd-dev", "libmicrohttpd-devel", "libmicrohttpd"},
      ", and build neph again"},
 };
 

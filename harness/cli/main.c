@@ -56,6 +56,8 @@ static const struct {
      "nightly run: measure, compare with the accepted run, report changes"},
     {"baseline", neph_cli_baseline, NULL,
      "accept a nightly run as the baseline, or list acceptances"},
+    {"serve", neph_cli_serve, NULL,
+     "the nightly page for a browser of this machine, to accept changes there"},
     {"store", neph_cli_store, NULL, "check, shrink or export the store of frames"},
     {"scenes", neph_cli_scenes, NULL, "list the catalogue, or show and check one scene"},
     {"engines", neph_cli_engines, NULL, "list the engines, or explain the settings of one"},

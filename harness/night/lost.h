@@ -69,9 +69,10 @@ struct neph_lost_list {
 enum neph_status neph_accepted_night(struct neph_database *index, int64_t night, int64_t against,
                                      const char *series, int64_t *accepted, struct neph_diag *diag);
 
-/* The same for a number that was measured in `environment` (environment.h): of the accepted runs
- * the last that measured the series in this environment; where none did, the last of all. An
- * acceptance without the series, which accepted it as lost, ends the search. */
+/* The number of the baseline run of a series for a measurement in `environment` (environment.h): of
+ * the accepted runs as above, the last that measured the series in this environment; where none
+ * did, the last of all. An acceptance without the series, which accepted it as lost, ends the
+ * search. */
 enum neph_status neph_accepted_night_in(struct neph_database *index, int64_t night,
                                         const char *series, const char *environment,
                                         int64_t *accepted, struct neph_diag *diag);

@@ -15,8 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct neph_page_parts parts = {.title = "Nephelometer nightly run",
-                                             .files = {"night.html", "night.js"}};
+static const struct neph_page_parts parts = {
+    .title = "Nephelometer nightly run", .files = {"night.html", "night_accept.js", "night.js"}};
 
 enum {
     TREND_NIGHTS = 60,
@@ -26,7 +26,7 @@ enum {
 struct neph_night_page {
     struct neph_report_folder *folder; /* NULL before the first publication */
     struct neph_store *store;
-    const char *tier;
+    const char *output, *tier;
     struct neph_path path;
     size_t limit_bytes;
 };
@@ -286,15 +286,16 @@ static enum neph_status set_head(const struct work *work, json_t *document, stru
     neph_utc_now(created);
     enum neph_status status = neph_night_summary(night, work->page->tier, &summary, diag);
     if (!status)
-        status = merge_object(
-            document,
-            json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "format", "neph-night-page-1", "state",
-                      night->is_over          ? "finished"
-                      : night->is_interrupted ? "interrupted"
-                                              : "running",
-                      "created_utc", created, "neph_version", NEPH_VERSION, "summary", summary,
-                      "difference_colours", neph_page_difference_colours()),
-            diag);
+        status = merge_object(document,
+                              json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:o}", "format",
+                                        "neph-night-page-1", "output", work->page->output, "state",
+                                        night->is_over          ? "finished"
+                                        : night->is_interrupted ? "interrupted"
+                                                                : "running",
+                                        "created_utc", created, "neph_version", NEPH_VERSION,
+                                        "summary", summary, "difference_colours",
+                                        neph_page_difference_colours()),
+                              diag);
     free(summary);
     return status;
 }
@@ -324,7 +325,8 @@ enum neph_status neph_night_page_open(const char *output, const char *tier,
     struct neph_night_page *opened = calloc(1, sizeof(*opened));
     if (!opened)
         return neph_fail_memory(diag);
-    *opened = (struct neph_night_page){.store = store, .tier = tier, .limit_bytes = limit_bytes};
+    *opened = (struct neph_night_page){
+        .output = output, .store = store, .tier = tier, .limit_bytes = limit_bytes};
     opened->path = neph_path_in(output, "nightly/report");
     *page = opened;
     return NEPH_OK;

@@ -13,8 +13,8 @@
 struct neph_night_page;
 
 /* Prepare the page OUTPUT/nightly/report. Its images take at most `limit_bytes` together: images of
- * changes come first, and the page says how many images are left out. The store is borrowed. Free
- * with neph_night_page_close(). */
+ * changes come first, and the page says how many images are left out. Output, tier and store are
+ * borrowed. Free with neph_night_page_close(). */
 enum neph_status neph_night_page_open(const char *output, const char *tier,
                                       struct neph_store *store, size_t limit_bytes,
                                       struct neph_night_page **page, struct neph_diag *diag);

@@ -575,8 +575,15 @@ enum neph_status neph_history_end(struct neph_database *index, const char *store
     return status;
 }
 
-static enum neph_status check_acceptable(struct neph_database *index, const char *series,
-                                         int64_t night, struct neph_diag *diag)
+enum neph_status neph_history_last(struct neph_database *index, int64_t *night,
+                                   struct neph_diag *diag)
+{
+    return neph_database_count(index, night, diag,
+                               "SELECT coalesce(max(id), 0) FROM nights WHERE ended_utc != ''", "");
+}
+
+enum neph_status neph_history_check_acceptable(struct neph_database *index, const char *series,
+                                               int64_t night, struct neph_diag *diag)
 {
     int64_t count = 1;
     bool has = false;
@@ -642,7 +649,7 @@ enum neph_status neph_history_accept(struct neph_database *index, const char *st
 {
     char now[32], digest[NEPH_HASH_HEX_SIZE] = "";
     neph_utc_now(now);
-    enum neph_status status = check_acceptable(index, series, night, diag);
+    enum neph_status status = neph_history_check_acceptable(index, series, night, diag);
     if (!status)
         status = neph_document_digest_night(store_folder, night, digest, diag);
     if (status)

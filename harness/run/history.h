@@ -95,6 +95,14 @@ enum neph_status neph_history_end(struct neph_database *index, const char *store
                                   int64_t night, const char *verdict, const json_t *frames,
                                   struct neph_diag *diag);
 
+/* NEPH_ERR_NOT_FOUND when neph_history_accept() would return that. */
+enum neph_status neph_history_check_acceptable(struct neph_database *index, const char *series,
+                                               int64_t night, struct neph_diag *diag);
+
+/* The last finished run; 0: none. */
+enum neph_status neph_history_last(struct neph_database *index, int64_t *night,
+                                   struct neph_diag *diag);
+
 /* Accepts a finished run as the baseline of `series`, or of all series ("*"). A series that only an
  * earlier accepted run has measured is accepted as lost: later runs do not report it as missing.
  * The document is written with a copy, and contains a digest of the run's document.

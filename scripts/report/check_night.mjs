@@ -74,6 +74,10 @@ function checkFinding(finding, seen) {
     && group.trends === 0) find(`${where}: its course is not drawn`);
   if (finding.command && !group.code.some((text) => text === single(finding.command)))
     find(`${where}: its command is not shown`);
+  if (finding.metric && ["worse", "missing"].includes(finding.found) && finding.kind !== "mean"
+    && !group.code.some((text) => text.startsWith("neph baseline accept ")
+      && text.includes(single(finding.series)) && text.endsWith("--why \"\"")))
+    find(`${where}: the command that accepts it is not shown`);
   if (finding.shown && drawnOf(finding.shown).length > 0
     && !group.pictures.some((name) => drawnOf(finding.shown).includes(name)))
     find(`${where}: its pictures are not shown`);
@@ -106,6 +110,18 @@ function checkContent(data, seen) {
   if (seen.foreign > 0) find("markup that is none of the page's");
 }
 
+/** The button beside a command copies it. */
+async function checkCopy(page, where) {
+  const button = page.locator("#whole-run button");
+  if (await button.count() === 0) return; // the run is not finished
+  await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
+  await button.click();
+  await page.waitForFunction(() => document.querySelector("#whole-run [role=status]").textContent);
+  const copied = await page.evaluate(() => navigator.clipboard.readText());
+  if (copied !== await page.locator("#whole-run code").innerText())
+    find(`${where}: the button copies ${copied}`);
+}
+
 const options = readArguments(
   "node check_night.mjs [--quick] [--screenshots DIR] PAGE_DIR", 1, ["quick"]);
 const [folder] = options.places;
@@ -120,5 +136,6 @@ await conclude(folder, Infinity, async () => {
     for (const text of seen.clipped) find(`${where}: wider than its place: ${text}`);
     for (const text of await page.evaluate(faintTexts))
       find(`${where}: too little contrast: ${text}`);
+    await checkCopy(page, where);
   });
 });

@@ -10,6 +10,7 @@
   const { el, small, bold, svg, line, label, plural, unique, signed, section, colHead, rowHead,
     numHead, words, row, table, scrolling, fact, entry, listed, link, hasData, withoutPlus, hole,
     pixels, fit, show, colourBar } = window.NephPage;
+  const { seriesOf, command, copied, place, start, quoted } = window.NephAccept;
 
   // Findings that fail a run. Each finding is shown by a sign, a word and a colour, so that it can
   // be read without the colour.
@@ -237,17 +238,16 @@
       el("div", null, trend(finding)))));
   }
 
-  /** The text as one word of a shell. */
-  const quoted = (text) => (/^[\w./:=@+-]+$/.test(text) ? text
-    : `'${text.replaceAll("'", "'\\''")}'`);
-
-  function commands([first], shown) {
+  function commands(group, shown) {
+    const [first] = group;
+    const series = seriesOf(group);
     const look = shown?.accepted?.exr && shown?.tonight?.exr
       && `neph view ${quoted(shown.accepted.exr)} ${quoted(shown.tonight.exr)} -o look`;
     const step = night.steps.find(({ name }) => name === first.step);
     return el("dl", { class: "facts commands" },
       first.command && fact("Repeat", el("code", null, first.command)),
       look && fact("View", el("code", null, look)),
+      series.length > 0 && copied("Accept", command(night, series)),
       step?.log && fact("Log", link(`../${step.log}`, step.log)));
   }
 
@@ -261,8 +261,14 @@
       title && title !== sceneName(first.scene) && el("p", { class: "small soft" }, title),
       numbers(group),
       pictures({ ...first, shown }),
-      commands(group, shown));
+      commands(group, shown), place(seriesOf(group), titleOf(group)));
   }
+
+  /** Acceptance of the whole run. */
+  const wholeRun = () => el("article", { class: "exhibit", id: "whole-run" },
+    el("h3", null, "All numbers of this run"),
+    el("dl", { class: "facts commands" }, copied("Accept", command(night, ["*"]))),
+    place(["*"], "all numbers of this run"));
 
   function changes() {
     if (night.state !== "finished") return null;
@@ -274,7 +280,8 @@
         : "There are no comparisons before a run is accepted."),
       made.slice(0, SHOWN),
       made.length > SHOWN && el("details", null,
-        el("summary", null, `${made.length - SHOWN} more, less severe`), made.slice(SHOWN)));
+        el("summary", null, `${made.length - SHOWN} more, less severe`), made.slice(SHOWN)),
+      wholeRun());
   }
 
   const help = () => window.NephPage.help(
@@ -292,8 +299,9 @@
       "the lower number of the anti-aliasing of the preset and the default one."),
     entry("Every number", "Point at a number of the tables below for all its digits, the ",
       "accepted number and the smallest detectable change."),
-    entry("Intended change", el("code", null, "neph baseline accept --why TEXT"), " accepts this ",
-      "run: later runs are compared with it. Nothing is overwritten."));
+    entry("Intended change", "It is accepted by the command below it, with a reason, or here when ",
+      "the page is served by ", el("code", null, "neph serve"), ": later runs are compared with ",
+      "this run. Nothing is overwritten."));
 
   // --------------------------------------------------------------------------------------- scenes
 
@@ -384,5 +392,6 @@
     : night.compared === 0 ? "nothing compared" : night.passes ? "pass" : "fail");
   show(main, head(), changes(), help(), scenes(), steps(), foot());
   main.addEventListener("click", ({ target }) => unfold(target.getAttribute?.("href")));
+  start(night);
   document.documentElement.dataset.ready = "yes";
 })();

@@ -127,7 +127,7 @@ def page_data():
             "new": 2, "elsewhere": 12, "young": 0, "not_run": 5, "steps": steps,
             "findings": findings(), "series": rows, "state": "finished",
             "created_utc": "2026-11-25T02:10:00Z", "neph_version": "0.1.0",
-            "summary": "Night 7 fails.",
+            "output": f"out/{HOSTILE}", "summary": "Night 7 fails.",
             "difference_colours": ["#053061", "#4393c3", "#f7f7f7", "#d6604d", "#67001f"],
             "pictures": {f"{fog}/march": {"picture": "images/b.png", "size_px": SIZE},
                          f"{fog}/realtime": None},
@@ -138,7 +138,7 @@ def page_data():
 # --------------------------------------------------------------------------------------- layout
 
 def build(folder, data=None):
-    lay_out(folder, "night", "NEPH_NIGHT", data or page_data())
+    lay_out(folder, "night", "NEPH_NIGHT", data or page_data(), before=["night_accept.js"])
     for name, shade in (("a", 60), ("b", 90), ("c", 200)):
         write_png(folder / "images" / f"{name}.png",
                   lambda i, j, shade=shade: (shade + i // 2, shade, 160 - j), *SIZE)

@@ -42,13 +42,15 @@ def write_data(folder, variable, data):
     (folder / "data.js").write_text(f"window.{variable} = {escaped};\n")
 
 
-def lay_out(folder, name, variable, data):
-    """A page without its images."""
+def lay_out(folder, name, variable, data, before=()):
+    """A page without its images; its script is loaded after the scripts `before`."""
+    scripts = [*before, f"{name}.js"]
     folder.mkdir(parents=True, exist_ok=True)
     text = (PAGE / "page.html").read_text().replace("@title@", f"Nephelometer {name}")
-    text = text.replace("@files@", f'<script src="{name}.js" defer></script>\n')
+    text = text.replace("@files@", "".join(f'<script src="{script}" defer></script>\n'
+                                           for script in scripts))
     (folder / "index.html").write_text(text.replace("@words@", (PAGE / f"{name}.html").read_text()))
-    for source in ("report.css", "page.js", f"{name}.js"):
+    for source in ("report.css", "page.js", *scripts):
         shutil.copy(PAGE / source, folder)
     write_data(folder, variable, data)
 
