@@ -224,7 +224,8 @@ class Serve(neph_case.NephCase):
         return codes
 
     def test_many_requests(self):
-        count, seed = 10000 if os.environ.get("NEPH_TEST_NIGHT") else 1000, random.randrange(1 << 32)
+        count = 10000 if os.environ.get("NEPH_TEST_NIGHT") else 1000
+        seed = random.randrange(1 << 32)
         print(f"seed {seed}")
         with concurrent.futures.ThreadPoolExecutor(8) as threads:
             found = threads.map(lambda n: self.hammer(seed + n, count // 8), range(8))
