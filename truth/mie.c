@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The fields are sums over electric and magnetic multipoles of order n with coefficients a_n, b_n
+ * (equation 4.88). They need the Riccati-Bessel functions psi_n(x) = x j_n(x) and xi_n(x) = x
+ * (j_n(x) + i y_n(x)) of the size parameter x, and the logarithmic derivative D_n(m x) of psi_n at
+ * m x with the refractive index m.
+ *
+ * - D_n is computed by downward recurrence, which forgets its starting value; upward it diverges
+ *   for absorbing spheres (J. V. Dave 1969; W. J. Lentz 1976).
+ * - y_n is computed by upward recurrence, and so is psi_n up to n = x. Above, where psi_n falls, that
+ *   diverges, and psi_n follows from its ratios to psi_(n-1), which are computed downward.
+ *
+ * Coefficients fall as exp(-1.9 c^(3/2)) at n = x + c x^(1/3). The usual end of the sums, c = 4 (W. J.
+ * Wiscombe, Appl. Opt. 19, 1980), omits resonances of weakly absorbing spheres: 9e-6 of the
+ * extinction for x = 100, m = 1.33 + 1e-5 i. Here c = 8, where coefficients are 1e-18.
+ */
+#include "truth/mie.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+struct multipoles {
+    int count;             /* orders 1..count */
+    double complex *a, *b; /* of each order; [0] is order 1 */
+};
+
+static int count_orders(double size_parameter)
+{
+    return (int)(size_parameter + 8.0 * cbrt(size_parameter) + 8.0);
+}
+
+/* D_n(z) for n = 0..count-1. The recurrence forgets its starting value 0 only where n exceeds |z|, and
+ * within some |z|^(1/3) orders: started 16 orders above |z| the extinction of x = 10,000 is wrong by
+ * 1e-4. */
+static void compute_log_derivatives(double complex z, int count, double complex *derivative)
+{
+    const double highest = fmax((double)count, cabs(z) + 8.0 * cbrt(cabs(z))) + 16.0;
+    double complex d = 0.0;
+    for (int n = (int)highest; n > 0; n--) {
+        const double complex ratio = (double)n / z;
+        d = ratio - 1.0 / (d + ratio); /* D_(n-1) from D_n */
+        if (n - 1 < count)
+            derivative[n - 1] = d;
+    }
+}
+
+/* psi_n / psi_(n-1) for n = 1..count, in ratios[n]. Downward as above. */
+static void compute_psi_ratios(double x, int count, double *ratios)
+{
+    double ratio = 0.0;
+    for (int n = count + 16; n > 0; n--) {
+        ratio = 1.0 / ((2.0 * n + 1.0) / x - ratio);
+        if (n <= count)
+            ratios[n] = ratio;
+    }
+}
+
+static void sum_multipoles(double x, double complex m, const double complex *derivative,
+                           const double *ratios, struct multipoles *poles)
+{
+    double psi_before = cos(x), psi = sin(x), y_before = -sin(x), y = cos(x);
+    for (int n = 1; n <= poles->count; n++) {
+        const double step = (2.0 * n - 1.0) / x;
+        const double psi_next = n > x ? psi * ratios[n] : step * psi - psi_before,
+                     y_next = step * y - y_before;
+        const double complex xi = psi - I * y, xi_next = psi_next - I * y_next;
+        const double complex electric = derivative[n] / m + n / x,
+                             magnetic = derivative[n] * m + n / x;
+        poles->a[n - 1] = (electric * psi_next - psi) / (electric * xi_next - xi);
+        poles->b[n - 1] = (magnetic * psi_next - psi) / (magnetic * xi_next - xi);
+        psi_before = psi, psi = psi_next, y_before = y, y = y_next;
+    }
+}
+
+static enum neph_status compute_multipoles(double x, double complex m, struct multipoles *poles,
+                                           struct neph_diag *diag)
+{
+    const int count = count_orders(x);
+    double complex *derivative = malloc((size_t)(count + 1) * sizeof(*derivative));
+    double *ratios = malloc((size_t)(count + 1) * sizeof(*ratios));
+    poles->a = malloc((size_t)count * sizeof(*poles->a));
+    poles->b = malloc((size_t)count * sizeof(*poles->b));
+    poles->count = count;
+    const bool complete = derivative && ratios && poles->a && poles->b;
+    if (complete) {
+        compute_log_derivatives(m * x, count + 1, derivative);
+        compute_psi_ratios(x, count, ratios);
+        sum_multipoles(x, m, derivative, ratios, poles);
+    }
+    free(ratios);
+    free(derivative);
+    return complete ? NEPH_OK : neph_fail_memory(diag);
+}
+
+static double norm(double complex z)
+{
+    return creal(z) * creal(z) + cimag(z) * cimag(z);
+}
+
+/* Equations 4.61 and 4.62, and the asymmetry of section 4.5. */
+static struct neph_mie_efficiency sum_efficiencies(double x, const struct multipoles *poles)
+{
+    double extinction = 0.0, scattering = 0.0, forward = 0.0;
+    for (int i = 0; i < poles->count; i++) {
+        const double n = i + 1.0;
+        const double complex a = poles->a[i], b = poles->b[i];
+        extinction += (2.0 * n + 1.0) * creal(a + b);
+        scattering += (2.0 * n + 1.0) * (norm(a) + norm(b));
+        forward += (2.0 * n + 1.0) / (n * (n + 1.0)) * creal(a * conj(b));
+        if (i + 1 < poles->count)
+            forward += n * (n + 2.0) / (n + 1.0) *
+                       creal(a * conj(poles->a[i + 1]) + b * conj(poles->b[i + 1]));
+    }
+    return (struct neph_mie_efficiency){2.0 / (x * x) * extinction, 2.0 / (x * x) * scattering,
+                                        2.0 * forward / scattering};
+}
+
+/* Equation 4.74, with the angular functions pi_n and tau_n by upward recurrence (4.47). */
+static double compute_intensity(double cosine, const struct multipoles *poles)
+{
+    double complex s1 = 0.0, s2 = 0.0;
+    double pi_before = 0.0, pi_now = 1.0;
+    for (int i = 0; i < poles->count; i++) {
+        const double n = i + 1.0, weight = (2.0 * n + 1.0) / (n * (n + 1.0)),
+                     tau = n * cosine * pi_now - (n + 1.0) * pi_before;
+        s1 += weight * (poles->a[i] * pi_now + poles->b[i] * tau);
+        s2 += weight * (poles->a[i] * tau + poles->b[i] * pi_now);
+        const double pi_next = ((2.0 * n + 1.0) * cosine * pi_now - (n + 1.0) * pi_before) / n;
+        pi_before = pi_now, pi_now = pi_next;
+    }
+    return 0.5 * (norm(s1) + norm(s2));
+}
+
+static enum neph_status check(double x, double complex m, struct neph_diag *diag)
+{
+    if (!(x >= NEPH_MIE_SIZE_MIN && x <= NEPH_MIE_SIZE_MAX))
+        return neph_fail(diag, NEPH_ERR_INPUT, "the size parameter is %g, not in %g..%g", x,
+                         NEPH_MIE_SIZE_MIN, NEPH_MIE_SIZE_MAX);
+    if (!(creal(m) > 0.0 && cimag(m) >= 0.0 && cabs(m) <= NEPH_MIE_INDEX_MAX))
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "the refractive index is %g + %g i: n is above 0, k at least 0, and the "
+                         "modulus at most %g",
+                         creal(m), cimag(m), NEPH_MIE_INDEX_MAX);
+    return NEPH_OK;
+}
+
+enum neph_status neph_mie_sphere(double size_parameter, double complex index, int angle_count,
+                                 const double *cosines, struct neph_mie_efficiency *efficiency,
+                                 double *intensities, struct neph_diag *diag)
+{
+    struct multipoles poles = {.count = 0};
+    enum neph_status status = check(size_parameter, index, diag);
+    if (!status)
+        status = compute_multipoles(size_parameter, index, &poles, diag);
+    if (!status)
+        *efficiency = sum_efficiencies(size_parameter, &poles);
+    for (int i = 0; i < angle_count && !status; i++)
+        intensities[i] = compute_intensity(cosines[i], &poles);
+    free(poles.a);
+    free(poles.b);
+    return status;
+}
