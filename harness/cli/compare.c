@@ -156,10 +156,7 @@ static const struct neph_cli_operands flicker_operands = {.shown = "[BEFORE] TES
 static void check(const void *request_, const struct argp_state *state)
 {
     const struct request *request = request_;
-    if (request->ocio && !request->frame_choice.convert)
-        argp_error(state, "--ocio has colour spaces for --convert");
-    if (request->space && !request->ocio)
-        argp_error(state, "--space is a name in a config: --ocio FILE");
+    neph_cli_check_colours(request->ocio, request->space, request->frame_choice.convert, state);
 }
 
 static const struct neph_cli_syntax compare_syntax = {

@@ -124,6 +124,7 @@ class Spaces(neph_case.NephCase):
 
     def write(self, name, pixels, space=None, attribute="oiio:ColorSpace", further=()):
         path = self.folder / name
+        path.parent.mkdir(exist_ok=True)
         path.write_bytes(frames.exr_bytes(
             WIDTH, HEIGHT, dict(zip("RGB", zip(*pixels))),
             [*further, *([(attribute, "string", space.encode())] if space else [])]))
@@ -191,7 +192,6 @@ class Spaces(neph_case.NephCase):
     def test_other_verbs(self):
         for side in "ab":
             for i in range(20):
-                (self.folder / side).mkdir(exist_ok=True)
                 pixels = [[v + 1e-3 * (i % 4) for v in pixel] for pixel in self.codes]
                 space, pixels = ("film", pixels) if side == "a" else (
                     None, [SPACES["film"](pixel) for pixel in pixels])
@@ -204,6 +204,17 @@ class Spaces(neph_case.NephCase):
         self.neph("compare", "--z", a, b, "--convert", *ocio, code=64, said="no --convert")
         self.neph("view", a, b, "--convert", *ocio, "-q", "-o", self.folder / "page")
         self.neph("view", a, b, *ocio, "-q", "-o", self.folder / "page2", code=65, said="film")
+        runs = [self.write(f"runs/{i}.exr", [[v + 1e-3 * i for v in p] for p in self.codes], "film")
+                for i in range(6)]
+        self.neph("limits", *runs, "--convert", *ocio, "-m", "max_abs", "-q", "-o", self.folder)
+        beyond = self.write("beyond.exr", [SPACES["film"]([v + 0.1 for v in pixel])
+                                           for pixel in self.codes])
+        for test, code in ((runs[3], 0), (beyond, 1)):
+            self.neph("compare", runs[0], test, "--convert", *ocio, "--limits",
+                      self.folder / "limits.json", code=code)
+        self.check_refusals((64, "--ocio has colour spaces", ["a.exr", *ocio]),
+                            (64, "--convert is for frames", ["a.json", "--convert"]),
+                            before=["limits"])
         one = self.json("compare", b, a, "--convert", *ocio, "-j1")
         self.assertEqual(one, self.json("compare", b, a, "--convert", *ocio, "-j4"))
 
