@@ -95,7 +95,7 @@ enum neph_status find_space(void *context, const char *name, const char **space,
 
 /* ---- conversion ------------------------------------------------------------------------------ */
 
-ocio::ConstProcessorRcPtr make_processor(const colour_config &self, const char *space)
+ocio::ConstTransformRcPtr make_transform(const colour_config &self, const char *space)
 {
     const ocio::ColorSpaceTransformRcPtr named = ocio::ColorSpaceTransform::Create();
     const ocio::GroupTransformRcPtr group = ocio::GroupTransform::Create();
@@ -104,7 +104,7 @@ ocio::ConstProcessorRcPtr make_processor(const colour_config &self, const char *
     group->appendTransform(named);
     if (self.space.empty())
         group->appendTransform(neph_ocio::make_aces_matrix(ocio::TRANSFORM_DIR_FORWARD));
-    return self.config->getProcessor(self.variables, group, ocio::TRANSFORM_DIR_FORWARD);
+    return group;
 }
 
 enum neph_status check_finite(const colour_config &self, const char *space,
@@ -131,7 +131,13 @@ enum neph_status convert(void *context, const char *space, float *const planes[3
         if (self->config->getColorSpace(space)->isData())
             return neph_fail(diag, NEPH_ERR_INPUT, "the space '%s' of '%s' is data, no colour",
                              space, self->path.c_str());
-        const ocio::ConstProcessorRcPtr processor = make_processor(*self, space);
+        const ocio::ConstTransformRcPtr whole = make_transform(*self, space);
+        const enum neph_status status = neph_ocio::check_transform(self->config, self->variables,
+                                                                   whole, diag);
+        if (status)
+            return status;
+        const ocio::ConstProcessorRcPtr processor = self->config->getProcessor(
+            self->variables, whole, ocio::TRANSFORM_DIR_FORWARD);
         if (neph_ocio::count_nan_entries(processor) > 0)
             return neph_fail(diag, NEPH_ERR_INPUT, "the space '%s' of '%s' has a table with NaN",
                              space, self->path.c_str());

@@ -193,7 +193,7 @@ enum neph_status bake(const struct neph_display_choice *choice, struct neph_disp
                                       : ocio::ROLE_SCENE_LINEAR;
     const char *display = choice->display ? choice->display : config->getDefaultDisplay();
     const char *view = choice->view ? choice->view : config->getDefaultView(display);
-    const enum neph_status status = check_names(config, space, display, view, diag);
+    enum neph_status status = check_names(config, space, display, view, diag);
     if (status)
         return status;
     ocio::DisplayViewTransformRcPtr transform = ocio::DisplayViewTransform::Create();
@@ -204,6 +204,9 @@ enum neph_status bake(const struct neph_display_choice *choice, struct neph_disp
     if (by_aces)
         group->appendTransform(neph_ocio::make_aces_matrix(ocio::TRANSFORM_DIR_INVERSE));
     group->appendTransform(transform);
+    status = neph_ocio::check_transform(config, config->getCurrentContext(), group, diag);
+    if (status)
+        return status;
     const ocio::ConstProcessorRcPtr whole = config->getProcessor(group);
     const ocio::ConstCPUProcessorRcPtr processor = whole->getOptimizedCPUProcessor(
         neph_ocio::optimization);

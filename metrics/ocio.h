@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Common parts of the C++ files that use OpenColorIO: display.cpp, display_cube.cpp and
- * colour_config.cpp. Only these and ocio.cpp include this file, and no exception leaves them.
+ * colour_config.cpp. Only these, ocio.cpp and ocio_check.cpp include this file; no exception leaves
+ * the first three.
  */
 #ifndef NEPH_METRICS_OCIO_H
 #define NEPH_METRICS_OCIO_H
@@ -29,6 +30,14 @@ int count_nan_entries(const ocio::ConstProcessorRcPtr &processor);
 /* The matrix from ACES2065-1, the space of the role aces_interchange, to linear Rec.709 with white
  * D65 (base/chromaticities.h). */
 ocio::MatrixTransformRcPtr make_aces_matrix(ocio::TransformDirection direction);
+
+/* Refuse spaces and looks that are defined by themselves, for which OpenColorIO has no end, and
+ * tables that are no regular files or larger than 512 MiB. `variables` are those of the paths. A
+ * missing table is OpenColorIO's exception. */
+enum neph_status check_transform(const ocio::ConstConfigRcPtr &config,
+                                 const ocio::ConstContextRcPtr &variables,
+                                 const ocio::ConstTransformRcPtr &transform,
+                                 struct neph_diag *diag);
 
 /* Run `work`, which returns a status; exceptions become errors about the config of this path. */
 template <typename Work>

@@ -57,7 +57,7 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_NAMES, AT(overlays), .group = VIEWING},
     {"ocio", 0, NULL,
      "An OpenColorIO config: its view is shown, and the plain curve of an sRGB display on request; "
-     "--convert knows its colour spaces",
+     "--convert finds its colour spaces",
      NEPH_CLI_WORD, AT(view.display.config), .group = VIEWING},
     {"display", 0, "NAME", "Of that config (default: its own)", NEPH_CLI_WORD,
      AT(view.display.display), .group = VIEWING},

@@ -70,6 +70,24 @@ colorspaces:
         - !<MatrixTransform> {{matrix: [1.e30, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}}
         - !<ExponentTransform> {{value: [2, 2, 2, 1]}}
   - !<ColorSpace> {{name: numbers, isdata: true}}
+  - !<ColorSpace>
+    name: piped
+    to_scene_reference: !<FileTransform> {{src: pipe.cube, interpolation: linear}}
+  - !<ColorSpace>
+    name: endless
+    to_scene_reference: !<FileTransform> {{src: /dev/zero, interpolation: linear}}
+  - !<ColorSpace>
+    name: hen
+    to_scene_reference: !<GroupTransform>
+      children: [!<ColorSpaceTransform> {{src: egg, dst: aces}}]
+  - !<ColorSpace>
+    name: egg
+    from_scene_reference: !<LookTransform> {{src: aces, dst: aces, looks: warm}}
+looks:
+  - !<Look>
+    name: warm
+    process_space: film
+    transform: !<ColorSpaceTransform> {{src: hen, dst: light}}
 """
 BEND = 0.0, 0.125, 1.0  # the table: codes 0, 1/2 and 1
 # Version 1, whose reference is linear Rec.709, without a role for ACES.
@@ -224,13 +242,16 @@ class Spaces(neph_case.NephCase):
                                     "names are Camera Linear, ")),
                  ("lost", ("studio.ocio", "nowhere.cube")), ("torn", "has a table with NaN"),
                  ("steep", "gives no finite number for the pixel (0, 0)"),
-                 ("numbers", "is data, no colour"))
+                 ("numbers", "is data, no colour"),
+                 ("piped", ("pipe.cube", "a pipe is not a regular file")),
+                 ("endless", "'/dev/zero': a device is not a regular"),
+                 ("hen", "'hen' of the OpenColorIO config is defined by itself"))
+        os.mkfifo(self.folder / "luts/pipe.cube")
         bright = [[v + 1 for v in pixel] for pixel in self.codes]
-        for space, said in cases:
-            test = self.write("test.exr", bright, space)
-            for words in ((plain, test), (test, plain)):
-                self.check_refusals((65, said, words), before=(
-                    "compare", "--convert", "--ocio", self.config))
+        for i, (space, said) in enumerate(cases):
+            sides = [plain, self.write("test.exr", bright, space)][::1 - 2 * (i % 2)]
+            self.check_refusals((65, said, sides), before=(
+                "compare", "--convert", "--ocio", self.config))
         two = self.write("test.exr", bright, "film",
                          further=[("colorInteropID", "string", b"cam")])
         self.neph("compare", plain, two, "--convert", "--ocio", self.config, code=65,
