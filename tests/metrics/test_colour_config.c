@@ -21,7 +21,10 @@ static const char config_text[] =
     "  - !<ColorSpace>\n"
     "    name: stops\n"
     "    aliases: [log2]\n"
-    "    to_scene_reference: !<LogTransform> {base: 2, direction: inverse}\n";
+    "    to_scene_reference: !<LogTransform> {base: 2, direction: inverse}\n"
+    "  - !<ColorSpace>\n"
+    "    name: ring\n"
+    "    from_scene_reference: !<ColorSpaceTransform> {src: light, dst: ring}\n";
 
 static struct neph_colour_source *open_config(void **state, const char *space)
 {
@@ -46,7 +49,7 @@ static void test_names(void **state)
     }
     assert_int_equal(source->find(source->context, "stop", &space, &diag), NEPH_ERR_INPUT);
     assert_non_null(strstr(diag.message, "no colour space 'stop'"));
-    assert_string_equal(diag.hint, "it has stops, light"); /* the most similar first */
+    assert_string_equal(diag.hint, "it has stops, ring, light"); /* the most similar first */
     assert_int_equal(source->find(source->context, "", &space, NULL), NEPH_ERR_INPUT);
     assert_string_equal(source->label, "config.ocio");
     neph_colour_config_close(source);
@@ -96,7 +99,7 @@ static void test_values_are_the_closed_form(void **state)
     neph_colour_config_close(source);
 }
 
-static void test_a_result_that_is_not_finite(void **state)
+static void test_spaces_that_cannot_be_converted(void **state)
 {
     struct neph_colour_source *source = open_config(state, "light");
     float samples[3][2] = {{1.0f, 1.0f}, {1.0f, 200.0f}, {1.0f, 1.0f}};
@@ -105,6 +108,9 @@ static void test_a_result_that_is_not_finite(void **state)
     assert_int_equal(source->convert(source->context, "stops", planes, (const int[2]){2, 1}, &diag),
                      NEPH_ERR_INPUT);
     assert_non_null(strstr(diag.message, "no finite number for the pixel (1, 0)"));
+    assert_int_equal(source->convert(source->context, "ring", planes, (const int[2]){2, 1}, &diag),
+                     NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "'ring' of the OpenColorIO config is defined by itself"));
     neph_colour_config_close(source);
 }
 
@@ -131,7 +137,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         scratch_test(test_names),
         scratch_test(test_values_are_the_closed_form),
-        scratch_test(test_a_result_that_is_not_finite),
+        scratch_test(test_spaces_that_cannot_be_converted),
         scratch_test(test_configs_that_cannot_be_used),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
