@@ -2,6 +2,7 @@
 #include "base/colour_convert.h"
 
 #include "base/chromaticities.h"
+#include "base/colour_space.h"
 #include "base/exr_header.h"
 #include "base/srgb.h"
 
@@ -69,7 +70,7 @@ static enum neph_status refuse_name(const char *name, struct neph_diag *diag)
     for (size_t i = 0, used = 0; i < SPACES && used < sizeof(known); i++)
         used += (size_t)snprintf(known + used, sizeof(known) - used, " %s", spaces[i].id);
     neph_fail(diag, NEPH_ERR_INPUT, "the colour space '%s' cannot be converted", name);
-    neph_hint(diag, "these can:%s", known);
+    neph_hint(diag, "these can:%s; --ocio FILE adds the names of an OpenColorIO config", known);
     return NEPH_ERR_INPUT;
 }
 
@@ -175,7 +176,18 @@ static void convert_layer(const struct neph_image *image, const char *layer,
     }
 }
 
-enum neph_status neph_colour_convert(struct neph_image *image, struct neph_diag *diag)
+static enum neph_status finish(struct neph_image *image, const char *label, const char *origin,
+                               struct neph_diag *diag)
+{
+    const enum neph_status status = neph_image_set_attribute(image, NEPH_CONVERTED_ATTRIBUTE, diag,
+                                                             "%s%s%s", origin, label ? " of " : "",
+                                                             label ? label : "");
+    neph_image_remove_attribute(image, "colour_space");
+    neph_image_remove_attribute(image, "primaries");
+    return status;
+}
+
+static enum neph_status convert_known(struct neph_image *image, struct neph_diag *diag)
 {
     const char *name = neph_image_attribute(image, "colour_space"),
                *primaries = neph_image_attribute(image, "primaries");
@@ -183,15 +195,105 @@ enum neph_status neph_colour_convert(struct neph_image *image, struct neph_diag 
     double matrix[3][3];
     if (!name && !primaries)
         return NEPH_OK;
-    enum neph_status status = find_space(image, &space, matrix, diag);
-    if (!status)
-        status = neph_image_set_attribute(image, NEPH_CONVERTED_ATTRIBUTE, diag, "%s",
-                                          name ? name : primaries);
+    const enum neph_status status = find_space(image, &space, matrix, diag);
     if (status)
         return status;
     convert_layer(image, NULL, space, matrix);
     convert_layer(image, "volume", space, matrix);
-    neph_image_remove_attribute(image, "colour_space");
-    neph_image_remove_attribute(image, "primaries");
+    return finish(image, NULL, name ? name : primaries, diag);
+}
+
+/* ---- spaces of a source ---------------------------------------------------------------------- */
+
+/* A name in the file, its identifier, and its space in the source; NULL: the source lacks it. */
+struct name {
+    const char *written, *space;
+    char id[256];
+};
+
+/* The names of the file that identify a space, at most two. `lacking`: the source's message about
+ * the first that it lacks. */
+static enum neph_status list_names(const struct neph_image *image,
+                                   const struct neph_colour_source *source, struct name names[2],
+                                   int *count, struct neph_diag *lacking)
+{
+    static const char *const attributes[] = {"colorInteropID", "oiio:ColorSpace"};
+    *count = 0;
+    for (size_t i = 0; i < sizeof(attributes) / sizeof(attributes[0]); i++) {
+        struct name *name = &names[*count];
+        struct neph_diag later = {.line = 0};
+        *name = (struct name){.written = neph_image_attribute(image, attributes[i])};
+        if (!name->written)
+            continue;
+        neph_colour_space_id(name->written, name->id, sizeof(name->id));
+        const enum neph_status status = source->find(source->context, name->written, &name->space,
+                                                     lacking->message[0] ? &later : lacking);
+        if (status && status != NEPH_ERR_INPUT)
+            return status;
+        *count += name->space || name->id[0];
+    }
     return NEPH_OK;
+}
+
+static bool are_one_space(const struct name names[2])
+{
+    return names[0].space && names[1].space ? strcmp(names[0].space, names[1].space) == 0
+                                            : strcmp(names[0].id, names[1].id) == 0;
+}
+
+/* The space of the file's names in the source. NULL: neph_colour_convert() itself has it, or the
+ * file has no name. */
+static enum neph_status find_in_source(const struct neph_image *image,
+                                       const struct neph_colour_source *source, const char **space,
+                                       struct neph_diag *diag)
+{
+    struct name names[2];
+    struct neph_diag lacking = {.line = 0};
+    int count;
+    const enum neph_status status = list_names(image, source, names, &count, &lacking);
+    if (status) {
+        if (diag)
+            *diag = lacking;
+        return status;
+    }
+    *space = NULL;
+    if (count == 2 && !are_one_space(names)) {
+        neph_fail(diag, NEPH_ERR_INPUT, "the file names two colour spaces: '%s' and '%s'",
+                  names[0].written, names[1].written);
+        neph_hint(diag, "write one of the two");
+        return NEPH_ERR_INPUT;
+    }
+    for (int i = 0; i < count && !*space; i++)
+        *space = names[i].space;
+    if (count == 0 || *space || find_name(names[0].id))
+        return NEPH_OK;
+    if (diag)
+        *diag = lacking;
+    return NEPH_ERR_INPUT;
+}
+
+static enum neph_status convert_by_source(struct neph_image *image,
+                                          const struct neph_colour_source *source,
+                                          const char *space, struct neph_diag *diag)
+{
+    static const char *const layers[] = {NULL, "volume"};
+    const int size_px[2] = {image->width_px, image->height_px};
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < sizeof(layers) / sizeof(layers[0]) && !status; i++) {
+        float *planes[3];
+        if (neph_image_rgb(image, layers[i], planes))
+            status = source->convert(source->context, space, planes, size_px, diag);
+    }
+    return status ? status : finish(image, source->label, space, diag);
+}
+
+enum neph_status neph_colour_convert(struct neph_image *image,
+                                     const struct neph_colour_source *source,
+                                     struct neph_diag *diag)
+{
+    const char *space = NULL;
+    const enum neph_status status = source ? find_in_source(image, source, &space, diag) : NEPH_OK;
+    if (status)
+        return status;
+    return space ? convert_by_source(image, source, space, diag) : convert_known(image, diag);
 }

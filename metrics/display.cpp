@@ -1,19 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * Encodes display values through OpenColorIO. Only this file and display_cube.cpp include
- * OpenColorIO; no exception leaves them.
+ * Encodes display values through OpenColorIO.
  */
 extern "C" {
 #include "base/status.h"
 }
 #include "metrics/display.h"
+#include "metrics/ocio.h"
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <new>
-
-#include <OpenColorIO/OpenColorIO.h>
 
 namespace ocio = OCIO_NAMESPACE;
 
@@ -48,9 +44,6 @@ constexpr double xyz_from_rec709[16] = {506752.0 / 1228815.0,
                                         0.0,
                                         1.0};
 
-/* All optimizations but approximate log, exp and pow: the codes must not depend on the CPU. */
-constexpr auto optimization = ocio::OPTIMIZATION_LOSSLESS;
-
 ocio::ConstCPUProcessorRcPtr create_processor(double scale)
 {
     const double exposure[16] = {scale, 0, 0, 0, 0, scale, 0, 0, 0, 0, scale, 0, 0, 0, 0, 1};
@@ -64,7 +57,8 @@ ocio::ConstCPUProcessorRcPtr create_processor(double scale)
     group->appendTransform(expose);
     group->appendTransform(to_xyz);
     group->appendTransform(to_display);
-    return ocio::Config::CreateRaw()->getProcessor(group)->getOptimizedCPUProcessor(optimization);
+    return ocio::Config::CreateRaw()->getProcessor(group)->getOptimizedCPUProcessor(
+        neph_ocio::optimization);
 }
 
 bool has_nan(const float *const rgb[3], size_t pixel)

@@ -1,25 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * Bakes a view of an OpenColorIO config. Only this file and display.cpp include OpenColorIO; no
- * exception leaves them.
+ * Bakes a view of an OpenColorIO config.
  */
 extern "C" {
 #include "base/files.h"
 #include "base/status.h"
 }
 #include "metrics/display_cube.h"
+#include "metrics/ocio.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <exception>
-#include <new>
 #include <string>
 #include <vector>
-
-#include <OpenColorIO/OpenColorIO.h>
 
 namespace ocio = OCIO_NAMESPACE;
 
@@ -103,44 +99,6 @@ int apply(const ocio::ConstCPUProcessorRcPtr &processor, std::vector<float> &rgb
                 : std::isfinite(value)            ? 255.0f * value
                                                   : 0.0f; // NaN, or the logarithm of 0
     return not_numbers;
-}
-
-int count_nan_entries(const ocio::Lut3DTransform &table)
-{
-    const unsigned long size = table.getGridSize();
-    int torn = 0;
-    for (unsigned long i = 0; i < size * size * size; i++) {
-        float rgb[3];
-        table.getValue(i / size / size, i / size % size, i % size, rgb[0], rgb[1], rgb[2]);
-        torn += has_nan_channel(rgb);
-    }
-    return torn;
-}
-
-int count_nan_entries(const ocio::Lut1DTransform &table)
-{
-    int torn = 0;
-    for (unsigned long i = 0; i < table.getLength(); i++) {
-        float rgb[3];
-        table.getValue(i, rgb[0], rgb[1], rgb[2]);
-        torn += has_nan_channel(rgb);
-    }
-    return torn;
-}
-
-/* Count the NaN values in the tables of a config: OpenColorIO silently treats them as 0. */
-int count_nan_entries(const ocio::ConstProcessorRcPtr &processor)
-{
-    const ocio::GroupTransformRcPtr group = processor->createGroupTransform();
-    int torn = 0;
-    for (int i = 0; i < group->getNumTransforms(); i++) {
-        const ocio::TransformRcPtr one = group->getTransform(i);
-        if (const auto cube = OCIO_DYNAMIC_POINTER_CAST<ocio::Lut3DTransform>(one))
-            torn += count_nan_entries(*cube);
-        else if (const auto curve = OCIO_DYNAMIC_POINTER_CAST<ocio::Lut1DTransform>(one))
-            torn += count_nan_entries(*curve);
-    }
-    return torn;
 }
 
 double clamp_code(double code)
@@ -229,20 +187,30 @@ enum neph_status bake(const struct neph_display_choice *choice, struct neph_disp
                       struct neph_diag *diag)
 {
     const ocio::ConstConfigRcPtr config = ocio::Config::CreateFromFile(choice->config);
-    const char *space = choice->space ? choice->space : ocio::ROLE_SCENE_LINEAR;
+    const bool by_aces = !choice->space && config->hasRole(ocio::ROLE_INTERCHANGE_SCENE);
+    const char *space = choice->space ? choice->space
+                        : by_aces     ? ocio::ROLE_INTERCHANGE_SCENE
+                                      : ocio::ROLE_SCENE_LINEAR;
     const char *display = choice->display ? choice->display : config->getDefaultDisplay();
     const char *view = choice->view ? choice->view : config->getDefaultView(display);
-    const enum neph_status status = check_names(config, space, display, view, diag);
+    enum neph_status status = check_names(config, space, display, view, diag);
     if (status)
         return status;
     ocio::DisplayViewTransformRcPtr transform = ocio::DisplayViewTransform::Create();
     transform->setSrc(space);
     transform->setDisplay(display);
     transform->setView(view);
-    const ocio::ConstProcessorRcPtr whole = config->getProcessor(transform);
+    const ocio::GroupTransformRcPtr group = ocio::GroupTransform::Create();
+    if (by_aces)
+        group->appendTransform(neph_ocio::make_aces_matrix(ocio::TRANSFORM_DIR_INVERSE));
+    group->appendTransform(transform);
+    status = neph_ocio::check_transform(config, config->getCurrentContext(), group, diag);
+    if (status)
+        return status;
+    const ocio::ConstProcessorRcPtr whole = config->getProcessor(group);
     const ocio::ConstCPUProcessorRcPtr processor = whole->getOptimizedCPUProcessor(
-        ocio::OPTIMIZATION_LOSSLESS);
-    cube->not_numbers = count_nan_entries(whole);
+        neph_ocio::optimization);
+    cube->not_numbers = neph_ocio::count_nan_entries(whole);
     std::snprintf(cube->name, sizeof(cube->name), "%.60s on %.60s", view, display);
     cube->knee = knee;
     cube->top = top;
@@ -262,20 +230,11 @@ enum neph_status neph_display_cube_bake(const struct neph_display_choice *choice
                                         struct neph_display_cube *cube, struct neph_diag *diag)
 {
     struct neph_display_cube made = {};
-    enum neph_status status = NEPH_OK;
     if (!neph_path_exists(choice->config))
         return neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no OpenColorIO config '%s'",
                          choice->config);
-    try {
-        status = bake(choice, &made, diag);
-    } catch (const std::bad_alloc &) {
-        status = neph_fail_memory(diag);
-    } catch (const std::exception &error) {
-        status = neph_fail(diag, NEPH_ERR_INPUT, "OpenColorIO, of '%s': %s", choice->config,
-                           error.what());
-    } catch (...) {
-        status = neph_fail(diag, NEPH_ERR_INTERNAL, "OpenColorIO failed without a word");
-    }
+    const enum neph_status status = neph_ocio::run(choice->config, diag,
+                                                   [&] { return bake(choice, &made, diag); });
     if (status)
         neph_display_cube_finish(&made);
     else

@@ -20,7 +20,8 @@ enum { NEPH_DISPLAY_CUBE_SIDE = 40 };
 struct neph_display_choice {
     const char *config; /* path of the config */
     const char *display, *view;
-    const char *space; /* the config's name of linear Rec.709; NULL: the role scene_linear */
+    const char *space; /* the config's name of linear Rec.709; NULL: found by the role
+                          aces_interchange (ACES2065-1), or, without it, the role scene_linear */
 };
 
 struct neph_display_cube {

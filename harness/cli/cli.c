@@ -57,6 +57,15 @@ void neph_cli_print_folder(const char *verb, const char *folder)
     fprintf(stderr, "neph %s: results are in %s\n", verb, folder);
 }
 
+void neph_cli_check_colours(const char *ocio, const char *space, bool convert,
+                            const struct argp_state *state)
+{
+    if (ocio && !convert)
+        argp_error(state, "--ocio has colour spaces for --convert");
+    if (space && !ocio)
+        argp_error(state, "--space is a name in a config: --ocio FILE");
+}
+
 json_t *neph_cli_options_json(const struct neph_option *options)
 {
     json_t *list = json_array();

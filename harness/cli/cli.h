@@ -56,6 +56,10 @@ enum neph_status neph_cli_begin_scratch(const char *output, struct neph_scratch 
 void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
                           struct neph_diag *diag);
 
+/* Refuse --ocio without --convert, and --space without --ocio. */
+void neph_cli_check_colours(const char *ocio, const char *space, bool convert,
+                            const struct argp_state *state);
+
 /* A table of options, as JSON and as text. */
 json_t *neph_cli_options_json(const struct neph_option *options);
 void neph_cli_print_options(const struct neph_option *options);

@@ -17,6 +17,7 @@
 #include "harness/compare/comparison.h"
 #include "harness/compare/limits_file.h"
 #include "harness/compare/verdict.h"
+#include "metrics/colour_config.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
@@ -36,6 +37,7 @@ struct request {
     const struct neph_limits *limits; /* of that file; NULL: none */
     const char *mask, *csv, *junit, *page, *maps;
     struct neph_frame_choice frame_choice;
+    const char *ocio, *space; /* a config with colour spaces, and its name of linear Rec.709 */
     struct neph_clips clips;
     const char *window; /* mode of differing data windows */
     const char *second; /* words of the second reference */
@@ -69,6 +71,8 @@ static const struct neph_cli_option options[] = {
     {"layer", .kind = NEPH_CLI_WORD, AT(frame_choice.layer)},
     {"depth", .kind = NEPH_CLI_WORD, AT(frame_choice.depth)},
     {"convert", .kind = NEPH_CLI_FLAG, AT(frame_choice.convert)},
+    {"ocio", .kind = NEPH_CLI_WORD, AT(ocio)},
+    {"space", .kind = NEPH_CLI_WORD, AT(space)},
     {"window", .kind = NEPH_CLI_WORD, AT(window), "union"},
     {"rings", 0, NULL,
      "Also the ring masks at depth edges, by distance and side (flicker always measures them, and "
@@ -149,9 +153,16 @@ static const struct neph_cli_operands compare_operands = {.shown = "[REFERENCE|B
 
 static const struct neph_cli_operands flicker_operands = {.shown = "[BEFORE] TEST"};
 
+static void check(const void *request_, const struct argp_state *state)
+{
+    const struct request *request = request_;
+    neph_cli_check_colours(request->ocio, request->space, request->frame_choice.convert, state);
+}
+
 static const struct neph_cli_syntax compare_syntax = {
     .options = options,
     .operands = &compare_operands,
+    .check = check,
     .doc = "Measure the error of TEST against a reference: EXR frames with linear data, or PNG "
            "images.\v"
            "-r names the reference; without it, the first operand is the reference. With it, two "
@@ -172,6 +183,7 @@ static const struct neph_cli_syntax compare_syntax = {
 static const struct neph_cli_syntax flicker_syntax = {
     .options = options,
     .operands = &flicker_operands,
+    .check = check,
     .doc =
         "Measure the flicker of a sequence: amplitude at the periods of a four-frame cycle, noise, "
         "visibility at the frame rate of the display, change that the reference does not have, "
@@ -699,6 +711,7 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
     struct request request = {.temporal = temporal};
     struct neph_sides sides = {.without_reference = false};
     struct neph_limits limits = {.path = NULL};
+    struct neph_colour_source *colours = NULL;
     struct neph_junit junit = {.name = temporal ? "neph flicker" : "neph compare"};
     neph_cli_parse(syntax, argc, argv, &request);
     if (request.shared.jobs > 0)
@@ -716,6 +729,9 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
         .is_flicker = temporal,
     };
     enum neph_status status = neph_oiio_server_create(&request.frame_choice.server, diag);
+    if (!status && request.ocio)
+        status = neph_colour_config_open(request.ocio, request.space, &colours, diag);
+    request.frame_choice.colours = colours;
     if (!status && request.limits_path) {
         status = neph_limits_read(request.limits_path, &limits, diag);
         request.limits = status ? NULL : &limits;
@@ -733,6 +749,7 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
     neph_sides_finish(&sides);
     neph_limits_finish(&limits);
     neph_clips_close(&request.clips);
+    neph_colour_config_close(colours);
     neph_oiio_server_destroy(request.frame_choice.server);
     return status;
 }

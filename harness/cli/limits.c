@@ -15,6 +15,7 @@
 #include "harness/compare/headlines.h"
 #include "harness/compare/repeats.h"
 #include "harness/progress.h"
+#include "metrics/colour_config.h"
 #include "metrics/extractors/extractors.h"
 #include "metrics/run_limit.h"
 
@@ -29,6 +30,7 @@ struct request {
     struct neph_cli_words references;
     struct neph_cli_list metrics;
     struct neph_frame_choice frame_choice;
+    const char *ocio, *space; /* a config with colour spaces, and its name of linear Rec.709 */
     const char *environment;
     double share, confidence;
     double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: the default */
@@ -58,6 +60,9 @@ static const struct neph_cli_option options[] = {
      AT(by_position)},
     {"part", .kind = NEPH_CLI_WORD, AT(frame_choice.part)},
     {"layer", .kind = NEPH_CLI_WORD, AT(frame_choice.layer)},
+    {"convert", .kind = NEPH_CLI_FLAG, AT(frame_choice.convert)},
+    {"ocio", .kind = NEPH_CLI_WORD, AT(ocio)},
+    {"space", .kind = NEPH_CLI_WORD, AT(space)},
     {"negative-ok", 0, NULL, "Values below 0 are no reason to stop", NEPH_CLI_FLAG,
      AT(negative_is_fine)},
     {"fps", .kind = NEPH_CLI_REAL, AT(frame_rate_hz), .group = VIEWING},
@@ -92,9 +97,18 @@ static const struct neph_cli_option options[] = {
 
 static const struct neph_cli_operands operands = {.shown = "RUN..."};
 
+static void check(const void *request_, const struct argp_state *state)
+{
+    const struct request *request = request_;
+    neph_cli_check_colours(request->ocio, request->space, request->frame_choice.convert, state);
+    if (request->frame_choice.convert && neph_cli_are_nightly_runs(&request->shared))
+        argp_error(state, "--convert is for frames, not for reports of nightly runs");
+}
+
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
+    .check = check,
     .doc =
         "Measure how much frames of a renderer differ from run to run, and write a file of limits "
         "for `neph compare --limits` and `neph flicker --limits`.\v"
@@ -433,7 +447,11 @@ enum neph_status neph_cli_limits(int argc, char **argv, struct neph_diag *diag)
         return neph_cli_limit_nights(&request.shared, request.share, request.confidence, diag);
     work.limits.share = request.share;
     work.limits.confidence = request.confidence;
+    struct neph_colour_source *colours = NULL;
     enum neph_status status = neph_oiio_server_create(&request.frame_choice.server, diag);
+    if (!status && request.ocio)
+        status = neph_colour_config_open(request.ocio, request.space, &colours, diag);
+    request.frame_choice.colours = colours;
     if (!status)
         status = find_reference(&work, diag);
     if (!status)
@@ -447,6 +465,7 @@ enum neph_status neph_cli_limits(int argc, char **argv, struct neph_diag *diag)
     neph_repeats_finish(&work.repeats);
     neph_limits_finish(&work.limits);
     neph_sequence_finish(&work.reference);
+    neph_colour_config_close(colours);
     neph_oiio_server_destroy(request.frame_choice.server);
     return status;
 }

@@ -7,6 +7,7 @@
 #include "harness/report/report_folder.h"
 #include "harness/report/viewer_maps.h"
 #include "harness/report/viewer_page.h"
+#include "metrics/colour_config.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -54,14 +55,17 @@ static const struct neph_cli_option options[] = {
      "Maps of the metrics against the first set, by the names of their files under `neph compare "
      "--maps`; or none (default: relative, flip and, of sequences, a4)",
      NEPH_CLI_NAMES, AT(overlays), .group = VIEWING},
-    {"ocio", 0, "FILE",
-     "An OpenColorIO config: its view is shown, and the plain curve of an sRGB display on request",
+    {"ocio", 0, NULL,
+     "An OpenColorIO config: its view is shown, and the plain curve of an sRGB display on request; "
+     "--convert finds its colour spaces",
      NEPH_CLI_WORD, AT(view.display.config), .group = VIEWING},
     {"display", 0, "NAME", "Of that config (default: its own)", NEPH_CLI_WORD,
      AT(view.display.display), .group = VIEWING},
     {"view", 0, "NAME", "Of that display (default: its own)", NEPH_CLI_WORD, AT(view.display.view),
      .group = VIEWING},
-    {"space", 0, "NAME", "Name of linear Rec.709 in the config (default: the role scene_linear)",
+    {"space", 0, NULL,
+     "Name of linear Rec.709 in the config (default: by the role aces_interchange, without it the "
+     "role scene_linear)",
      NEPH_CLI_WORD, AT(view.display.space), .group = VIEWING},
     {"fps", 0, NULL, "Frames a second of playback (default: the frames' attribute, else 60)",
      NEPH_CLI_REAL, AT(view.viewing.frame_rate_hz), .minimum = 0.1, .maximum = 1000,
@@ -277,14 +281,20 @@ enum neph_status neph_cli_view(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {.limit_mb = 0.0};
     neph_cli_parse(&syntax, argc, argv, &request);
+    const struct neph_display_choice *display = &request.view.display;
     request.view.frame_choice.clips = &request.clips;
+    struct neph_colour_source *colours = NULL;
     enum neph_status status = neph_oiio_server_create(&request.view.frame_choice.server, diag);
+    if (!status && display->config && request.view.frame_choice.convert)
+        status = neph_colour_config_open(display->config, display->space, &colours, diag);
+    request.view.frame_choice.colours = colours;
     if (!status)
         status = prepare(&request, diag);
     if (!status)
         status = write_page(&request, diag);
     neph_oiio_server_destroy(request.view.frame_choice.server);
     neph_viewer_finish(&request.view);
+    neph_colour_config_close(colours);
     neph_clips_close(&request.clips);
     return status;
 }

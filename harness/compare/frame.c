@@ -258,11 +258,12 @@ static enum neph_status check_primaries(const char *path, const struct neph_imag
     return NEPH_ERR_INPUT;
 }
 
-static enum neph_status convert(const char *path, struct neph_image *image, struct neph_diag *diag)
+static enum neph_status convert(const char *path, struct neph_image *image,
+                                const struct neph_colour_source *colours, struct neph_diag *diag)
 {
     float *rgb[3];
     const enum neph_status status = neph_image_rgb(image, NULL, rgb)
-                                        ? neph_colour_convert(image, diag)
+                                        ? neph_colour_convert(image, colours, diag)
                                         : NEPH_OK;
     if (status)
         neph_prefix(diag, "'%s': ", path);
@@ -355,7 +356,7 @@ static enum neph_status interpret(const char *path, struct neph_image *frame,
     if (!status)
         status = check(path, frame, negative_allowed, diag);
     if (!status && choice && choice->convert)
-        status = convert(path, frame, diag);
+        status = convert(path, frame, choice->colours, diag);
     if (status)
         neph_image_destroy(frame);
     else

@@ -33,6 +33,8 @@ struct neph_frame_choice {
     const char *depth;
     /* After the gate, other colour spaces become linear Rec. 709 (base/colour_convert.h). */
     bool convert;
+    /* Names of colour spaces beside those of base/colour_convert.h, for `convert`. NULL: none. */
+    const struct neph_colour_source *colours;
     /* Open files with several frames. NULL: a file is opened for each frame, and read from its
      * start. */
     struct neph_clips *clips;

@@ -84,6 +84,44 @@ static void test_a_view_by_name(void **state)
     neph_display_cube_finish(&cube);
 }
 
+/* With the role aces_interchange the values of the view "light", which is linear Rec.709 by the
+ * matrix of the ACES configs of OpenColorIO, are those of the axes, whatever scene_linear is. */
+static const char aces_text[] =
+    "ocio_profile_version: 2\n"
+    "roles: {aces_interchange: aces, scene_linear: aces}\n"
+    "file_rules:\n"
+    "  - !<Rule> {name: Default, colorspace: aces}\n"
+    "displays: {screen: [!<View> {name: plain, colorspace: light}]}\n"
+    "colorspaces:\n"
+    "  - !<ColorSpace> {name: aces}\n"
+    "  - !<ColorSpace>\n"
+    "    name: light\n"
+    "    from_scene_reference: !<MatrixTransform> {matrix: [\n"
+    "      2.52168618674388, -1.13413098823972, -0.387555198504164, 0,\n"
+    "      -0.276479914229922, 1.37271908766826, -0.096239173438334, 0,\n"
+    "      -0.0153780649660342, -0.152975335867399, 1.16835340083343, 0, 0, 0, 0, 1]}\n";
+
+static void test_rec709_is_found_by_the_interchange_role(void **state)
+{
+    char path[SCRATCH_PATH_MAX];
+    const struct neph_display_choice choice = {.config = scratch_path(state, path, "aces.ocio")};
+    struct neph_display_cube cube;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_file_write(path, aces_text, strlen(aces_text), NULL), NULL);
+    neph_assert_ok(neph_display_cube_bake(&choice, &cube, &diag), &diag);
+    for (int i = 0; i < SIDE * SIDE * SIDE; i += 37) {
+        const int steps[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+        for (int c = 0; c < 3; c++) {
+            const double place = (double)steps[c] / (SIDE - 1);
+            const double linear = cube.knee * (pow(1.0 + cube.top / cube.knee, place) - 1.0);
+            /* the largest channel in single precision, by a matrix */
+            neph_assert_close((double)cube.nodes[c][i], 255.0 * linear, 0.0,
+                              255.0 * cube.top * 16.0 * 0x1p-24);
+        }
+    }
+    neph_display_cube_finish(&cube);
+}
+
 /* Colours that are NaN are counted; OpenColorIO itself treats them as 0. */
 static void test_a_view_that_gives_no_numbers(void **state)
 {
@@ -141,6 +179,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         scratch_test(test_nodes_are_the_view),
         scratch_test(test_a_view_by_name),
+        scratch_test(test_rec709_is_found_by_the_interchange_role),
         scratch_test(test_a_view_that_gives_no_numbers),
         scratch_test(test_refusals_list_available_names),
     };
