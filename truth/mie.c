@@ -17,13 +17,31 @@
 #include "truth/mie.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 
 struct multipoles {
-    int count;             /* orders 1..count */
-    double complex *a, *b; /* of each order; [0] is order 1 */
+    int count; /* orders 1..count; element 0 of a list is order 1 */
+    double complex *a, *b;
+    double complex *plus, *minus; /* (2 n + 1) / (n (n + 1)) times a + b and a - b */
+    double *inverse;              /* 1 / n */
 };
+
+static enum neph_status create_multipoles(int count, struct multipoles *poles,
+                                          struct neph_diag *diag)
+{
+    const size_t size = (size_t)count;
+    double complex *lists = malloc(4 * size * sizeof(*lists));
+    double *inverse = malloc(size * sizeof(*inverse));
+    *poles = (struct multipoles){count,  lists, lists + size, lists + 2 * size, lists + 3 * size,
+                                 inverse};
+    return lists && inverse ? NEPH_OK : neph_fail_memory(diag);
+}
+
+static void finish_multipoles(struct multipoles *poles)
+{
+    free(poles->a);
+    free(poles->inverse);
+}
 
 static int count_orders(double size_parameter)
 {
@@ -73,24 +91,34 @@ static void sum_multipoles(double x, double complex m, const double complex *der
     }
 }
 
+static void weigh_multipoles(struct multipoles *poles)
+{
+    for (int i = 0; i < poles->count; i++) {
+        const double n = i + 1.0, weight = (2.0 * n + 1.0) / (n * (n + 1.0));
+        poles->inverse[i] = 1.0 / n;
+        poles->plus[i] = weight * (poles->a[i] + poles->b[i]);
+        poles->minus[i] = weight * (poles->a[i] - poles->b[i]);
+    }
+}
+
 static enum neph_status compute_multipoles(double x, double complex m, struct multipoles *poles,
                                            struct neph_diag *diag)
 {
     const int count = count_orders(x);
     double complex *derivative = malloc((size_t)(count + 1) * sizeof(*derivative));
     double *ratios = malloc((size_t)(count + 1) * sizeof(*ratios));
-    poles->a = malloc((size_t)count * sizeof(*poles->a));
-    poles->b = malloc((size_t)count * sizeof(*poles->b));
-    poles->count = count;
-    const bool complete = derivative && ratios && poles->a && poles->b;
-    if (complete) {
+    enum neph_status status = create_multipoles(count, poles, diag);
+    if (!status && (!derivative || !ratios))
+        status = neph_fail_memory(diag);
+    if (!status) {
         compute_log_derivatives(m * x, count + 1, derivative);
         compute_psi_ratios(x, count, ratios);
         sum_multipoles(x, m, derivative, ratios, poles);
+        weigh_multipoles(poles);
     }
     free(ratios);
     free(derivative);
-    return complete ? NEPH_OK : neph_fail_memory(diag);
+    return status;
 }
 
 static double norm(double complex z)
@@ -116,20 +144,26 @@ static struct neph_mie_efficiency sum_efficiencies(double x, const struct multip
                                         2.0 * forward / scattering};
 }
 
-/* Equation 4.74, with the angular functions pi_n and tau_n by upward recurrence (4.47). */
+/* Equation 4.74, with the angular functions pi_n and tau_n by upward recurrence (4.47). The sums are
+ * S1 + S2 and S1 - S2, which need half the products: |S1|^2 + |S2|^2 is half of the sum of their
+ * squares. */
 static double compute_intensity(double cosine, const struct multipoles *poles)
 {
-    double complex s1 = 0.0, s2 = 0.0;
+    double plus_re = 0.0, plus_im = 0.0, minus_re = 0.0, minus_im = 0.0;
     double pi_before = 0.0, pi_now = 1.0;
     for (int i = 0; i < poles->count; i++) {
-        const double n = i + 1.0, weight = (2.0 * n + 1.0) / (n * (n + 1.0)),
-                     tau = n * cosine * pi_now - (n + 1.0) * pi_before;
-        s1 += weight * (poles->a[i] * pi_now + poles->b[i] * tau);
-        s2 += weight * (poles->a[i] * tau + poles->b[i] * pi_now);
-        const double pi_next = ((2.0 * n + 1.0) * cosine * pi_now - (n + 1.0) * pi_before) / n;
-        pi_before = pi_now, pi_now = pi_next;
+        const double part = cosine * pi_now, rise = part - pi_before,
+                     tau = (i + 1.0) * rise - pi_before, sum = pi_now + tau,
+                     difference = pi_now - tau;
+        plus_re += creal(poles->plus[i]) * sum;
+        plus_im += cimag(poles->plus[i]) * sum;
+        minus_re += creal(poles->minus[i]) * difference;
+        minus_im += cimag(poles->minus[i]) * difference;
+        pi_before = pi_now;
+        pi_now = part + rise + rise * poles->inverse[i];
     }
-    return 0.5 * (norm(s1) + norm(s2));
+    return 0.25 *
+           (plus_re * plus_re + plus_im * plus_im + minus_re * minus_re + minus_im * minus_im);
 }
 
 static enum neph_status check(double x, double complex m, struct neph_diag *diag)
@@ -157,7 +191,6 @@ enum neph_status neph_mie_sphere(double size_parameter, double complex index, in
         *efficiency = sum_efficiencies(size_parameter, &poles);
     for (int i = 0; i < angle_count && !status; i++)
         intensities[i] = compute_intensity(cosines[i], &poles);
-    free(poles.a);
-    free(poles.b);
+    finish_multipoles(&poles);
     return status;
 }
