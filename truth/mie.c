@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: MIT
  *
  * The fields are sums over electric and magnetic multipoles of order n with coefficients a_n, b_n
- * (equation 4.88). They need the Riccati-Bessel functions psi_n(x) = x j_n(x) and xi_n(x) = x
- * (j_n(x) + i y_n(x)) of the size parameter x, and the logarithmic derivative D_n(m x) of psi_n at
- * m x with the refractive index m.
+ * (equation 4.88). They need the Riccati-Bessel functions psi_n(x) = x j_n(x) and xi_n = psi_n - i
+ * chi_n with chi_n(x) = -x y_n(x) of the size parameter x, and the logarithmic derivative D_n(m x)
+ * of psi_n at m x with the refractive index m.
  *
  * - D_n is computed by downward recurrence, which forgets its starting value; upward it diverges
  *   for absorbing spheres (J. V. Dave 1969; W. J. Lentz 1976).
- * - y_n is computed by upward recurrence, and so is psi_n up to n = x. Above, where psi_n falls, that
- *   diverges, and psi_n follows from its ratios to psi_(n-1), which are computed downward.
+ * - chi_n is computed by upward recurrence, and so is psi_n up to n = x. Above, where psi_n falls,
+ *   that diverges, and psi_n follows from its ratios to psi_(n-1), which are computed downward.
  *
- * Coefficients fall as exp(-1.9 c^(3/2)) at n = x + c x^(1/3). The usual end of the sums, c = 4 (W. J.
- * Wiscombe, Appl. Opt. 19, 1980), omits resonances of weakly absorbing spheres: 9e-6 of the
- * extinction for x = 100, m = 1.33 + 1e-5 i. Here c = 8, where coefficients are 1e-18.
- */
+ * Coefficients fall as exp(-1.9 c^(3/2)) at n = x + c x^(1/3). The usual end of the sums, c = 4 (W.
+ * J. Wiscombe, Appl. Opt. 19, 1980), omits resonances of weakly absorbing spheres: 9e-6 of the
+ * extinction for x = 100, m = 1.33 + 1e-5 i. Here c = 8, where coefficients are 1e-18. */
 #include "truth/mie.h"
 
 #include <math.h>
@@ -48,9 +47,9 @@ static int count_orders(double size_parameter)
     return (int)(size_parameter + 8.0 * cbrt(size_parameter) + 8.0);
 }
 
-/* D_n(z) for n = 0..count-1. The recurrence forgets its starting value 0 only where n exceeds |z|, and
- * within some |z|^(1/3) orders: started 16 orders above |z| the extinction of x = 10,000 is wrong by
- * 1e-4. */
+/* D_n(z) for n = 0..count-1. The recurrence forgets its starting value 0 only where n exceeds |z|,
+ * and within some |z|^(1/3) orders: started 16 orders above |z| the extinction of x = 10,000 is
+ * wrong by 1e-4. */
 static void compute_log_derivatives(double complex z, int count, double complex *derivative)
 {
     const double highest = fmax((double)count, cabs(z) + 8.0 * cbrt(cabs(z))) + 16.0;
@@ -77,17 +76,17 @@ static void compute_psi_ratios(double x, int count, double *ratios)
 static void sum_multipoles(double x, double complex m, const double complex *derivative,
                            const double *ratios, struct multipoles *poles)
 {
-    double psi_before = cos(x), psi = sin(x), y_before = -sin(x), y = cos(x);
+    double psi_before = cos(x), psi = sin(x), chi_before = -sin(x), chi = cos(x);
     for (int n = 1; n <= poles->count; n++) {
         const double step = (2.0 * n - 1.0) / x;
         const double psi_next = n > x ? psi * ratios[n] : step * psi - psi_before,
-                     y_next = step * y - y_before;
-        const double complex xi = psi - I * y, xi_next = psi_next - I * y_next;
+                     chi_next = step * chi - chi_before;
+        const double complex xi = psi - I * chi, xi_next = psi_next - I * chi_next;
         const double complex electric = derivative[n] / m + n / x,
                              magnetic = derivative[n] * m + n / x;
         poles->a[n - 1] = (electric * psi_next - psi) / (electric * xi_next - xi);
         poles->b[n - 1] = (magnetic * psi_next - psi) / (magnetic * xi_next - xi);
-        psi_before = psi, psi = psi_next, y_before = y, y = y_next;
+        psi_before = psi, psi = psi_next, chi_before = chi, chi = chi_next;
     }
 }
 
@@ -144,9 +143,9 @@ static struct neph_mie_efficiency sum_efficiencies(double x, const struct multip
                                         2.0 * forward / scattering};
 }
 
-/* Equation 4.74, with the angular functions pi_n and tau_n by upward recurrence (4.47). The sums are
- * S1 + S2 and S1 - S2, which need half the products: |S1|^2 + |S2|^2 is half of the sum of their
- * squares. */
+/* Equation 4.74, with the angular functions pi_n and tau_n by upward recurrence (4.47). The sums
+ * are S1 + S2 and S1 - S2, which need half the products: |S1|^2 + |S2|^2 is half of the sum of
+ * their squares. */
 static double compute_intensity(double cosine, const struct multipoles *poles)
 {
     double plus_re = 0.0, plus_im = 0.0, minus_re = 0.0, minus_im = 0.0;

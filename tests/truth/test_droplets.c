@@ -105,9 +105,9 @@ static void test_the_index_of_water(void **state)
     assert_int_equal(neph_water_index(NAN, &index, NULL), NEPH_ERR_INPUT);
 }
 
-/* IPRT case A5 (C. Emde et al., JQSRT 164, 2015): water at 800 nm, gamma distribution of effective
- * radius 10 um: extinction 158.707 /km per g/m3, albedo 0.999979. The variance is the 0.1 of the
- * tables of libRadtran, from which it comes. */
+/* The water cloud of C. Emde et al., JQSRT 164 (2015), case A 5: water at 800 nm, gamma
+ * distribution of effective radius 10 um: extinction 158.707 /km per g/m3, albedo 0.999979. The
+ * variance is the 0.1 of the tables of libRadtran, from which it comes. */
 static void test_the_water_cloud_of_iprt(void **state)
 {
     struct neph_droplets_params params = make(NEPH_DROPLETS_GAMMA, 10.0, 0.1, 0.8);
@@ -120,8 +120,8 @@ static void test_the_water_cloud_of_iprt(void **state)
 }
 
 /* The phase function of that cloud at each angle of a file with lines of angle (degrees) and value
- * (integral over the sphere 4 pi). Its scattering angles of the rainbow fit an index of 1.326, 0.0026
- * less than that of water; with this index the values agree to 1 %. */
+ * (integral over the sphere 4 pi). Its scattering angles of the rainbow fit an index of 1.326,
+ * 0.0026 less than that of water; with this index the values agree to 1 %. */
 static void test_the_phase_function_of_iprt(void **state)
 {
     enum { ANGLES_MAX = 2000 };
