@@ -12,11 +12,12 @@
 _Static_assert(NEPH_DROPLETS_COUNT == 2, "a new distribution");
 
 enum {
-    SPHERES_MIN = 400, /* also of the narrowest distribution */
-    SPHERES_MAX = 40000,
-    PARTS = 64, /* each a sum of its own, in a fixed order, whatever the threads */
+    SPHERES_MIN = 400,    /* also of the narrowest distribution */
+    SPHERES_FINE = 12000, /* as many average out resonances to 1 % of the glory */
+    PARTS = 64,           /* each a sum of its own, in a fixed order, whatever the threads */
 };
-static const double step_size_parameter = 0.03; /* resonances are narrower, and average out */
+/* Steps of the size parameter, the second where the first needs more than SPHERES_FINE. */
+static const double step_fine = 0.03, step_largest = 0.1;
 static const double area_left = 1e-8;
 
 /* ---- distributions --------------------------------------------------------------------------- */
@@ -128,7 +129,8 @@ static void choose_radii(struct work *work)
     work->low = find_end(params, peak, 1.0 / 1.01);
     const double sizes = 2.0 * M_PI * (high - work->low) * params->effective_radius_m /
                          params->wavelength_m;
-    work->count = (int)fmin(fmax(ceil(sizes / step_size_parameter), SPHERES_MIN), SPHERES_MAX);
+    work->count = (int)ceil(
+        fmax(fmax(fmin(sizes / step_fine, SPHERES_FINE), sizes / step_largest), SPHERES_MIN));
     work->step = (high - work->low) / work->count;
     work->log_scale = log_area(params, peak);
 }

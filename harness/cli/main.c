@@ -33,6 +33,8 @@ static const struct {
     {"fly", neph_cli_fly, NULL, "fly through a scene in a window: presets, errors, flicker, times"},
     {"export", neph_cli_export, NULL, "leave a scene as files for Blender or POV-Ray"},
     {"bake", neph_cli_bake, NULL, "a medium of a scene as a volume file, with its error"},
+    {"droplets", neph_cli_droplets, NULL,
+     "extinction, albedo and phase function of cloud droplets from their sizes"},
     {"benchmark", neph_cli_benchmark, NULL, "how long engines take for the same noise"},
     {"sweep", NULL, &neph_experiment_sweep,
      "speed against accuracy of engines and settings over a scene"},
