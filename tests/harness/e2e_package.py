@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""scripts/package. By night a .deb and a .tar.gz are made of this build: dpkg installs the one below a folder, neph runs from there, and dpkg removes it."""
+"""scripts/package, scripts/snapshot and the Containerfile. By night a .deb and a .tar.gz are made
+of this build: dpkg installs the one below a folder, neph runs from there, and dpkg removes it."""
 import os
 import pathlib
 import re
@@ -12,6 +13,7 @@ import unittest
 from neph_case import NEPH, ROOT, NephCase, scratch
 from night import of_the_night
 
+DAY = "20261130T000000Z"
 SYSTEM = "/usr/bin/python3"  # Debian's, which has numpy
 SCENES = "share/nephelometer/scenes/catalog/absorbing_slab.yaml"
 # Each kind of file that neph installs, below the prefix.
@@ -41,6 +43,68 @@ def files_below(folder):
     """Files and links, relative to the folder."""
     return {str(path.relative_to(folder)) for path in folder.rglob("*")
             if path.is_symlink() or not path.is_dir()}
+
+
+class Container(NephCase):
+    def setUp(self):
+        super().setUp()
+        self.lines = [line for line in (ROOT / "Containerfile").read_text().splitlines()
+                      if line and not line.startswith("#")]
+
+    def of(self, instruction):
+        return [line.split(" ", 1)[1] for line in self.lines if line.startswith(instruction + " ")]
+
+    def test_steps_are_scripts_that_a_test_runs(self):
+        tests = "".join(path.read_text() for path in (ROOT / "tests/harness").glob("e2e_*.py"))
+        for step in self.of("RUN"):
+            words = [word for word in step.split() if not word.startswith("--mount=")]
+            self.assertRegex(words[0], "^/src/scripts/", step)
+            script = ROOT / words[0].removeprefix("/src/")
+            self.assertTrue(os.access(script, os.X_OK), step)
+            self.assertIn(f"scripts/{script.name}", tests, step)
+            for option in words[1:]:
+                self.assertTrue(option == "${DAY}" or option in script.read_text(), step)
+        self.assertEqual(len(self.of("RUN")), 4)
+        self.assertEqual((self.of("COPY"), self.of("ENTRYPOINT")), ([". /src"], ['["neph"]']))
+
+    def test_base_and_packages_are_those_of_a_day(self):
+        base, day = (line.split("=", 1)[1] for line in self.of("ARG") if "=" in line)
+        self.assertRegex(base, r"^docker\.io/library/debian:bookworm-20\d{6}-slim$")
+        self.assertEqual(day, DAY)
+        for line in self.of("FROM"):
+            self.assertEqual(line.split()[0], "${BASE}")
+
+    def test_results_of_builds_are_not_copied(self):
+        ignored = (ROOT / ".dockerignore").read_text().split()
+        for name in ("build", "out", ".git", "**/node_modules"):
+            self.assertIn(name, ignored)
+
+
+class Snapshot(NephCase):
+    def snapshot(self, day):
+        return run("bash", ROOT / "scripts/snapshot", day, self.folder)
+
+    def test_apt_reads_the_archives_of_that_day_only(self):
+        self.put("sources.list", "deb http://deb.debian.org/debian bookworm main\n")
+        self.put("sources.list.d/other.list", "deb http://deb.debian.org/debian sid main\n")
+        self.assertEqual(self.snapshot(DAY).returncode, 0)
+        said = succeed("apt-get", "-o", f"Dir::Etc::sourcelist={self.folder}/sources.list",
+                       "-o", f"Dir::Etc::sourceparts={self.folder}/sources.list.d",
+                       "-o", f"Dir::State::lists={self.folder}", "--print-uris", "update")
+        uris = re.findall(r"^'(\S+)/dists/\S+/InRelease'", said, re.MULTILINE)
+        self.assertEqual(sorted(uris), sorted(
+            f"http://snapshot.debian.org/archive/{archive}/{DAY}"
+            for archive in ("debian", "debian", "debian-security")))
+
+    def test_today_changes_nothing(self):
+        self.assertEqual(self.snapshot("today").returncode, 0)
+        self.assertEqual(files_below(self.folder), set())
+
+    def test_a_day_that_is_none(self):
+        for day in ("", "2026-11-30", f"{DAY}/../x"):
+            done = self.snapshot(day)
+            self.assertEqual((done.returncode, files_below(self.folder)), (64, set()))
+            self.assertIn(f"'{day}' is no day: {DAY}", done.stderr)
 
 
 class Refusals(NephCase):
