@@ -14,7 +14,7 @@ import sys
 import unittest
 import zlib
 
-from frames import exr_bytes
+from frames import exr_bytes, read_exr
 from neph_case import NEPH, ROOT, NephCase, run
 
 SYSTEM = "/usr/bin/python3"
@@ -232,6 +232,70 @@ class Python(NephCase):
                        "print(neph.__file__, neph.compare(a, 1.5 * a)['rel_bias'].value)")
         self.assertTrue(said.startswith(str(place)), said)
         self.assertTrue(said.endswith(" 0.5\n"), said)
+
+
+FIGURE = ROOT / "docs/examples/flicker_figure.py"
+# In place of matplotlib where it is absent: nothing is drawn, a file says so.
+NO_PYPLOT = """import pathlib
+from unittest.mock import MagicMock
+def subplots(*sizes, **options):
+    figure = MagicMock()
+    figure.savefig.side_effect = lambda name: pathlib.Path(name).write_text("not drawn")
+    return figure, (MagicMock(), MagicMock())
+"""
+
+
+@unittest.skipUnless(importlib.util.find_spec("numpy"), "skipped: no numpy (python3-numpy)")
+class Figure(NephCase):
+    """docs/examples/flicker_figure.py, small."""
+
+    def run_script(self):
+        text, count = re.subn(r'FRAMES, WARM_UP = .*|"96x54"', lambda found: {
+            "F": "FRAMES, WARM_UP = 20, 4", '"': '"16x9"'}[found[0][0]], FIGURE.read_text())
+        self.assertEqual(count, 2)
+        self.put("figure.py", text)
+        (self.folder / "bin").mkdir(exist_ok=True)
+        (self.folder / "bin/neph").symlink_to(NEPH)
+        return subprocess.run([sys.executable, "figure.py"], cwd=self.folder, capture_output=True,
+                              text=True, check=False, env={
+                                  **os.environ, "PATH": f"{self.folder}/bin:{os.environ['PATH']}",
+                                  "PYTHONPATH": f"{self.folder}:{ROOT}/python"})
+
+    def test_two_presets_in_a_figure(self):
+        has_matplotlib = importlib.util.find_spec("matplotlib")
+        if not has_matplotlib:
+            self.put("matplotlib/__init__.py", "")
+            self.put("matplotlib/pyplot.py", NO_PYPLOT)
+        done = self.run_script()
+        self.assertEqual((done.returncode, done.stdout), (0, "flicker_figure.svg\n"), done.stderr)
+        text = (self.folder / "flicker_figure.svg").read_text()
+        if not has_matplotlib:
+            self.assertEqual(text, "not drawn")
+            self.skipTest("skipped: no matplotlib (python3-matplotlib): measured, but not drawn")
+        for words in ("<svg", "<!-- Error -->", "<!-- Flicker seen -->", "<!-- depth edges -->",
+                      "<!-- fixed -->", "<!-- ours -->"):
+            self.assertIn(words, text)
+
+    def test_without_matplotlib(self):
+        self.put("matplotlib/__init__.py", "raise ImportError('No module named matplotlib')")
+        done = self.run_script()
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertEqual(done.stderr, "flicker_figure.py: No module named matplotlib: apt install "
+                                      "python3-matplotlib\n")
+
+    def test_it_reads_the_frames_of_neph(self):
+        self.neph("render", "fence_drift", "-e", "exact", "--size", "11x18", "-q",
+                  "-o", self.folder)
+        path, = self.folder.glob("*.exr")
+        _, source = FIGURE.read_text().split("# %% Frames as mappings of channels\n")
+        names = {"numpy": numpy, "struct": struct, "zlib": zlib}
+        exec(source.split("def render(")[0], names)
+        width, height, wanted, _ = read_exr(path)
+        channels = names["read_exr"](path)
+        self.assertEqual(set(channels), set(wanted))
+        for name, plane in channels.items():
+            self.assertEqual(plane.shape, (height, width))
+            self.assertEqual(plane.tobytes(), wanted[name].tobytes(), name)
 
 
 if __name__ == "__main__":
