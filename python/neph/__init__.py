@@ -78,9 +78,13 @@ class Result:
         return self.find(metric)
 
     def table(self):
-        """The numbers as a pandas.DataFrame."""
+        """The numbers as a pandas.DataFrame, a column for each field of Number. A frame of all
+        frames together is NA, an interval that there is not NaN. ImportError without pandas."""
         import pandas
-        return pandas.DataFrame([dataclasses.asdict(number) for number in self.numbers])
+        names = [field.name for field in dataclasses.fields(Number)]
+        rows = [[getattr(number, name) for name in names] for number in self.numbers]
+        return pandas.DataFrame(rows, columns=names).astype(
+            {"frame": "Int64", "value": float, "low": float, "high": float})
 
 
 def compare(reference: Images, test: Images, *, metric: str | Sequence[str] | None = None,

@@ -186,6 +186,27 @@ class Python(NephCase):
         self.assertGreater(len(caught.exception.result.numbers), 5)
         neph.flicker(frames, reference=frames[0], frozen_ok=True)
 
+    def test_tables_of_pandas(self):
+        a, b = self.image(), self.image(1.1)
+        result = neph.compare(a, [b, 2 * b], metric="error")
+        if not importlib.util.find_spec("pandas"):
+            with self.assertRaisesRegex(ImportError, "pandas"):
+                result.table()
+            self.skipTest("skipped: no pandas (python3-pandas)")
+        from pandas import isna
+        table = result.table()
+        self.assertEqual([str(table.dtypes[name]) for name in ("frame", "value", "low", "high")],
+                         ["Int64", "float64", "float64", "float64"])
+        self.assertEqual(len(table), len(result.numbers))
+        for number, row in zip(result.numbers, table.to_dict("records")):
+            self.assertEqual(list(row), list(vars(number)))
+            for name, value in vars(number).items():
+                self.assertEqual(None if isna(row[name]) else row[name],
+                                 None if isna(value) else value, (number, name))
+        rmse = table[(table["metric"] == "rmse") & (table["mask"] == "all")].set_index("frame")
+        self.assertEqual(rmse["value"][1], result.find("rmse", frame=1).value)
+        self.assertEqual(list(neph.Result((), {}).table()), list(table))
+
     def test_random_arguments_end_in_numbers_or_in_exceptions(self):
         """Any shape, type and value: the seed is in the message."""
         kinds = ["f2", "f4", "f8", "u1", "u2", "i4", "i8", "?", "c8", "S3", "O"]
