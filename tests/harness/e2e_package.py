@@ -22,7 +22,7 @@ FILES = ["bin/neph", "bin/neph-vdb", "lib/libneph_metrics.so", "lib/libneph_metr
          "lib/cmake/neph_metrics/neph_metrics-config.cmake", SCENES,
          "share/nephelometer/renderer/blue_noise.png",
          "share/nephelometer/scripts/report/report.js", "share/man/man1/neph.1",
-         "share/bash-completion/completions/neph",
+         "share/man/man1/neph-compare.1", "share/bash-completion/completions/neph",
          "share/doc/nephelometer/LICENSE", "share/doc/nephelometer/docs/library.md"]
 MODULE = {"__init__.py", "_frames.py", "_installed.py", "_library.py"}
 
