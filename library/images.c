@@ -115,14 +115,14 @@ int nephm_image_set_text(nephm_image *image, const char *name, const char *value
                          struct nephm_error *error)
 {
     struct neph_diag diag = {.line = 0};
-    const size_t length = strlen(name);
-    const bool is_valid = length > 0 && length < NEPH_IMAGE_NAME_MAX &&
+    const size_t length = name ? strlen(name) : 0;
+    const bool is_valid = image && value && length > 0 && length < NEPH_IMAGE_NAME_MAX &&
                           neph_text_is_utf8(name, length) &&
                           neph_text_is_utf8(value, strlen(value));
     const enum neph_status status =
         is_valid ? neph_image_set_attribute(image->image, name, &diag, "%s", value)
                  : neph_fail(&diag, NEPH_ERR_USAGE,
-                             "a text has a name of 1 to %d bytes and a value, in UTF-8",
+                             "a text of an image has a name of 1 to %d bytes and a value, in UTF-8",
                              NEPH_IMAGE_NAME_MAX - 1);
     return neph_library_tell(status, &diag, error);
 }

@@ -120,8 +120,8 @@ static enum neph_status prepare(const nephm_task *task, const nephm_image *const
                                 size_t test_count, nephm_result *result, struct neph_diag *diag)
 {
     struct neph_comparison *asked = &result->asked;
-    if (!test || (reference_count > 0 && !reference))
-        return neph_fail(diag, NEPH_ERR_USAGE, "the list of images is NULL");
+    if (!task || !test || (reference_count > 0 && !reference))
+        return neph_fail(diag, NEPH_ERR_USAGE, "the %s is NULL", task ? "list of images" : "task");
     if (test_count == 0 || test_count > INT_MAX / 2 || reference_count > test_count ||
         (reference_count == 0 && !task->is_flicker))
         return neph_fail(diag, NEPH_ERR_INPUT,
@@ -214,7 +214,7 @@ void nephm_result_destroy(nephm_result *result)
 
 size_t nephm_result_count(const nephm_result *result)
 {
-    return (size_t)result->compared.numbers.count;
+    return result ? (size_t)result->compared.numbers.count : 0;
 }
 
 int nephm_result_number(const nephm_result *result, size_t index, struct nephm_number *number,
@@ -247,5 +247,5 @@ int nephm_result_number(const nephm_result *result, size_t index, struct nephm_n
 
 const char *nephm_result_json(const nephm_result *result)
 {
-    return result->json;
+    return result ? result->json : NULL;
 }

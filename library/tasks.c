@@ -111,6 +111,12 @@ int nephm_task_set(nephm_task *task, const char *name, const char *value, struct
 {
     struct neph_diag diag = {.line = 0};
     const struct task_option *option = NULL;
+    if (!task || !name || !value)
+        return neph_library_tell(neph_fail(&diag, NEPH_ERR_USAGE, "%s is NULL",
+                                           !task   ? "the task"
+                                           : !name ? "the name of the option"
+                                                   : "the value of the option"),
+                                 &diag, error);
     for (size_t i = 0; i < sizeof(task_options) / sizeof(task_options[0]); i++)
         if (strcmp(task_options[i].name, name) == 0)
             option = &task_options[i];

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""manual.py NEPH PAGE COMPLETION: man page and bash completion out of the --help of all verbs."""
+"""manual.py NEPH FOLDER COMPLETION: man pages of neph and of each verb, and bash completion, out of
+their --help."""
 import pathlib
 import re
 import subprocess
@@ -67,23 +68,42 @@ def described(term, text):
     return f".TP\n.B {roff(term)}\n{roff(text)}"
 
 
-def page(version, top, verbs):
-    head, codes = re.search(r"\n(.*)\n\n(?:.*\n)*(Exit codes: (?:.+\n)+)", top).groups()
-    yield f'.TH NEPH 1 "" "{version}" "Nephelometer"'
-    yield f".SH NAME\nneph \\- {roff(head.strip().rstrip('.'))}"
+def head(name, version, summary):
+    yield f'.TH {roff(name.upper())} 1 "" "{version}" "Nephelometer"'
+    yield f".SH NAME\n{roff(name)} \\- {roff(summary)}"
+
+
+def top_page(version, top, verbs):
+    summary, codes = re.search(r"\n(.*)\n\n(?:.*\n)*(Exit codes: (?:.+\n)+)", top).groups()
+    yield from head("neph", version, summary.strip().rstrip("."))
     yield ".SH SYNOPSIS\n.B neph\n.I VERB\n.RI [ ARGUMENT ...]"
-    yield ".SH VERBS"
-    yield from (described(f"neph {name}", summary) for name, summary in listed(top))
-    for verb in verbs:
-        yield f".SH NEPH {roff(verb.name.upper())}"
-        yield from (f".B {roff(usage)}\n.br" for usage in verb.usages)
-        yield ".PP"
-        yield from paragraphs(verb.before)
-        for letter, name, text in verb.options:
-            yield described(", ".join((["-" + letter] if letter else []) + [name]), text)
-        yield ".PP"
-        yield from paragraphs(verb.after)
+    yield ".SH VERBS\nEach has a page, such as\n.BR neph\\-compare (1)."
+    yield from (described(f"neph {name}", summary) for name, summary in verbs)
     yield f".SH EXIT STATUS\n{roff(' '.join(codes.split()).removeprefix('Exit codes: '))}"
+
+
+def verb_page(version, verb, summary):
+    yield from head(page_name(verb.name), version, summary)
+    yield ".SH SYNOPSIS"
+    yield from (f".B {roff(usage)}\n.br" for usage in verb.usages)
+    yield ".SH DESCRIPTION"
+    yield from paragraphs(verb.before)
+    if verb.options:
+        yield ".SH OPTIONS"
+    for letter, name, text in verb.options:
+        yield described(", ".join((["-" + letter] if letter else []) + [name]), text)
+    notes, _, examples = "\n".join(verb.after).partition("\nExample")
+    if notes.strip():
+        yield ".SH NOTES"
+        yield from paragraphs(notes.strip("\n").splitlines())
+    if examples:
+        yield ".SH EXAMPLES"
+        yield from paragraphs(examples.splitlines()[1:])
+    yield ".SH EXIT STATUS\nSee\n.BR neph (1)."
+
+
+def page_name(verb):
+    return "-".join(["neph", *verb.split()])
 
 
 # ---- completion ----------------------------------------------------------------------------------
@@ -133,15 +153,25 @@ def completion(neph, top, kinds, verbs):
     return re.sub(r"@(\w+)@", lambda part: parts[part[1]], COMPLETION)
 
 
-def main(neph, page_path, completion_path):
+def main(neph, folder, completion_path):
     top, kinds = ask(neph, "--help"), listed(ask(neph, "study", "--help"))
-    verbs = []
-    for name, _ in listed(top):
-        subjects = [(name, kind) for kind, _ in kinds] if name == "study" else [(name,)]
-        verbs += [Verb(neph, *words) for words in subjects]
     version = ask(neph, "--version").strip()
-    pathlib.Path(page_path).write_text("\n".join(page(version, top, verbs)) + "\n")
-    pathlib.Path(completion_path).write_text(completion(neph, top, kinds, verbs))
+    summaries = {}  # of pages of verbs; a kind of study is below its verb
+    for name, summary in listed(top):
+        summaries[name] = summary
+        if name == "study":
+            summaries |= {f"study {kind}": text for kind, text in kinds}
+    verbs = {name: Verb(neph, *name.split()) for name in summaries}
+    pages = {"neph": top_page(version, top, summaries.items())} | {
+        page_name(name): verb_page(version, verbs[name], summaries[name]) for name in verbs}
+    folder = pathlib.Path(folder)
+    folder.mkdir(exist_ok=True)
+    for path in set(folder.glob("*.1")) - {folder / f"{name}.1" for name in pages}:
+        path.unlink()  # of a verb that is no more
+    for name, lines in pages.items():
+        (folder / f"{name}.1").write_text("\n".join(lines) + "\n")
+    del verbs["study"]
+    pathlib.Path(completion_path).write_text(completion(neph, top, kinds, verbs.values()))
 
 
 if __name__ == "__main__":

@@ -18,13 +18,11 @@ step() { # step NAME COMMAND...
     fi
 }
 
-# What is missing of the packages of a need: build, validate (and what that builds on), test (and
-# that), night (all).
+# What is missing of the packages of a need: build, package or validate (and that), test (and all
+# three), night (all).
 missing_packages() {
-    local package command need needs=" build "
-    if [ "$1" != build ]; then needs+="validate "; fi
-    if [ "$1" = test ] || [ "$1" = night ]; then needs+="test "; fi
-    if [ "$1" = night ]; then needs+="night "; fi
+    local package command need needs=" build $1 "
+    if [ "$1" = test ] || [ "$1" = night ]; then needs+="package validate test "; fi
     while read -r package command need _; do
         case $package in '' | '#'*) continue ;; esac
         if [[ $needs != *" $need "* ]]; then continue; fi
@@ -41,7 +39,7 @@ missing_packages() {
     done <"$root/scripts/packages.txt"
 }
 
-install_packages() { # install_packages build|validate|test|night
+install_packages() { # install_packages build|package|validate|test|night
     local missing line
     mapfile -t missing < <(missing_packages "$1")
     [ ${#missing[@]} -gt 0 ] || return 0
@@ -74,9 +72,13 @@ install_node_modules() { # install_node_modules validate|test
     step npm npm ci --prefix "$report" --no-audit --no-fund "${omit[@]}" && echo "$1" >"$done"
 }
 
-build() { # build PRESET [TARGET]; a target needs nothing of what tests need
+# What `cmake --install` and cpack install.
+# shellcheck disable=SC2034
+installed_targets=(manual neph_metrics_shared) # with neph and the programs beside it
+
+build() { # build PRESET [TARGET...]; a target needs nothing of what tests need
     local testing=ON target=()
-    if [ $# -gt 1 ]; then testing=OFF target=(--target "$2"); fi
+    if [ $# -gt 1 ]; then testing=OFF target=(--target "${@:2}"); fi
     echo "building ($1)"
     (cd "$root" && step "configure-$1" cmake --preset "$1" -DBUILD_TESTING=$testing &&
         step "build-$1" cmake --build --preset "$1" "${target[@]}")

@@ -120,19 +120,25 @@ static enum neph_status check(const struct neph_droplets_params *params, struct 
 }
 
 /* The area distribution peaks at (1 - v) r_e (gamma), or r_e exp(-3/2 s^2) (log-normal). */
-static void choose_radii(struct work *work)
+static enum neph_status choose_radii(struct work *work, struct neph_diag *diag)
 {
     const struct neph_droplets_params *params = work->params;
     const double v = params->effective_variance,
                  peak = params->sizes == NEPH_DROPLETS_GAMMA ? 1.0 - v : pow(1.0 + v, -1.5);
     const double high = find_end(params, peak, 1.01);
+    const double per_radius = 2.0 * M_PI * params->effective_radius_m / params->wavelength_m;
+    if (!(high * per_radius <= NEPH_MIE_SIZE_MAX))
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "the largest droplets have a size parameter 2 pi radius / wavelength of "
+                         "%g: at most %g",
+                         high * per_radius, NEPH_MIE_SIZE_MAX);
     work->low = find_end(params, peak, 1.0 / 1.01);
-    const double sizes = 2.0 * M_PI * (high - work->low) * params->effective_radius_m /
-                         params->wavelength_m;
+    const double sizes = (high - work->low) * per_radius;
     work->count = (int)ceil(
         fmax(fmax(fmin(sizes / step_fine, SPHERES_FINE), sizes / step_largest), SPHERES_MIN));
     work->step = (high - work->low) / work->count;
     work->log_scale = log_area(params, peak);
+    return NEPH_OK;
 }
 
 static void add_parts(struct work *work, struct sums *all)
@@ -190,8 +196,9 @@ enum neph_status neph_droplets_compute(const struct neph_droplets_params *params
     }
     work->params = params;
     work->intensities = intensities;
-    choose_radii(work);
-    status = neph_parallel_rows(PARTS, sum_part, work, diag);
+    status = choose_radii(work, diag);
+    if (!status)
+        status = neph_parallel_rows(PARTS, sum_part, work, diag);
     for (int p = 0; p < PARTS && !status; p++) {
         status = work->parts[p].status;
         if (status && diag)

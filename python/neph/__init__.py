@@ -78,13 +78,17 @@ class Result:
         return self.find(metric)
 
     def table(self):
-        """The numbers as a pandas.DataFrame."""
+        """The numbers as a pandas.DataFrame, a column for each field of Number. A frame of all
+        frames together is NA, an interval that there is not NaN. ImportError without pandas."""
         import pandas
-        return pandas.DataFrame([dataclasses.asdict(number) for number in self.numbers])
+        names = [field.name for field in dataclasses.fields(Number)]
+        rows = [[getattr(number, name) for name in names] for number in self.numbers]
+        return pandas.DataFrame(rows, columns=names).astype(
+            {"frame": "Int64", "value": float, "low": float, "high": float})
 
 
 def compare(reference: Images, test: Images, *, metric: str | Sequence[str] | None = None,
-            settings: Sequence[str] = (), mask: str | None = None, rings: bool = False,
+            settings: str | Sequence[str] = (), mask: str | None = None, rings: bool = False,
             warm_up: int = 0, fps: float | None = None, ppd: float | None = None,
             exposure: float | None = None, white: float | None = None,
             negative_ok: bool = False) -> Result:
@@ -112,19 +116,27 @@ def flicker(frames: Images, reference: Images | None = None, *,
     return _measure(_FLICKER, reference, frames, options)
 
 
+def _words(value):
+    """The words of an option: of a text one, of None none."""
+    return [value] if isinstance(value, str) else list(value if value is not None else ())
+
+
+def _option_text(value):
+    for kind, plain in ((numpy.bool_, bool), (numpy.integer, int), (numpy.floating, float)):
+        if isinstance(value, kind):
+            value = plain(value)
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return value if isinstance(value, str) else repr(value)
+
+
 def _set_options(task, options):
-    metrics = options.pop("metric")
-    words = [metrics] if isinstance(metrics, str) else list(metrics or ())
-    pairs = [("metric", word) for word in words]
-    pairs += [("set", word) for word in options.pop("settings")]
-    for name, value in options.items():
-        if isinstance(value, bool):
-            pairs.append((name, "on" if value else "off"))
-        elif value is not None:
-            pairs.append((name, value if isinstance(value, str) else repr(value)))
-    for name, value in pairs:
+    pairs = [("metric", word) for word in _words(options.pop("metric"))]
+    pairs += [("set", word) for word in _words(options.pop("settings"))]
+    pairs += [(name, _option_text(value)) for name, value in options.items() if value is not None]
+    for name, text in pairs:
         _library.call("nephm_task_set", task.pointer, name.replace("_", "-").encode(),
-                      str(value).encode())
+                      _library.encode("settings" if name == "set" else name, text))
 
 
 def _make_images(what, frames):

@@ -6,6 +6,7 @@ import numpy
 
 from . import _library
 
+LARGEST = 2**31 - 1  # pixels of a side, as the library counts them
 CODES = {numpy.dtype("u1"): 1, numpy.dtype("u2"): 2}  # bytes of a code of sRGB
 COLOURS = {1: ("R",), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
 
@@ -24,6 +25,9 @@ def _planes(what, array):
 
 def _numbers(what, values):
     """An array of one of the types that are read."""
+    if numpy.ma.is_masked(values):
+        raise TypeError(f"{what}: masked pixels: fill them, and give a channel 'mask.NAME' to the "
+                        "reference")
     try:
         array = numpy.asarray(values)
     except ValueError as error:  # rows of different lengths
@@ -42,8 +46,7 @@ def _channels(what, frame):
         return _planes(what, _numbers(what, frame))
     channels = {}
     for name, values in frame.items():
-        if not isinstance(name, str):
-            raise TypeError(f"{what}: the name of a channel is {name!r}, no text")
+        _library.encode(f"{what}, the name of a channel", name)
         array = _numbers(f"{what}[{name!r}]", values)
         if name == "rgb":
             channels |= _planes(f"{what}['rgb']", array)
@@ -78,6 +81,8 @@ def make_image(what, frame):
         raise ValueError(f"{what}: channels of different sizes: "
                          f"{', '.join(str(shape) for shape in sorted(shapes))}")
     (height, width), = shapes
+    if max(height, width) > LARGEST:
+        raise ValueError(f"{what}: {width} x {height} pixels: {LARGEST} are the most of a side")
     try:
         image = _library.Handle("image", width, height)
     except _library.Error as error:
@@ -85,7 +90,7 @@ def make_image(what, frame):
     for name, plane in channels.items():
         where = (plane.ctypes.data, *_code_bytes(plane), plane.strides[1], plane.strides[0])
         function = f"nephm_image_set_{'srgb_codes' if plane.dtype in CODES else 'floats'}"
-        _library.call(function, image.pointer, name.encode(), *where)
+        _library.call(function, image.pointer, _library.encode(what, name), *where)
     return image
 
 

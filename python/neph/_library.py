@@ -92,6 +92,18 @@ def _load():
 library = _load()
 
 
+def encode(what, text):
+    """Text for the library, which ends it at a zero byte."""
+    if not isinstance(text, str):
+        raise TypeError(f"{what}: {text!r} is no text")
+    if "\0" in text:
+        raise ValueError(f"{what}: {text!r} has a zero byte")
+    try:
+        return text.encode()
+    except UnicodeEncodeError as error:
+        raise ValueError(f"{what}: {text!r}: {error.reason}") from error
+
+
 def call(name, *arguments):
     """Calls a function that gives a status; raises an error of it."""
     error = _ErrorText()

@@ -29,6 +29,12 @@ while [ $# -gt 2 ]; do shift; done
 case "$1 $2" in
 *dpkg-query*) printf 'gcc 4:12.2\\nblender \\nmesa-vulkan-drivers 22.3.6\\n' ;;
 *bad*scripts/test) echo one; echo two; exit 8 ;;
+*bad*scripts/package) exit 1 ;;
+*scripts/package) mkdir -p "$1/root/nephelometer/scripts" "$1/root/nephelometer/build/packages"
+    touch "$1/root/nephelometer/build/packages/neph.deb" "$1/installed" ;;
+*.bare*scripts/package*--try) [ ! -e "$1/installed" ] &&
+    [ -e "$1/root/nephelometer/build/packages/neph.deb" ] ;;
+*--try) exit 9 ;;
 *interrupted*scripts/test) kill -INT $PPID; sleep 0.1 ;;
 esac
 """
@@ -43,7 +49,7 @@ class Packages(unittest.TestCase):
     def test_every_line_has_its_fields(self):
         for line in packages():
             self.assertEqual(len(line), 4, line)
-            self.assertIn(line[2], ("build", "validate", "test", "night"))
+            self.assertIn(line[2], ("build", "package", "validate", "test", "night"))
 
     def test_the_page_lists_the_packages_of_the_file(self):
         page = (ROOT / "docs/building.md").read_text()
@@ -51,7 +57,7 @@ class Packages(unittest.TestCase):
                                         ("fedora", 3, "dnf install")):
             mark = f"<!-- written by scripts/packages.txt: {system} -->"
             section = page.split(mark)[1].split("<!-- end -->")[0]
-            for need in ("build", "validate", "test"):
+            for need in ("build", "package", "validate", "test"):
                 names = [name for line in packages() if line[2] == need
                          for name in line[column].split(",") if name != "-" and name[-1] != "?"]
                 if system == "ubuntu":
@@ -106,8 +112,9 @@ class Matrix(unittest.TestCase):
         self.assertEqual(self.run_matrix("good")[0], 0)
         code, table, said = self.run_matrix("bad")
         self.assertEqual(code, 1)
-        self.assertRegex(table, r"\| good \| pass, .* \| pass, .* \| 22.3.6 \| 4:12.2 \| - \| - \|")
-        self.assertRegex(table, r"\| bad \| pass, .* \| \*\*exit code 8\*\*, ")
+        self.assertRegex(table, r"\| good (\| pass, [^|]* ){4}\| 22.3.6 \| 4:12.2 \| - \| - \|")
+        self.assertRegex(table, r"\| bad \| pass, .* \| \*\*exit code 8\*\*, [^|]*"
+                                r"\| \*\*exit code 1\*\*, [^|]*\| not run \|")
         self.assertIn("bad: scripts/test: **exit code 8**", said)
         self.assertEqual(list(self.rows()), ["good", "bad"])
         self.assertEqual(self.rows()["bad"]["results"][1]["end"], ["one", "two"])
@@ -140,7 +147,7 @@ class Matrix(unittest.TestCase):
     def test_finished_chroots_are_kept(self):
         with self.assertRaises(KeyboardInterrupt):
             self.run_matrix("good", "interrupted")
-        self.assertEqual([len(row["results"]) for row in self.rows().values()], [2, 1])
+        self.assertEqual([len(row["results"]) for row in self.rows().values()], [4, 1])
 
     def test_a_file_of_something_else_is_not_overwritten(self):
         self.output.parent.mkdir()

@@ -72,16 +72,22 @@ class Install(unittest.TestCase):
         self.assertEqual({name.split(".so")[0] for name in libraries}, {"libneph_metrics"})
 
     def test_the_manual_has_every_verb_and_option(self):
-        path = self.prefix / "share/man/man1/neph.1"
-        text = path.read_text().replace("\\-", "-")
-        for verb, option in (("RENDER", "--checkpoint=FILE"), ("STUDY FLICKER", "--seeds=N"),
-                             ("VALIDATE", "--budget=S"), ("FLICKER", "-r, --reference=FILES"),
-                             ("COMPARE", "--fail-above=[QUANTITY:]METRIC[@MASK]=LIMIT")):
-            self.assertIn(f"\n.SH NEPH {verb}\n", text)
-            self.assertIn(option, text.split(f".SH NEPH {verb}\n")[1].split("\n.SH ")[0])
-        self.assertIn("130 interrupted", text)
+        folder = self.prefix / "share/man/man1"
+        for verb, option in (("render", "--checkpoint=FILE"), ("study-flicker", "--seeds=N"),
+                             ("validate", "--budget=S"), ("flicker", "-r, --reference=FILES"),
+                             ("compare", "--fail-above=[QUANTITY:]METRIC[@MASK]=LIMIT")):
+            text = (folder / f"neph-{verb}.1").read_text().replace("\\-", "-")
+            self.assertIn(f"\n.SH NAME\nneph-{verb} - ", text)
+            self.assertIn(f"\n.B {option}\n", text.split("\n.SH OPTIONS\n")[1].split("\n.SH ")[0])
+            self.assertIn(f"\nneph {verb.replace('study-', 'study ')} ",
+                          text.split("\n.SH EXAMPLES\n")[1])
+        top = (folder / "neph.1").read_text()
+        for name in {path.stem for path in folder.iterdir()} - {"neph"}:
+            self.assertIn(f"\n.B {name.replace('-', ' ')}\n", top)
+        self.assertIn("130 interrupted", top)
         if shutil.which("groff"):
-            self.assertEqual(run("groff", "-man", "-Tutf8", "-ww", "-z", path).stderr, "")
+            pages = sorted(folder.glob("*.1"))
+            self.assertEqual(run("groff", "-man", "-Tutf8", "-ww", "-z", *pages).stderr, "")
 
     def test_bash_completes_verbs_kinds_options_and_scenes(self):
         script = self.prefix / "share/bash-completion/completions/neph"

@@ -30,6 +30,7 @@ int main(void)
 {
     const float samples[4] = {1, 1, 1, 1};
     struct nephm_error error;
+    struct nephm_number number;
     nephm_image *image = NULL;
     nephm_task *task = NULL;
     nephm_result *result = NULL;
@@ -39,9 +40,18 @@ int main(void)
     wrong += nephm_image_set_floats(image, NULL, samples, 4, 8, &error) != NEPHM_ERR_USAGE;
     wrong += nephm_image_set_srgb_codes(image, "R", NULL, 1, 1, 2, &error) != NEPHM_ERR_USAGE;
     wrong += nephm_image_set_floats(image, "R", samples, 4, 8, &error);
+    wrong += nephm_image_set_text(NULL, "a", "b", &error) != NEPHM_ERR_USAGE;
+    wrong += nephm_image_set_text(image, NULL, "b", &error) != NEPHM_ERR_USAGE;
+    wrong += nephm_image_set_text(image, "a", NULL, &error) != NEPHM_ERR_USAGE;
+    wrong += nephm_task_set(NULL, "fps", "30", &error) != NEPHM_ERR_USAGE;
+    wrong += nephm_task_set(task, NULL, "30", &error) != NEPHM_ERR_USAGE;
+    wrong += nephm_task_set(task, "fps", NULL, &error) != NEPHM_ERR_USAGE;
     const nephm_image *images[2] = {image, NULL};
     wrong += nephm_task_run(task, images, 1, images, 2, &result, &error) != NEPHM_ERR_USAGE;
     wrong += nephm_task_run(task, NULL, 1, images, 1, &result, &error) != NEPHM_ERR_USAGE;
+    wrong += nephm_task_run(NULL, images, 1, images, 1, &result, &error) != NEPHM_ERR_USAGE;
+    wrong += nephm_result_count(NULL) != 0 || nephm_result_json(NULL);
+    wrong += nephm_result_number(NULL, 0, &number, &error) != NEPHM_ERR_USAGE;
     wrong += nephm_task_run(task, images, 1, images, 1, &result, &error);
     nephm_result_destroy(result);
     nephm_task_destroy(task);

@@ -3,6 +3,7 @@
 """The Python module: its numbers are those of the commands for files with the same values, to the
 bit, and what is wrong is an exception that says what and where. It needs numpy, which Debian's
 Python has."""
+import datetime
 import importlib.util
 import json
 import os
@@ -14,8 +15,9 @@ import sys
 import unittest
 import zlib
 
-from frames import exr_bytes
+from frames import exr_bytes, read_exr
 from neph_case import NEPH, ROOT, NephCase, run
+from night import of_the_night
 
 SYSTEM = "/usr/bin/python3"
 if not importlib.util.find_spec("numpy") and os.path.exists(SYSTEM) and sys.executable != SYSTEM:
@@ -134,7 +136,7 @@ class Python(NephCase):
 
     def test_any_layout_in_memory_is_the_same_image(self):
         a, b = self.image(), self.image(1.1)
-        wanted = neph.compare(a, b).numbers
+        wanted = repr(neph.compare(a, b).numbers)  # where NaN is NaN, in Python 3.13, too
         wide = numpy.zeros((2 * HEIGHT, 3 * WIDTH, 5), numpy.float32)
         wide[1::2, ::3, 1:4] = b
         turned = numpy.asfortranarray(b)
@@ -144,7 +146,7 @@ class Python(NephCase):
         for other in (wide[1::2, ::3, 1:4], turned, frozen, flipped, b.astype(numpy.float64),
                       {"R": b[..., 0], "G": b[..., 1], "B": b[..., 2]},
                       b.astype(">f4")):
-            self.assertEqual(neph.compare(a, other).numbers, wanted)
+            self.assertEqual(repr(neph.compare(a, other).numbers), wanted)
 
     def test_what_is_wrong_is_told(self):
         a, b = self.image(), self.image(1.1)
@@ -174,6 +176,15 @@ class Python(NephCase):
             (ValueError, "translucent", lambda: neph.compare(
                 a, numpy.zeros((HEIGHT, WIDTH, 4), numpy.uint8))),
             (ValueError, "Setting|setting", lambda: neph.compare(a, b, settings=["ssim"])),
+            (ValueError, "metric: 'error.x00x' has a zero byte",
+             lambda: neph.compare(a, b, metric="error\0x")),
+            (ValueError, "test, the name of a channel: 'Z.x00' has a zero byte",
+             lambda: neph.compare(a, {"rgb": b, "Z\0": b[..., 0]})),
+            (TypeError, "settings: None is no text", lambda: neph.compare(a, b, settings=[None])),
+            (ValueError, "reference: 4294967305 x 1 pixels: 2147483647 are the most",
+             lambda: neph.compare(numpy.broadcast_to(numpy.float32(1), (1, 2**32 + 9)), b)),
+            (TypeError, "reference: masked pixels",
+             lambda: neph.compare(numpy.ma.masked_greater(a, 1), b)),
         )
         for kind, words, wrong in cases:
             with self.subTest(words=words), self.assertRaisesRegex(kind, words):
@@ -186,19 +197,49 @@ class Python(NephCase):
         self.assertGreater(len(caught.exception.result.numbers), 5)
         neph.flicker(frames, reference=frames[0], frozen_ok=True)
 
-    def test_random_arguments_end_in_numbers_or_in_exceptions(self):
-        """Any shape, type and value: the seed is in the message."""
-        kinds = ["f2", "f4", "f8", "u1", "u2", "i4", "i8", "?", "c8", "S3", "O"]
-        for seed in range(200):
-            random = numpy.random.default_rng(seed)
-            shape = random.integers(0, 20, random.integers(0, 5))
-            array = (random.standard_normal(shape) * 100).astype(kinds[seed % len(kinds)])
-            sides = [array, self.image()] if seed % 2 else [array, array]
-            with self.subTest(seed=seed):
-                try:
-                    neph.compare(*sides, metric="error")
-                except (ValueError, TypeError):
-                    pass
+    def test_tables_of_pandas(self):
+        a, b = self.image(), self.image(1.1)
+        result = neph.compare(a, [b, 2 * b], metric="error")
+        if not importlib.util.find_spec("pandas"):
+            with self.assertRaisesRegex(ImportError, "pandas"):
+                result.table()
+            self.skipTest("skipped: no pandas (python3-pandas)")
+        from pandas import isna
+        table = result.table()
+        self.assertEqual([str(table.dtypes[name]) for name in ("frame", "value", "low", "high")],
+                         ["Int64", "float64", "float64", "float64"])
+        self.assertEqual(len(table), len(result.numbers))
+        for number, row in zip(result.numbers, table.to_dict("records")):
+            self.assertEqual(list(row), list(vars(number)))
+            for name, value in vars(number).items():
+                self.assertEqual(None if isna(row[name]) else row[name],
+                                 None if isna(value) else value, (number, name))
+        rmse = table[(table["metric"] == "rmse") & (table["mask"] == "all")].set_index("frame")
+        self.assertEqual(rmse["value"][1], result.find("rmse", frame=1).value)
+        self.assertEqual(list(neph.Result((), {}).table()), list(table))
+
+    def test_options_of_numpy_and_single_words(self):
+        a, b = self.image(), self.image(1.1)
+        wanted = repr(neph.compare(a, b, metric=["flip"], settings=["flip:tone=aces"], fps=30.0,
+                                   warm_up=0, rings=True).numbers)
+        self.assertEqual(wanted, repr(neph.compare(
+            a, b, metric="flip", settings="flip:tone=aces", fps=numpy.float32(30),
+            warm_up=numpy.int64(0), rings=numpy.bool_(True)).numbers))
+
+    def fuzz(self, *words):
+        done = subprocess.run([sys.executable, ROOT / "tests/harness/python_fuzz.py", *words],
+                              capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout[-500:] + done.stderr[-5000:])
+        counts = done.stdout.splitlines()[-1]
+        for end in "numbers", "InputError", "TypeError", "ValueError":
+            self.assertIn(f"'{end}'", counts)
+
+    def test_random_calls_end_in_numbers_or_in_exceptions(self):
+        self.fuzz("--seed", "47", "--count", "1000")
+
+    @of_the_night
+    def test_random_calls_of_a_night(self):
+        self.fuzz("--seed", f"{datetime.date.today():%Y%m%d}", "--seconds", "120")
 
     def test_the_examples_of_the_page(self):
         """Of docs/library.md, one after the other."""
@@ -232,6 +273,70 @@ class Python(NephCase):
                        "print(neph.__file__, neph.compare(a, 1.5 * a)['rel_bias'].value)")
         self.assertTrue(said.startswith(str(place)), said)
         self.assertTrue(said.endswith(" 0.5\n"), said)
+
+
+FIGURE = ROOT / "docs/examples/flicker_figure.py"
+# In place of matplotlib where it is absent: nothing is drawn, a file says so.
+NO_PYPLOT = """import pathlib
+from unittest.mock import MagicMock
+def subplots(*sizes, **options):
+    figure = MagicMock()
+    figure.savefig.side_effect = lambda name: pathlib.Path(name).write_text("not drawn")
+    return figure, (MagicMock(), MagicMock())
+"""
+
+
+@unittest.skipUnless(importlib.util.find_spec("numpy"), "skipped: no numpy (python3-numpy)")
+class Figure(NephCase):
+    """docs/examples/flicker_figure.py, small."""
+
+    def run_script(self):
+        text, count = re.subn(r'FRAMES, WARM_UP = .*|"96x54"', lambda found: {
+            "F": "FRAMES, WARM_UP = 20, 4", '"': '"16x9"'}[found[0][0]], FIGURE.read_text())
+        self.assertEqual(count, 2)
+        self.put("figure.py", text)
+        (self.folder / "bin").mkdir(exist_ok=True)
+        (self.folder / "bin/neph").symlink_to(NEPH)
+        return subprocess.run([sys.executable, "figure.py"], cwd=self.folder, capture_output=True,
+                              text=True, check=False, env={
+                                  **os.environ, "PATH": f"{self.folder}/bin:{os.environ['PATH']}",
+                                  "PYTHONPATH": f"{self.folder}:{ROOT}/python"})
+
+    def test_two_presets_in_a_figure(self):
+        has_matplotlib = importlib.util.find_spec("matplotlib")
+        if not has_matplotlib:
+            self.put("matplotlib/__init__.py", "")
+            self.put("matplotlib/pyplot.py", NO_PYPLOT)
+        done = self.run_script()
+        self.assertEqual((done.returncode, done.stdout), (0, "flicker_figure.svg\n"), done.stderr)
+        text = (self.folder / "flicker_figure.svg").read_text()
+        if not has_matplotlib:
+            self.assertEqual(text, "not drawn")
+            self.skipTest("skipped: no matplotlib (python3-matplotlib): measured, but not drawn")
+        for words in ("<svg", "<!-- Error -->", "<!-- Flicker seen -->", "<!-- depth edges -->",
+                      "<!-- fixed -->", "<!-- ours -->"):
+            self.assertIn(words, text)
+
+    def test_without_matplotlib(self):
+        self.put("matplotlib/__init__.py", "raise ImportError('No module named matplotlib')")
+        done = self.run_script()
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertEqual(done.stderr, "flicker_figure.py: No module named matplotlib: apt install "
+                                      "python3-matplotlib\n")
+
+    def test_it_reads_the_frames_of_neph(self):
+        self.neph("render", "fence_drift", "-e", "exact", "--size", "11x18", "-q",
+                  "-o", self.folder)
+        path, = self.folder.glob("*.exr")
+        _, source = FIGURE.read_text().split("# %% Frames as mappings of channels\n")
+        names = {"numpy": numpy, "struct": struct, "zlib": zlib}
+        exec(source.split("def render(")[0], names)
+        width, height, wanted, _ = read_exr(path)
+        channels = names["read_exr"](path)
+        self.assertEqual(set(channels), set(wanted))
+        for name, plane in channels.items():
+            self.assertEqual(plane.shape, (height, width))
+            self.assertEqual(plane.tobytes(), wanted[name].tobytes(), name)
 
 
 if __name__ == "__main__":
