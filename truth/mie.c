@@ -144,13 +144,13 @@ static struct neph_mie_efficiency sum_efficiencies(double x, const struct multip
                                         2.0 * forward / scattering};
 }
 
-/* Angles that are computed together: the recurrence of one is a chain of dependent operations, those
- * of several overlap. */
+/* Angles that are computed together: the recurrence of one is a chain of dependent operations,
+ * those of several overlap. */
 enum { BLOCK = 8 };
 
-/* Equation 4.74, with the angular functions pi_n and tau_n by upward recurrence (4.47). The sums are
- * S1 + S2 and S1 - S2, which need half the products: |S1|^2 + |S2|^2 is half of the sum of their
- * squares. */
+/* Equation 4.74, with the angular functions pi_n and tau_n by upward recurrence (4.47). The sums
+ * are S1 + S2 and S1 - S2, which need half the products: |S1|^2 + |S2|^2 is half of the sum of
+ * their squares. */
 static void compute_intensities(const double cosines[BLOCK], const struct multipoles *poles,
                                 double intensities[BLOCK])
 {

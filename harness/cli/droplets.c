@@ -31,12 +31,13 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"radius", 0, "UM", "Effective radius in um: the mean of r^3 over the mean of r^2",
+    {"effective-radius", 0, "UM", "Effective radius in um: the mean of r^3 over the mean of r^2",
      NEPH_CLI_REAL, AT(radius_um), "10", 0.001, 1000},
-    {"variance", 0, "V", "Effective variance of the radii", NEPH_CLI_REAL, AT(variance), "0.1",
-     NEPH_DROPLETS_VARIANCE_MIN, NEPH_DROPLETS_VARIANCE_MAX},
-    {"sizes", 0, "NAME", "Distribution of the radii: gamma (of Hansen and Travis) or log-normal",
-     NEPH_CLI_WORD, AT(sizes), "gamma"},
+    {"effective-variance", 0, "V", "Effective variance of the radii", NEPH_CLI_REAL, AT(variance),
+     "0.1", NEPH_DROPLETS_VARIANCE_MIN, NEPH_DROPLETS_VARIANCE_MAX},
+    {"distribution", 0, "NAME",
+     "Distribution of the radii: gamma (of Hansen and Travis) or log-normal", NEPH_CLI_WORD,
+     AT(sizes), "gamma"},
     {"wavelength", 0, "NM[,NM]", "Wavelengths in nm", NEPH_CLI_NUMBERS, AT(wavelengths_nm), "550",
      .maximum = 16},
     {"index", 0, "N,K", "Refractive index n + i k (default: water of 20 degrees, 300 to 1000 nm)",
@@ -52,16 +53,18 @@ static const struct neph_cli_option options[] = {
 
 static const struct neph_cli_syntax syntax = {
     .options = options,
-    .doc = "Extinction, albedo, asymmetry and phase function of droplets, by Mie theory over a "
-           "distribution of radii.\v"
-           "Extinction is per geometric cross section, and per gram of liquid water. With --water "
-           "visibility is by Koschmieder, for contrasts of 2 and 5 %. Deirmendjian's cloud C.1 is "
-           "--radius 6 --variance 0.1111. Methods and sources are in truth/mie.h, "
-           "truth/droplets.h and truth/water.h.\n\n"
-           "Examples:\n"
-           "  neph droplets --radius 10 --water 0.3\n"
-           "  neph droplets --radius 6 --variance 0.1111 --wavelength 700 --index 1.33,0\n"
-           "  neph droplets --wavelength 610,550,465 --csv phase.csv",
+    .doc =
+        "Extinction, albedo, asymmetry and phase function of droplets, by Mie theory over a "
+        "distribution of radii.\v"
+        "Extinction is per geometric cross section, and per gram of liquid water. With --water "
+        "visibility is by Koschmieder, for contrasts of 2 and 5 %. Deirmendjian's cloud C.1 is "
+        "--effective-radius 6 --effective-variance 0.1111. Methods and sources are in truth/mie.h, "
+        "truth/droplets.h and truth/water.h.\n\n"
+        "Examples:\n"
+        "  neph droplets --effective-radius 10 --water 0.3\n"
+        "  neph droplets --effective-radius 6 --effective-variance 0.1111 --wavelength 700 --index "
+        "1.33,0\n"
+        "  neph droplets --wavelength 610,550,465 --csv phase.csv",
 };
 
 /* Angles in degrees: dense in the diffraction peak, and from the fogbow to the glory. */

@@ -7,7 +7,7 @@ import unittest
 
 from neph_case import NephCase
 
-SMALL = ("--radius", 2, "--wavelength", "610,465")
+SMALL = ("--effective-radius", 2, "--wavelength", "610,465")
 
 
 class Droplets(NephCase):
@@ -46,7 +46,7 @@ class Droplets(NephCase):
             self.assertAlmostEqual(mean, result["asymmetry"], delta=2e-3)
 
     def test_size_distributions_differ(self):
-        gamma, normal = (self.json("droplets", *SMALL, "--sizes", name)["results"][0]
+        gamma, normal = (self.json("droplets", *SMALL, "--distribution", name)["results"][0]
                          for name in ("gamma", "log-normal"))
         self.assertAlmostEqual(gamma["extinction_efficiency"] / normal["extinction_efficiency"],
                                1.0, delta=0.02)  # the same effective radius and variance
@@ -55,12 +55,12 @@ class Droplets(NephCase):
     def test_refusals(self):
         self.check_refusals(
             (65, ("1.2 um", "--index"), ("--wavelength", 1200)),
-            (65, "size parameter", ("--radius", 1000, "--wavelength", 300)),
+            (65, "size parameter", ("--effective-radius", 1000, "--wavelength", 300)),
             (65, "refractive index", ("--index", "1.3,-1")),
             (64, "1.33,1e-5", ("--index", "1.3")),
-            (64, "log-normal", ("--sizes", "normal")),
-            (64, "0.0001", ("--variance", 0)),
-            (64, "--radius", ("--radius", "x")),
+            (64, "log-normal", ("--distribution", "normal")),
+            (64, "0.0001", ("--effective-variance", 0)),
+            (64, "--effective-radius", ("--effective-radius", "x")),
             (64, "--water", ("--water", -1)),
             before=("droplets",))
 

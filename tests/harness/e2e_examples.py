@@ -74,7 +74,7 @@ RULES = [
     (r"nightly", "--only failure\\ fog_none --minutes 1 --once -q", {0, 1}, False),
     (r"baseline .*--night", "", {0, 65, 66}, False),  # a run that does not exist
     (r"baseline", "", {0, 66}, True),
-    (r"droplets", "--radius 1", {0}, True),
+    (r"droplets", "--effective-radius 1", {0}, True),
     (r"serve", "-o missing", {66}, True),  # else it runs until Ctrl-C
     (r"store", "", {0, 66}, True),
     (r"scenes .*--new", "--force", {0}, True),
