@@ -183,7 +183,7 @@ class Package(unittest.TestCase):
         for name in ("python3", "libc6", "libsqlite3-0", "zlib1g", "libyaml-0-2"):
             self.assertRegex(fields["Depends"], rf"\b{name}\b")
         self.assertEqual(fields["Recommends"], "libvulkan1, mesa-vulkan-drivers, python3-numpy")
-        for name in ("blender", "povray", "ffmpeg", "python3-pandas"):
+        for name in ("blender", "povray", "ffmpeg", "python3-pandas", "python3-matplotlib"):
             self.assertIn(name, fields["Suggests"])
         self.assertIn(fields["Version"], succeed(NEPH, "--version"))
         self.assertNotIn("SPIRV-Tools", succeed("readelf", "-d", self.tree / "usr/bin/neph"))
