@@ -1,9 +1,14 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The server through libmicrohttpd, which is opened at run time: linked, it and the nine libraries
+ * that it brings would lengthen each start of neph by a tenth or more. No other file includes it.
+ */
 #include "harness/serve/http.h"
 
 #include "base/interrupt.h"
 
 #include <arpa/inet.h>
+#include <dlfcn.h>
 #include <errno.h>
 #include <microhttpd.h>
 #include <poll.h>
@@ -34,7 +39,24 @@ static const char *const headers[][2] = {
     {"X-Frame-Options", "DENY"},
 };
 
+static const char library_name[] = "libmicrohttpd.so.12";
+
+/* The used functions. */
+/* clang-format off */
+#define MHD_FUNCTIONS(of) \
+    of(start_daemon) of(stop_daemon) of(get_daemon_info) of(get_timeout) of(run) \
+    of(lookup_connection_value) of(create_response_from_fd) of(create_response_from_buffer) \
+    of(add_response_header) of(queue_response) of(destroy_response)
+/* clang-format on */
+
+struct mhd {
+#define POINTER(name) __typeof__(MHD_##name) *name;
+    MHD_FUNCTIONS(POINTER)
+#undef POINTER
+};
+
 struct neph_http {
+    struct mhd mhd;
     struct MHD_Daemon *daemon;
     neph_http_answer *answer;
     void *context;
@@ -50,20 +72,51 @@ struct upload {
     size_t size;
 };
 
+/* ---- the library ----------------------------------------------------------------------------- */
+
+static const struct {
+    const char *name;
+    size_t at;
+} functions[] = {
+#define ROW(name) {"MHD_" #name, offsetof(struct mhd, name)},
+    MHD_FUNCTIONS(ROW)
+#undef ROW
+};
+
 bool neph_http_has_library(void)
 {
-    return true;
+    void *library = dlopen(library_name, RTLD_LAZY | RTLD_LOCAL);
+    if (library)
+        dlclose(library);
+    return library != NULL;
+}
+
+/* The library stays loaded. */
+static enum neph_status load(struct mhd *mhd, struct neph_diag *diag)
+{
+    void *library = dlopen(library_name, RTLD_NOW | RTLD_LOCAL);
+    bool complete = library != NULL;
+    for (size_t i = 0; i < sizeof(functions) / sizeof(functions[0]) && complete; i++) {
+        void *function = dlsym(library, functions[i].name);
+        memcpy((char *)mhd + functions[i].at, &function, sizeof(function));
+        complete = function != NULL;
+    }
+    if (complete)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_UNAVAILABLE, "libmicrohttpd cannot be opened: %s", dlerror());
+    neph_hint(diag, "apt-get install libmicrohttpd12");
+    return NEPH_ERR_UNAVAILABLE;
 }
 
 /* ---- answers --------------------------------------------------------------------------------- */
 
-static enum MHD_Result send_reply(struct MHD_Connection *connection,
+static enum MHD_Result send_reply(const struct mhd *mhd, struct MHD_Connection *connection,
                                   const struct neph_http_reply *reply)
 {
     struct MHD_Response *response =
         reply->file >= 0
-            ? MHD_create_response_from_fd(reply->file_bytes, reply->file)
-            : MHD_create_response_from_buffer(
+            ? mhd->create_response_from_fd(reply->file_bytes, reply->file)
+            : mhd->create_response_from_buffer(
                   reply->text ? strlen(reply->text) : 0, reply->text ? reply->text : (char *)"",
                   reply->text ? MHD_RESPMEM_MUST_FREE : MHD_RESPMEM_PERSISTENT);
     if (!response) {
@@ -73,14 +126,14 @@ static enum MHD_Result send_reply(struct MHD_Connection *connection,
         return MHD_NO;
     }
     bool complete = !reply->type ||
-                    MHD_add_response_header(response, "Content-Type", reply->type) == MHD_YES;
+                    mhd->add_response_header(response, "Content-Type", reply->type) == MHD_YES;
     if (reply->location[0])
-        complete &= MHD_add_response_header(response, "Location", reply->location) == MHD_YES;
+        complete &= mhd->add_response_header(response, "Location", reply->location) == MHD_YES;
     for (size_t i = 0; i < sizeof(headers) / sizeof(headers[0]); i++)
-        complete &= MHD_add_response_header(response, headers[i][0], headers[i][1]) == MHD_YES;
+        complete &= mhd->add_response_header(response, headers[i][0], headers[i][1]) == MHD_YES;
     const enum MHD_Result sent =
-        complete ? MHD_queue_response(connection, (unsigned)reply->code, response) : MHD_NO;
-    MHD_destroy_response(response);
+        complete ? mhd->queue_response(connection, (unsigned)reply->code, response) : MHD_NO;
+    mhd->destroy_response(response);
     return sent;
 }
 
@@ -93,14 +146,15 @@ static enum MHD_Result refuse(struct neph_http *http, struct MHD_Connection *con
     if (asprintf(&text, "%d: %s\n", code, words) < 0)
         text = NULL;
     neph_http_reply_text(&reply, code, "text/plain; charset=utf-8", text);
-    return send_reply(connection, &reply);
+    return send_reply(&http->mhd, connection, &reply);
 }
 
 /* ---- who may ask ----------------------------------------------------------------------------- */
 
-static const char *get_header(struct MHD_Connection *connection, const char *name)
+static const char *get_header(const struct neph_http *http, struct MHD_Connection *connection,
+                              const char *name)
 {
-    return MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
+    return http->mhd.lookup_connection_value(connection, MHD_HEADER_KIND, name);
 }
 
 static bool is_this_host(const struct neph_http *http, const char *host)
@@ -109,11 +163,13 @@ static bool is_this_host(const struct neph_http *http, const char *host)
 }
 
 /* Whether the request comes from a page of this server, or from no page. */
-static bool has_good_origin(struct MHD_Connection *connection, bool is_post)
+static bool has_good_origin(const struct neph_http *http, struct MHD_Connection *connection,
+                            bool is_post)
 {
     static const char scheme[] = "http://";
-    const char *origin = get_header(connection, "Origin"), *host = get_header(connection, "Host"),
-               *site = get_header(connection, "Sec-Fetch-Site");
+    const char *origin = get_header(http, connection, "Origin"),
+               *host = get_header(http, connection, "Host"),
+               *site = get_header(http, connection, "Sec-Fetch-Site");
     if (site && strcmp(site, "same-origin") != 0 && strcmp(site, "none") != 0)
         return false;
     if (!origin)
@@ -139,11 +195,11 @@ static const char *find_refusal(const struct neph_http *http, struct MHD_Connect
                                 const char *url, const char *method, int *code)
 {
     const bool is_post = strcmp(method, "POST") == 0;
-    const char *length = get_header(connection, "Content-Length");
+    const char *length = get_header(http, connection, "Content-Length");
     *code = 403;
-    if (!is_this_host(http, get_header(connection, "Host")))
+    if (!is_this_host(http, get_header(http, connection, "Host")))
         return "this server answers to 127.0.0.1 only";
-    if (!has_good_origin(connection, is_post))
+    if (!has_good_origin(http, connection, is_post))
         return "a page of another origin may not ask";
     if (!path_behind_token(http, url))
         return "the address needs the token that `neph serve` has printed";
@@ -195,7 +251,7 @@ static enum MHD_Result on_request(void *http_, struct MHD_Connection *connection
     struct neph_http_reply reply = {.file = -1};
     http->answer(http->context, &request, &reply);
     *(reply.code < 400 ? &http->counts.answered : &http->counts.refused) += 1;
-    return send_reply(connection, &reply);
+    return send_reply(&http->mhd, connection, &reply);
 }
 
 static void on_end(void *http, struct MHD_Connection *connection, void **upload_,
@@ -228,7 +284,7 @@ static enum neph_status listen_at(struct neph_http *http, int port, struct neph_
     struct sockaddr_in address = {.sin_family = AF_INET,
                                   .sin_port = htons((uint16_t)port),
                                   .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    http->daemon = MHD_start_daemon(
+    http->daemon = http->mhd.start_daemon(
         MHD_USE_EPOLL, 0, NULL, NULL, on_request, http, MHD_OPTION_SOCK_ADDR, &address,
         MHD_OPTION_NOTIFY_COMPLETED, on_end, http, MHD_OPTION_CONNECTION_LIMIT,
         (unsigned)CONNECTIONS_MAX, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE_S,
@@ -243,7 +299,7 @@ static enum neph_status listen_at(struct neph_http *http, int port, struct neph_
 
 static void name_server(struct neph_http *http)
 {
-    const unsigned port = MHD_get_daemon_info(http->daemon, MHD_DAEMON_INFO_BIND_PORT)->port;
+    const unsigned port = http->mhd.get_daemon_info(http->daemon, MHD_DAEMON_INFO_BIND_PORT)->port;
     snprintf(http->hosts[0], sizeof(http->hosts[0]), "127.0.0.1:%u", port);
     snprintf(http->hosts[1], sizeof(http->hosts[1]), "localhost:%u", port);
     snprintf(http->url, sizeof(http->url), "http://%s/%s/", http->hosts[0], http->token);
@@ -256,7 +312,9 @@ enum neph_status neph_http_open(int port, neph_http_answer *answer, void *contex
     if (!http)
         return neph_fail_memory(diag);
     *http = (struct neph_http){.answer = answer, .context = context};
-    enum neph_status status = draw_token(http->token, diag);
+    enum neph_status status = load(&http->mhd, diag);
+    if (!status)
+        status = draw_token(http->token, diag);
     if (!status)
         status = listen_at(http, port, diag);
     if (status) {
@@ -271,7 +329,7 @@ enum neph_status neph_http_open(int port, neph_http_answer *answer, void *contex
 void neph_http_close(struct neph_http *http)
 {
     if (http && http->daemon)
-        MHD_stop_daemon(http->daemon);
+        http->mhd.stop_daemon(http->daemon);
     free(http);
 }
 
@@ -283,16 +341,16 @@ const char *neph_http_url(const struct neph_http *http)
 enum neph_status neph_http_run(struct neph_http *http, struct neph_diag *diag)
 {
     struct pollfd ready[2] = {
-        {.fd = MHD_get_daemon_info(http->daemon, MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd,
+        {.fd = http->mhd.get_daemon_info(http->daemon, MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd,
          .events = POLLIN},
         {.fd = neph_interrupt_fd(), .events = POLLIN}};
     while (!neph_interrupted()) {
         MHD_UNSIGNED_LONG_LONG due_ms = WAIT_MS;
-        if (MHD_get_timeout(http->daemon, &due_ms) == MHD_YES && due_ms > WAIT_MS)
+        if (http->mhd.get_timeout(http->daemon, &due_ms) == MHD_YES && due_ms > WAIT_MS)
             due_ms = WAIT_MS;
         if (poll(ready, 2, (int)due_ms) < 0 && errno != EINTR)
             return neph_fail(diag, NEPH_ERR_IO, "cannot wait for requests: %s", strerror(errno));
-        if (MHD_run(http->daemon) != MHD_YES)
+        if (http->mhd.run(http->daemon) != MHD_YES)
             return neph_fail(diag, NEPH_ERR_IO, "cannot answer requests");
     }
     return NEPH_OK;
