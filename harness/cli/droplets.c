@@ -4,8 +4,9 @@
  */
 #include "harness/cli/cli.h"
 
-#include "base/files.h"
+#include "base/text.h"
 #include "base/written.h"
+#include "harness/cli/droplets_plot.h"
 #include "truth/droplets.h"
 #include "truth/water.h"
 
@@ -25,7 +26,7 @@ static const char *const size_names[NEPH_DROPLETS_COUNT] = {
 struct request {
     struct neph_cli_shared shared;
     double radius_um, variance, water_g_per_m3;
-    const char *sizes;
+    const char *sizes, *plot;
     struct neph_cli_list wavelengths_nm, index;
 };
 
@@ -44,6 +45,8 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_NUMBERS, AT(index), .maximum = 2},
     {"water", 0, "G", "Liquid water content in g/m3: prints extinction, number and visibility, too",
      NEPH_CLI_REAL, AT(water_g_per_m3), .minimum = 1e-6, .maximum = 1e3},
+    {"plot", 0, "FILE", "The phase function as an SVG, beside Henyey-Greenstein", NEPH_CLI_FILE,
+     AT(plot)},
     {.name = "csv", .help = "The phase function: an angle a line, a column for each wavelength"},
     {.name = "json"},
     {.name = "quiet", .help = "Accepted; this verb prints only results"},
@@ -163,15 +166,22 @@ static void print_csv(const void *answer_, FILE *out)
     }
 }
 
-static enum neph_status write_csv(const struct answer *answer, const char *path,
-                                  struct neph_diag *diag)
+static enum neph_status write_plot(const struct answer *answer, const char *path,
+                                   struct neph_diag *diag)
 {
-    char *text = NULL;
-    enum neph_status status = neph_write_to_text(print_csv, answer, &text, diag);
-    if (!status)
-        status = neph_file_write(path, text, strlen(text), diag);
-    free(text);
-    return status;
+    char title[128];
+    struct neph_phase_plot plot = {.title = title,
+                                   .angle_count = answer->angle_count,
+                                   .curve_count = answer->count,
+                                   .angles_deg = answer->degrees};
+    neph_text_format(title, sizeof(title), "Droplets of effective radius %g um, variance %g (%s)",
+                     1e6 * answer->params.effective_radius_m, answer->params.effective_variance,
+                     size_names[answer->params.sizes]);
+    for (int w = 0; w < answer->count; w++)
+        plot.curves[w] = (struct neph_phase_curve){answer->results[w].wavelength_nm,
+                                                   answer->results[w].optics.asymmetry,
+                                                   answer->results[w].phase_per_sr};
+    return neph_write_to_file(path, neph_phase_plot_print, &plot, diag);
 }
 
 struct in_air {
@@ -252,7 +262,9 @@ static enum neph_status tell(const struct request *request, const struct answer 
                              struct neph_diag *diag)
 {
     const char *csv = request->shared.csv;
-    const enum neph_status status = csv ? write_csv(answer, csv, diag) : NEPH_OK;
+    enum neph_status status = csv ? neph_write_to_file(csv, print_csv, answer, diag) : NEPH_OK;
+    if (!status && request->plot)
+        status = write_plot(answer, request->plot, diag);
     if (!status && request->shared.json)
         return print_json(request, answer, diag);
     if (!status)
@@ -268,7 +280,7 @@ static enum neph_status run(const struct request *request, struct answer *answer
         .effective_variance = request->variance,
         .density_kg_per_m3 = NEPH_WATER_DENSITY_KG_PER_M3};
     enum neph_status status = find_sizes(request->sizes, &answer->params.sizes, diag);
-    if (!status && (request->shared.csv || request->shared.json))
+    if (!status && (request->shared.csv || request->plot || request->shared.json))
         answer->angle_count = list_angles(answer->degrees, answer->cosines);
     for (int w = 0; w < request->wavelengths_nm.count && !status; w++) {
         answer->count++;

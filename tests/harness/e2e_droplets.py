@@ -4,6 +4,7 @@
 import csv
 import math
 import unittest
+import xml.etree.ElementTree
 
 from neph_case import NephCase
 
@@ -44,6 +45,15 @@ class Droplets(NephCase):
                        zip(angles, angles[1:], values, values[1:]))
             self.assertAlmostEqual(total, 1.0, delta=2e-3)  # steps of 0.5 degrees
             self.assertAlmostEqual(mean, result["asymmetry"], delta=2e-3)
+
+    def test_the_plot_has_a_curve_for_each_wavelength(self):
+        self.neph("droplets", *SMALL, "--plot", self.folder / "phase.svg")
+        paths = xml.etree.ElementTree.parse(self.folder / "phase.svg").iter(
+            "{http://www.w3.org/2000/svg}path")
+        curves = [path for path in paths if path.get("d").count("L") > 100]
+        self.assertEqual(len(curves), 3)  # the first is Henyey-Greenstein
+        self.assertEqual([path.get("stroke-dasharray") for path in curves],
+                         ["5 4", "none", "none"])
 
     def test_size_distributions_differ(self):
         gamma, normal = (self.json("droplets", *SMALL, "--distribution", name)["results"][0]
