@@ -48,7 +48,7 @@ struct neph_droplet_optics {
 
 /* Computes the optics, and the phase function at each cosine in `phase_per_sr` (integral over the
  * sphere 1), on all processors; the bits do not depend on their number. The radii reach from where
- * the area distribution has begun to where less than 1e-8 of it is left, in steps of at most 0.03
+ * the area distribution has begun to where less than 1e-8 of it is left, in steps of at most 0.1
  * of the size parameter. NEPH_ERR_INPUT: a parameter, or the size parameter of the largest droplet,
  * is out of its bounds. */
 enum neph_status neph_droplets_compute(const struct neph_droplets_params *params,

@@ -78,10 +78,9 @@ static enum neph_status accept(const struct request *request, struct neph_store 
     const enum neph_status status = neph_accept(index, neph_store_folder(store), &asked, &accepted,
                                                 diag);
     if (!status && !request->shared.json && count == 0)
-        printf("nightly run %lld is the baseline of all series\n", (long long)accepted.night);
+        neph_accepted_print(&accepted, "*");
     for (int i = 0; i < count && !status && !request->shared.json; i++)
-        printf("nightly run %lld is the baseline of %s\n", (long long)accepted.night,
-               asked.series[i]);
+        neph_accepted_print(&accepted, asked.series[i]);
     return status;
 }
 

@@ -40,7 +40,7 @@ static const struct neph_cli_option options[] = {
      "Distribution of the radii: gamma (of Hansen and Travis) or log-normal", NEPH_CLI_WORD,
      AT(sizes), "gamma"},
     {"wavelength", 0, "NM[,NM]", "Wavelengths in nm", NEPH_CLI_NUMBERS, AT(wavelengths_nm), "550",
-     .maximum = 16},
+     .maximum = NEPH_PHASE_CURVES_MAX},
     {"index", 0, "N,K", "Refractive index n + i k (default: water of 20 degrees, 300 to 1000 nm)",
      NEPH_CLI_NUMBERS, AT(index), .maximum = 2},
     {"water", 0, "G", "Liquid water content in g/m3: prints extinction, number and visibility, too",
@@ -67,7 +67,7 @@ static const struct neph_cli_syntax syntax = {
         "  neph droplets --effective-radius 10 --water 0.3\n"
         "  neph droplets --effective-radius 6 --effective-variance 0.1111 --wavelength 700 --index "
         "1.33,0\n"
-        "  neph droplets --wavelength 610,550,465 --csv phase.csv",
+        "  neph droplets --wavelength 610,550,465 --csv phase.csv --plot phase.svg",
 };
 
 /* Angles in degrees: dense in the diffraction peak, and from the fogbow to the glory. */
@@ -87,7 +87,7 @@ struct answer {
     struct neph_droplets_params params;
     int angle_count, count;
     double degrees[ANGLES_MAX], cosines[ANGLES_MAX];
-    struct result results[16];
+    struct result results[NEPH_PHASE_CURVES_MAX];
 };
 
 static int list_angles(double *degrees, double *cosines)
@@ -107,7 +107,7 @@ static enum neph_status find_sizes(const char *name, enum neph_droplet_sizes *si
                                    struct neph_diag *diag)
 {
     for (int i = 0; i < NEPH_DROPLETS_COUNT; i++)
-        if (strcmp(name ? name : size_names[0], size_names[i]) == 0) {
+        if (strcmp(name, size_names[i]) == 0) {
             *sizes = (enum neph_droplet_sizes)i;
             return NEPH_OK;
         }
@@ -127,7 +127,7 @@ static enum neph_status find_index(const struct request *request, double wavelen
         return neph_fail(diag, NEPH_ERR_USAGE, "--index takes n and k, such as 1.33,1e-5");
     const enum neph_status status = neph_water_index(wavelength_m, index, diag);
     if (status)
-        neph_hint(diag, "--index N,K gives the index of other wavelengths and liquids");
+        neph_hint(diag, "--index N,K gives the index at other wavelengths");
     return status;
 }
 

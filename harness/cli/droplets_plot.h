@@ -7,6 +7,8 @@
 
 #include <stdio.h>
 
+enum { NEPH_PHASE_CURVES_MAX = 16 };
+
 struct neph_phase_curve {
     double wavelength_nm, asymmetry;
     const double *phase_per_sr; /* at each angle */
@@ -16,7 +18,7 @@ struct neph_phase_plot {
     const char *title;
     int angle_count, curve_count;
     const double *angles_deg;
-    struct neph_phase_curve curves[16];
+    struct neph_phase_curve curves[NEPH_PHASE_CURVES_MAX];
 };
 
 /* Writes an SVG: each curve times 4 pi, so that isotropic scattering is 1, and dashed

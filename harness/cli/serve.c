@@ -80,11 +80,8 @@ static void tell(void *service_, const struct neph_accepted *accepted, const jso
                        : NULL;
     if (json && (line = json_dumps(json, JSON_COMPACT)))
         printf("%s\n", line);
-    for (size_t i = 0; !service->json && i < json_array_size(series); i++) {
-        const char *name = json_string_value(json_array_get(series, i));
-        printf("nightly run %lld is the baseline of %s\n", (long long)accepted->night,
-               strcmp(name, "*") == 0 ? "all series" : name);
-    }
+    for (size_t i = 0; !service->json && i < json_array_size(series); i++)
+        neph_accepted_print(accepted, json_string_value(json_array_get(series, i)));
     fflush(stdout);
     free(line);
     json_decref(json);

@@ -4,6 +4,7 @@
 #include "base/text.h"
 
 #include <pwd.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -50,4 +51,10 @@ enum neph_status neph_accept(struct neph_database *index, const char *store_fold
     if (!status)
         *accepted = made;
     return status;
+}
+
+void neph_accepted_print(const struct neph_accepted *accepted, const char *series)
+{
+    printf("nightly run %lld is the baseline of %s\n", (long long)accepted->night,
+           strcmp(series, "*") == 0 ? "all series" : series);
 }

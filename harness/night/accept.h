@@ -23,10 +23,14 @@ struct neph_accepted {
     char who[NEPH_ACCEPTANCE_WHO_BYTES];
 };
 
-/* Accepts all series of `asked`, or none. NEPH_ERR_NOT_FOUND: there is no such run, or it and the
- * accepted runs have not measured a series. NEPH_ERR_USAGE: no reason. */
+/* Accepts all series of `asked`; none when one of them cannot be accepted. (A disk that becomes
+ * full in between leaves the acceptances before that.) NEPH_ERR_NOT_FOUND: there is no such run, or
+ * it and the accepted runs have not measured a series. NEPH_ERR_USAGE: no reason. */
 enum neph_status neph_accept(struct neph_database *index, const char *store_folder,
                              const struct neph_acceptance *asked, struct neph_accepted *accepted,
                              struct neph_diag *diag);
+
+/* Prints on stdout that the run is the baseline of a series; "*": of all. */
+void neph_accepted_print(const struct neph_accepted *accepted, const char *series);
 
 #endif

@@ -1,28 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/serve/approval.h"
 
-#include <errno.h>
-#include <stdio.h>
 #include <string.h>
-#include <sys/random.h>
 
 enum { SERIES_MAX = 1024 };
 
 static const char content_type[] = "application/json";
 
-static enum neph_status draw_nonce(char nonce[NEPH_APPROVAL_NONCE_BYTES], struct neph_diag *diag)
-{
-    unsigned char bytes[(NEPH_APPROVAL_NONCE_BYTES - 1) / 2];
-    if (getrandom(bytes, sizeof(bytes), 0) != (ssize_t)sizeof(bytes))
-        return neph_fail(diag, NEPH_ERR_IO, "no random numbers: %s", strerror(errno));
-    for (size_t i = 0; i < sizeof(bytes); i++)
-        snprintf(nonce + 2 * i, 3, "%02x", bytes[i]);
-    return NEPH_OK;
-}
-
 enum neph_status neph_approval_begin(struct neph_approval *approval, struct neph_diag *diag)
 {
-    return draw_nonce(approval->nonce, diag);
+    return neph_secret_draw(approval->nonce, diag);
 }
 
 static void reply_json(struct neph_http_reply *reply, int code, json_t *json)
@@ -130,7 +117,7 @@ static void accept(struct neph_approval *approval, struct neph_database *index,
     const struct neph_acceptance acceptance = {asked->names, (int)json_array_size(asked->series),
                                                asked->night, NULL, asked->why};
     struct neph_accepted accepted;
-    enum neph_status status = draw_nonce(approval->nonce, &diag); /* the old one is used up */
+    enum neph_status status = neph_secret_draw(approval->nonce, &diag); /* the old one is used up */
     if (!status)
         status = neph_accept(index, neph_store_folder(approval->store), &acceptance, &accepted,
                              &diag);

@@ -16,12 +16,13 @@
 #include "harness/night/accept.h"
 #include "harness/run/store.h"
 #include "harness/serve/http.h"
+#include "harness/serve/secret.h"
 
-enum { NEPH_APPROVAL_NONCE_BYTES = 33, NEPH_APPROVAL_WHY_MAX = 1000 };
+enum { NEPH_APPROVAL_WHY_MAX = 1000 };
 
 struct neph_approval {
     struct neph_store *store; /* borrowed */
-    char nonce[NEPH_APPROVAL_NONCE_BYTES];
+    char nonce[NEPH_SECRET_TEXT_SIZE];
     /* Called after each acceptance; `series` as in the request. */
     void (*tell)(void *context, const struct neph_accepted *accepted, const json_t *series,
                  const char *why);

@@ -6,6 +6,7 @@
 #include "harness/serve/http.h"
 
 #include "base/interrupt.h"
+#include "harness/serve/secret.h"
 
 #include <arpa/inet.h>
 #include <dlfcn.h>
@@ -15,12 +16,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 #include <unistd.h>
 
 enum {
-    TOKEN_BYTES = 32, /* 256 bits: no number of guesses finds it */
-    TOKEN_CHARS = 2 * TOKEN_BYTES,
+    TOKEN_CHARS = NEPH_SECRET_TEXT_SIZE - 1,
     CONNECTIONS_MAX = 64,
     IDLE_S = 10,                /* a connection that is silent for so long is closed */
     CONNECTION_BYTES = 1 << 15, /* of memory; the head of a request must fit */
@@ -60,7 +59,7 @@ struct neph_http {
     struct MHD_Daemon *daemon;
     neph_http_answer *answer;
     void *context;
-    char token[TOKEN_CHARS + 1];
+    char token[NEPH_SECRET_TEXT_SIZE];
     char hosts[2][32]; /* values of "Host" that name this server */
     char url[NEPH_HTTP_URL_BYTES];
     struct neph_http_counts counts;
@@ -269,16 +268,6 @@ static void on_end(void *http, struct MHD_Connection *connection, void **upload_
 
 /* ---- the server ------------------------------------------------------------------------------ */
 
-static enum neph_status draw_token(char token[TOKEN_CHARS + 1], struct neph_diag *diag)
-{
-    unsigned char bytes[TOKEN_BYTES];
-    if (getrandom(bytes, sizeof(bytes), 0) != (ssize_t)sizeof(bytes))
-        return neph_fail(diag, NEPH_ERR_IO, "no random numbers: %s", strerror(errno));
-    for (int i = 0; i < TOKEN_BYTES; i++)
-        snprintf(token + 2 * i, 3, "%02x", bytes[i]);
-    return NEPH_OK;
-}
-
 static enum neph_status listen_at(struct neph_http *http, int port, struct neph_diag *diag)
 {
     struct sockaddr_in address = {.sin_family = AF_INET,
@@ -314,7 +303,7 @@ enum neph_status neph_http_open(int port, neph_http_answer *answer, void *contex
     *http = (struct neph_http){.answer = answer, .context = context};
     enum neph_status status = load(&http->mhd, diag);
     if (!status)
-        status = draw_token(http->token, diag);
+        status = neph_secret_draw(http->token, diag);
     if (!status)
         status = listen_at(http, port, diag);
     if (status) {

@@ -177,6 +177,18 @@ class Serve(neph_case.NephCase):
         told = [json.loads(self.server.stdout.readline()) for _ in range(2)]
         self.assertEqual([one["accepted"] for one in told], [[FOG, BIAS], ["*"]])
 
+    def test_the_command_accepts_several_series_or_all(self):
+        both = self.neph("baseline", "accept", FOG, BIAS, "--why", "both", "-o", self.folder)
+        self.assertEqual(both.stdout.splitlines(), [
+            f"nightly run {NIGHT} is the baseline of {series}" for series in (FOG, BIAS)])
+        for words in ([], ["*"]):
+            done = self.neph("baseline", "accept", *words, "--why", "all", "-o", self.folder)
+            self.assertEqual(done.stdout, f"nightly run {NIGHT} is the baseline of all series\n")
+        before = self.accepted()
+        self.neph("baseline", "accept", FOG, "catalog/no", "--why", "x", "-o", self.folder,
+                  code=66, silent=True)
+        self.assertEqual(self.accepted(), before)
+
     def test_wrong_requests_accept_nothing(self):
         for code, request in (
                 (400, "{"), (400, "[]"), (400, b"\xff\xfe"), (400, ""), (400, "null"),
