@@ -54,8 +54,8 @@ struct neph_http;
 /* Whether neph was built with a server, and its library can be opened. */
 bool neph_http_has_library(void);
 
-/* Begins to listen. `port` 0: one that is free. NEPH_ERR_UNAVAILABLE: it has no library; NEPH_ERR_IO: the
- * port is taken. Free with neph_http_close(). */
+/* Begins to listen. `port` 0: one that is free. NEPH_ERR_UNAVAILABLE: it has no library;
+ * NEPH_ERR_IO: the port is taken. Free with neph_http_close(). */
 enum neph_status neph_http_open(int port, neph_http_answer *answer, void *context,
                                 struct neph_http **http, struct neph_diag *diag);
 void neph_http_close(struct neph_http *http);
