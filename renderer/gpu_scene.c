@@ -3,6 +3,7 @@
 
 #include "renderer/media/kind.h"
 #include "renderer/octaves_fitted.h"
+#include "renderer/phase_tables.h"
 #include "renderer/relative.h"
 #include "renderer/texture.h"
 #include "scenes/emission.h"
@@ -86,7 +87,7 @@ static struct neph_gpu_medium pack_medium(const struct neph_medium *medium,
     struct neph_gpu_medium gpu = {
         .kind = (uint32_t)medium->kind,
         .phase_kind = (uint32_t)medium->phase.kind,
-        .g = (float)medium->phase.g,
+        .g = (float)medium->phase.g, /* of a table: see place_phase() */
         .extinction_per_m = (float)fmin(medium->extinction_per_m, NEPH_GPU_EXTINCTION_MAX),
     };
     neph_relative_position(gpu.low_m, support.min_m, camera_m);
@@ -245,6 +246,38 @@ static size_t data_count(const struct neph_medium *medium, enum neph_gpu_data da
     return kind->data == data ? kind->data_count(medium) : 0;
 }
 
+/* The number of values in front of the grids. */
+static size_t count_phase_values(const struct neph_medium *const *media, uint32_t medium_count)
+{
+    size_t count = 0;
+    for (uint32_t m = 0; m < medium_count; m++)
+        count += neph_gpu_phase_table_size(&media[m]->phase);
+    return count;
+}
+
+static enum neph_status upload_phases(const struct neph_vulkan *vulkan,
+                                      const struct neph_medium *const *media,
+                                      const struct neph_gpu_scene *gpu, struct neph_diag *diag)
+{
+    const size_t count = count_phase_values(media, gpu->frame->medium_count);
+    size_t at = 0;
+    if (count == 0)
+        return NEPH_OK;
+    float *values = malloc(count * sizeof(*values));
+    if (!values)
+        return neph_fail_memory(diag);
+    for (uint32_t m = 0; m < gpu->frame->medium_count; m++) {
+        const size_t own = neph_gpu_phase_table_size(&media[m]->phase);
+        if (own > 0)
+            neph_gpu_phase_table_write(&media[m]->phase, values + at);
+        at += own;
+    }
+    const enum neph_status status = neph_buffer_upload(
+        vulkan, &gpu->buffers[NEPH_GPU_VALUES_BUFFER], 0, values, count * sizeof(*values), diag);
+    free(values);
+    return status;
+}
+
 /* Upload the data of one kind of all media, in the order of fill_media(). */
 static enum neph_status upload_data(const struct neph_vulkan *vulkan,
                                     const struct neph_medium *const *media, enum neph_gpu_data data,
@@ -252,7 +285,10 @@ static enum neph_status upload_data(const struct neph_vulkan *vulkan,
 {
     const size_t element_bytes = data_buffers[data].element_bytes;
     struct neph_buffer *buffer = &gpu->buffers[data_buffers[data].binding];
-    size_t count = 0, first = 0;
+    const size_t phases = data == NEPH_GPU_VALUES
+                              ? count_phase_values(media, gpu->frame->medium_count)
+                              : 0;
+    size_t count = phases, first = phases;
     for (uint32_t m = 0; m < gpu->frame->medium_count; m++)
         count += data_count(media[m], data);
     if (count > UINT32_MAX / element_bytes)
@@ -281,12 +317,13 @@ static enum neph_status upload_pairs(const struct neph_vulkan *vulkan,
 {
     const size_t pair_bytes = 2 * sizeof(float);
     const size_t most = vulkan->limits.maxStorageBufferRange / pair_bytes;
-    size_t count = 0, first = 0;
+    const size_t phases = count_phase_values(media, gpu->frame->medium_count);
+    size_t count = phases, first = phases;
     if (!gpu->is_on_cpu)
         return NEPH_OK;
     for (uint32_t m = 0; m < gpu->frame->medium_count; m++)
         count += data_count(media[m], NEPH_GPU_VALUES);
-    gpu->has_pairs = count > 0 && count <= most;
+    gpu->has_pairs = count > phases && count <= most;
     enum neph_status status = upload(vulkan, NULL, 0, pair_bytes * (gpu->has_pairs ? count : 1),
                                      "scene grids in pairs", &gpu->pairs, diag);
     for (uint32_t m = 0; m < gpu->frame->medium_count && gpu->has_pairs && !status; m++) {
@@ -392,6 +429,19 @@ static struct neph_gpu_medium *add_medium(const struct neph_medium *medium,
     return made;
 }
 
+/* Sets the table of a medium, if it has one, at index *next of the values. */
+static void place_phase(const struct neph_medium *medium, uint32_t *next,
+                        struct neph_gpu_scene *gpu, struct neph_gpu_medium *made)
+{
+    const size_t size = neph_gpu_phase_table_size(&medium->phase);
+    if (size == 0)
+        return;
+    made->phase_kind = NEPH_PHASE_TABLE;
+    made->g = (float)*next; /* exact: at most NEPH_GPU_MEDIA_MAX tables are in front of it */
+    gpu->constants[1] |= NEPH_GPU_PHASE_TABLES;
+    *next += (uint32_t)size;
+}
+
 static void set_scattering(const struct neph_scene *scene, bool scatters,
                            struct neph_gpu_frame *frame)
 {
@@ -406,15 +456,17 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
                        const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX])
 {
     bool scatters = false;
-    uint32_t firsts[NEPH_GPU_DATA_COUNT] = {0};
+    uint32_t firsts[NEPH_GPU_DATA_COUNT] = {0}, next_phase = 0;
+    const uint32_t listed = neph_gpu_scene_list_media(scene, media);
+    firsts[NEPH_GPU_VALUES] = (uint32_t)count_phase_values(media, listed);
     gpu->optical_depth_iterations = 1;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
         const enum neph_gpu_data data = neph_gpu_get_kind(medium)->data;
         if (!has_effect(medium))
             continue;
-        media[gpu->frame->medium_count] = medium;
-        const struct neph_gpu_medium *made = add_medium(medium, camera_m, firsts[data], gpu);
+        struct neph_gpu_medium *made = add_medium(medium, camera_m, firsts[data], gpu);
+        place_phase(medium, &next_phase, gpu, made);
         firsts[data] += data == NEPH_GPU_NO_DATA ? 0 : (uint32_t)data_count(medium, data);
         scatters = scatters || !is_black(made->albedo);
     }
@@ -562,6 +614,8 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
     fill_scene_frame(gpu, scene, frame, width_px, height_px, media);
     status = upload_data(vulkan, media, NEPH_GPU_VALUES, gpu, diag);
     if (!status)
+        status = upload_phases(vulkan, media, gpu, diag);
+    if (!status)
         status = upload_pairs(vulkan, media, gpu, diag);
     set_pairs(gpu);
     if (!status && with_majorants)
@@ -585,7 +639,7 @@ void neph_gpu_scene_add_fog(struct neph_gpu_scene *gpu, const struct neph_scene 
                             const struct neph_medium *fog, double frame)
 {
     const struct neph_vec3 camera_m = neph_scene_camera(scene, frame).position_m;
-    const uint32_t known = ~0u << NEPH_GPU_MEDIA_SHIFT;
+    const uint32_t known = ~0u << NEPH_GPU_MEDIA_SHIFT & ~NEPH_GPU_PHASE_TABLES;
     if (!has_effect(fog))
         return;
     const struct neph_gpu_medium *made = add_medium(fog, camera_m, 0, gpu);

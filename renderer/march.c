@@ -89,9 +89,8 @@ static const char *find_obstacle_to_slab(const struct neph_scene *scene)
         if (neph_medium_is_coloured(own))
             return "extinction that differs between the channels: slabs have one optical depth for "
                    "all channels";
-        if (own->phase.kind != first->phase.kind || own->phase.g != first->phase.g ||
-            own->albedo.r != first->albedo.r || own->albedo.g != first->albedo.g ||
-            own->albedo.b != first->albedo.b)
+        if (!neph_phase_is_same(&own->phase, &first->phase) || own->albedo.r != first->albedo.r ||
+            own->albedo.g != first->albedo.g || own->albedo.b != first->albedo.b)
             return "media with different albedo or phase function: there is one table of slabs";
     }
     return NULL;

@@ -53,11 +53,9 @@ int neph_march_sun_steps(const struct neph_scene *scene, const struct neph_march
     return neph_march_has_sun_rays(scene, params) ? params->sun_steps : 0;
 }
 
-/* Octaves of the similar medium (octaves_fitted.h). */
-static void fit_similar(struct neph_gpu_medium *medium)
+/* Octaves of the medium similar to one of mean cosine g (octaves_fitted.h). */
+static void fit_similar(double g, struct neph_gpu_medium *medium)
 {
-    const struct neph_phase phase = {(enum neph_phase_kind)medium->phase_kind, (double)medium->g};
-    const double g = neph_phase_mean_cosine(&phase);
     const double smooth_g = neph_similar_g(g);
     double mean = 0.0;
     for (int c = 0; c < 3; c++) {
@@ -69,6 +67,14 @@ static void fit_similar(struct neph_gpu_medium *medium)
     const struct neph_octaves octaves = neph_octaves_compute(&neph_octaves_fitted, smooth_g, mean);
     medium->octave_attenuation = (float)octaves.attenuation;
     medium->octave_eccentricity = (float)octaves.eccentricity;
+}
+
+static void fit_similar_media(const struct neph_scene *scene, struct neph_gpu_frame *frame)
+{
+    const struct neph_medium *media[NEPH_GPU_MEDIA_MAX];
+    const uint32_t count = neph_gpu_scene_list_media(scene, media);
+    for (uint32_t m = 0; m < count && m < frame->medium_count; m++)
+        fit_similar(neph_phase_mean_cosine(&media[m]->phase), &frame->media[m]);
 }
 
 /* The first length of a geometric series of lengths, relative to their sum. */
@@ -89,8 +95,8 @@ void neph_march_set_frame(const struct neph_scene *scene, const struct neph_marc
                                                         frame->sun_steps);
     frame->light_texel_px = (uint32_t)params->light.texel_px;
     neph_shortcuts_set_frame(&params->shortcuts, frame);
-    for (uint32_t m = 0; m < frame->medium_count && params->lighting == NEPH_MARCH_SIMILARITY; m++)
-        fit_similar(&frame->media[m]);
+    if (params->lighting == NEPH_MARCH_SIMILARITY)
+        fit_similar_media(scene, frame);
 }
 
 bool neph_march_has_sky_light(const struct neph_march_params *params)

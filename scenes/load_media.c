@@ -5,8 +5,10 @@
 #include "scenes/bake.h"
 #include "scenes/hash_text.h"
 #include "scenes/load.h"
+#include "scenes/load_phase.h"
 #include "scenes/media.h"
 #include "scenes/medium_kind.h"
+#include "scenes/phase_table.h"
 
 #include <stddef.h>
 #include <stdlib.h>
@@ -17,7 +19,7 @@
 
 enum {
     FORMS_MAX = NEPH_MEDIUM_FORMS * NEPH_MEDIUM_KIND_COUNT,
-    FIELDS_MAX = 32 /* of a form, with the common ones */
+    FIELDS_MAX = 48 /* of a form, with the common ones */
 };
 
 /* The keys of every medium. The order of the rows is the order in the hash. */
@@ -32,7 +34,23 @@ static const struct neph_field common_fields[] = {
     {"phase", NEPH_WORD, AT(phase.kind), .words = neph_phase_words, .standard = "`isotropic`"},
     {"asymmetry_g", NEPH_NUMBER, AT(phase.g), "", -0.999, 0.999,
      .note = "beyond 0.999 the phase function is a spike that Cycles clamps",
-     .standard = "needed by `" NEPH_PHASES_WITH_ASYMMETRY "`", .hash_name = "g"},
+     .standard = "needed by phases with an asymmetry", .hash_name = "g"},
+    {"second_asymmetry_g", NEPH_NUMBER, AT(phase.second_g), "", -0.999, 0.999,
+     .note = "of the second lobe", .standard = "needed by `double_henyey_greenstein`",
+     .hashing = NEPH_HASHED_IF_SET},
+    {"first_share", NEPH_NUMBER, AT(phase.first_share), "", 0, 1,
+     .note = "of the light: in the lobe of asymmetry_g",
+     .standard = "needed by `double_henyey_greenstein`", .hashing = NEPH_HASHED_IF_SET},
+    {"draine_alpha", NEPH_NUMBER, AT(phase.draine_alpha), "", 0, 1000,
+     .note = "0 is Henyey-Greenstein, 1 Cornette-Shanks", .standard = "needed by `draine`",
+     .hashing = NEPH_HASHED_IF_SET},
+    {"droplet_diameter_um", NEPH_NUMBER, AT(phase.droplet_diameter_um), "um", 5, 50,
+     .note = "the approximation was fitted to these", .standard = "needed by `jendersie_deon`",
+     .hashing = NEPH_HASHED_IF_SET},
+    {"phase_table", NEPH_TEXT, offsetof(struct neph_written_medium, phase_table),
+     .note = "a file of scattering angles in degrees and values, such as `neph droplets --csv` "
+             "prints; a path as `file` of a volume",
+     .standard = "needed by `table`", .least = 1, .most = 4096, .hashing = NEPH_HASHED_AS_MADE},
     {"voxels", NEPH_WHOLE, offsetof(struct neph_written_medium, voxels), "nodes",
      NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX,
      .note = "along the longest side of the grid that replaces the medium",
@@ -103,18 +121,10 @@ enum neph_status neph_check_extent(const struct neph_reader *reader, const char 
     return status;
 }
 
-static enum neph_status check_optics(const struct neph_reader *reader, const yaml_node_t *node,
+static enum neph_status check_optics(const struct neph_reader *reader,
                                      const struct neph_medium *medium)
 {
-    const bool has_g = neph_reader_has(reader, node, "asymmetry_g");
-    const bool wants_g = neph_phase_row(medium->phase.kind)->has_asymmetry;
     const struct neph_rgb color = medium->extinction_color;
-    if (wants_g && !has_g)
-        return neph_refuse(reader, "phase", "%s needs the key asymmetry_g",
-                           neph_phase_words[medium->phase.kind]);
-    if (!wants_g && has_g)
-        return neph_refuse(reader, "asymmetry_g",
-                           "only phase: " NEPH_PHASES_WITH_ASYMMETRY " has an asymmetry");
     if (color.r + color.g + color.b == 0.0)
         return neph_refuse(reader, "extinction_color",
                            "a medium without extinction in any channel; leave it out instead");
@@ -162,8 +172,9 @@ static enum neph_status finish(struct neph_reader *reader, const yaml_node_t *no
     if (neph_were_keys_read(reader, "bounds"))
         status = neph_keep_error(reader, status,
                                  neph_check_extent(reader, "bounds", &medium->bounds));
-    if (neph_were_keys_read(reader, "phase asymmetry_g extinction_color"))
-        status = neph_keep_error(reader, status, check_optics(reader, node, medium));
+    if (neph_were_keys_read(reader, "extinction_color"))
+        status = neph_keep_error(reader, status, check_optics(reader, medium));
+    status = keep_error_at(reader, node, status, neph_finish_phase(reader, node, written));
     if (form->finish && were_fields_read(reader, form->fields))
         status = keep_error_at(reader, node, status, form->finish(reader, node, written));
     if (!status && written->voxels)
@@ -252,6 +263,8 @@ static void hash_medium(const void *target, FILE *text)
     neph_put_number(text, "medium", medium->kind);
     neph_fields_hash(bounds_fields, &medium->bounds, text);
     neph_fields_hash(common_fields, medium, text);
+    if (medium->phase.table)
+        neph_phase_table_hash(medium->phase.table, text);
     if (row->hash)
         row->hash(medium, text);
     else

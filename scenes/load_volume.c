@@ -8,6 +8,7 @@
 #include "scenes/load_volume.h"
 
 #include "base/files.h"
+#include "scenes/resolve_path.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -81,34 +82,6 @@ const struct neph_field neph_volume_fields[] = {
     {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
     {0},
 };
-
-/* --- the file --- */
-
-/* Resolves a path: "$NAME/rest" starts at an environment variable that names a folder or a file; a
- * relative path starts at the scene file. */
-static enum neph_status resolve_file(const struct neph_reader *reader, const char *file,
-                                     const char **path)
-{
-    const char *scene_path = reader->document->file, *slash = strrchr(scene_path, '/');
-    if (file[0] == '$') {
-        const size_t length = strcspn(file + 1, "/");
-        const char *value = getenv(neph_arena_format(reader->arena, "%.*s", (int)length, file + 1));
-        if (!value || !*value) {
-            neph_fail(reader->diag, NEPH_ERR_NOT_FOUND,
-                      "'%s': the environment variable %.*s is not set", file, (int)length,
-                      file + 1);
-            neph_hint(reader->diag, "export %.*s=/path/to/the/volume", (int)length, file + 1);
-            return NEPH_ERR_NOT_FOUND;
-        }
-        *path = neph_arena_format(reader->arena, "%s%s", value, file + 1 + length);
-    } else if (file[0] == '/' || !slash) {
-        *path = file;
-    } else {
-        *path = neph_arena_format(reader->arena, "%.*s/%s", (int)(slash - scene_path), scene_path,
-                                  file);
-    }
-    return neph_arena_check(reader->arena, reader->diag);
-}
 
 /* --- placement ------------------------------------------------------------------------------- */
 
@@ -247,7 +220,7 @@ enum neph_status neph_finish_volume(struct neph_reader *reader, const yaml_node_
     const char *path = NULL;
     enum neph_status status = has_index_box ? check_index_box(reader, &volume->index_box) : NEPH_OK;
     if (!status)
-        status = resolve_file(reader, volume->file, &path);
+        status = neph_resolve_path(reader, volume->file, "/path/to/the/volume", &path);
     if (!status && neph_volume_has_known_extension(path))
         status = choose_placement(reader, node, path, volume);
     if (!status) {

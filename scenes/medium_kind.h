@@ -17,6 +17,7 @@
 struct neph_written_medium {
     struct neph_medium medium;
     int voxels; /* nodes along the longest side, for all engines; 0: the medium itself */
+    const char *phase_table; /* a file */
 };
 
 /* A form of a medium in a scene file: its key in the list, and the keys below that. */

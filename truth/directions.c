@@ -28,8 +28,7 @@ static struct neph_vec3 around(struct neph_vec3 axis, double along, double sine,
 struct neph_vec3 neph_phase_sample(const struct neph_phase *phase, struct neph_vec3 direction,
                                    struct neph_random *random)
 {
-    const double versine =
-        neph_phase_row(phase->kind)->versine(fabs(phase->g), neph_random_uniform(random));
+    const double versine = neph_phase_row(phase->kind)->versine(phase, neph_random_uniform(random));
     const double cosine = 1.0 - versine;
     return around(direction, phase->g < 0.0 ? -cosine : cosine, sqrt(versine * (2.0 - versine)),
                   random);

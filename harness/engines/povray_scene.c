@@ -57,7 +57,8 @@ static const double fade_units = 1e-3;
 /* ---- phase functions ------------------------------------------------------------------------- */
 
 /* The phase functions of POV-Ray. Its phase factor k(cos) is 4 pi p(cos) times `excess`: Rayleigh's
- * is 0.799372013 (1 + cos^2), with the mean 0.799372013 * 4/3 over the sphere. */
+ * is 0.799372013 (1 + cos^2), with the mean 0.799372013 * 4/3 over the sphere; that of the two of
+ * Mie is a factor times 1 + a ((1 + cos) / 2)^n, whose mean is 1 + a / (n + 1). */
 static const struct povray_phase {
     enum neph_phase_kind kind;
     int type;
@@ -66,6 +67,8 @@ static const struct povray_phase {
     {NEPH_PHASE_ISOTROPIC, 1, 1.0},
     {NEPH_PHASE_HENYEY_GREENSTEIN, 5, 1.0},
     {NEPH_PHASE_RAYLEIGH, 4, 0.799372013 * 4.0 / 3.0},
+    {NEPH_PHASE_POVRAY_MIE_HAZY, 2, 0.576655375 * (1.0 + 9.0 / 9.0)},
+    {NEPH_PHASE_POVRAY_MIE_MURKY, 3, 0.495714547 * (1.0 + 50.0 / 33.0)},
 };
 
 static const struct povray_phase *povray_phase(enum neph_phase_kind kind)
@@ -442,7 +445,7 @@ static void write_scattering(struct neph_povray_writer *writer, const struct nep
     neph_povray_write_text(writer, "    scattering { %i, %m", own->type,
                            neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color),
                                           scatters ? scale : 0.0));
-    if (neph_phase_row(phase->kind)->has_asymmetry)
+    if (neph_phase_has(phase->kind, NEPH_PHASE_PARAMETER_G))
         neph_povray_write_text(writer, " eccentricity %n", phase->g);
     neph_povray_write_text(writer, " extinction 0 }\n");
 }

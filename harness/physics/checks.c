@@ -211,7 +211,7 @@ static void describe(const struct row *row, char *text, size_t size)
     };
     const struct neph_phase_row *phase = neph_phase_row(row->phase.kind);
     char g[32] = "", light[64] = "lit evenly from all sides";
-    if (phase->has_asymmetry)
+    if (phase->parameters & NEPH_PHASE_PARAMETER_G)
         snprintf(g, sizeof(g), ", g = %g", row->phase.g);
     if (row->rung == FURNACE && row->albedo < 1.0)
         snprintf(light, sizeof(light), "lit evenly from all sides, and as hot as that");

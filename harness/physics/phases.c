@@ -55,13 +55,14 @@ struct neph_phase_finding neph_phase_check(const struct neph_phase *phase)
     };
 }
 
-/* Check one kind with all its values of g. */
-static int check_kind(enum neph_phase_kind kind, struct neph_phase_finding *found)
+/* Check one kind with all its trials, as far as there is room. */
+static int check_kind(enum neph_phase_kind kind, int room, struct neph_phase_finding *found)
 {
     const struct neph_phase_row *row = neph_phase_row(kind);
-    for (int i = 0; i < row->trial_count; i++)
-        found[i] = neph_phase_check(&(struct neph_phase){kind, row->trials[i]});
-    return row->trial_count;
+    const int count = row->trial_count < room ? row->trial_count : room;
+    for (int i = 0; i < count; i++)
+        found[i] = neph_phase_check(&row->trials[i]);
+    return count;
 }
 
 int neph_phases_check(struct neph_phase_finding found[NEPH_PHASES_MAX])
@@ -69,7 +70,7 @@ int neph_phases_check(struct neph_phase_finding found[NEPH_PHASES_MAX])
     int count = 0;
     for (int has_asymmetry = 0; has_asymmetry <= 1; has_asymmetry++)
         for (int kind = 0; kind < NEPH_PHASE_KIND_COUNT; kind++)
-            if (neph_phase_row(kind)->has_asymmetry == (has_asymmetry == 1))
-                count += check_kind(kind, &found[count]);
+            if (neph_phase_has(kind, NEPH_PHASE_PARAMETER_G) == (has_asymmetry == 1))
+                count += check_kind(kind, NEPH_PHASES_MAX - count, &found[count]);
     return count;
 }

@@ -22,9 +22,9 @@ struct neph_phase_finding {
 
 struct neph_phase_finding neph_phase_check(const struct neph_phase *phase);
 
-/* Check all kinds with the values of g in their rows, kinds without g first. Returns the number of
- * findings. */
-enum { NEPH_PHASES_MAX = NEPH_PHASE_TRIALS_MAX * NEPH_PHASE_KIND_COUNT };
+/* Check all kinds with the trials in their rows, kinds without g first. Returns the number of
+ * findings; stops at NEPH_PHASES_MAX, which a test has more of than there are trials. */
+enum { NEPH_PHASES_MAX = 64 };
 int neph_phases_check(struct neph_phase_finding found[NEPH_PHASES_MAX]);
 
 #endif

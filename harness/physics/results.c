@@ -137,13 +137,14 @@ static void fill_rows(const struct neph_physics *physics, struct neph_table *tab
 void neph_physics_print(const struct neph_physics *physics, FILE *out)
 {
     struct neph_table table = {.cells = NULL};
-    fprintf(out, "%-22s %8s %14s %14s %14s  %s\n", "phase function", "g", "integral - 1",
+    fprintf(out, "%-64s %8s %14s %14s %14s  %s\n", "phase function", "cosine", "integral - 1",
             "cosine - g", "sampled - g", "verdict");
     for (int i = 0; i < physics->phase_count; i++) {
         const struct neph_phase_finding *found = &physics->phases[i];
         const double mean = neph_phase_mean_cosine(&found->phase);
-        fprintf(out, "%-22s %8.3f %+14.1e %+14.1e %+14.1e  %s\n",
-                neph_phase_words[found->phase.kind], found->phase.g, found->integral - 1.0,
+        char name[128];
+        neph_phase_describe(&found->phase, name, sizeof(name));
+        fprintf(out, "%-64s %8.3f %+14.1e %+14.1e %+14.1e  %s\n", name, mean, found->integral - 1.0,
                 found->mean_cosine - mean, found->sampled_mean_cosine - mean,
                 found->agrees ? "agrees" : "off");
     }

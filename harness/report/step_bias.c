@@ -228,6 +228,9 @@ static struct neph_rgb scattered_per_depth(const struct neph_scene *scene, struc
         const struct neph_medium *medium = &scene->media[m];
         struct neph_phase phase = medium->phase;
         phase.g *= part;
+        if (part < 1.0 && !neph_phase_is_in_shaders(phase.kind)) /* as shaders/phase.glsl */
+            phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN,
+                                        part * neph_phase_mean_cosine(&medium->phase)};
         const struct neph_rgb own = depth_at(medium, point_m, 1.0);
         extinction = neph_rgb_add(extinction, own);
         scattered = neph_rgb_add(scattered, neph_rgb_scale(neph_rgb_mul(medium->albedo, own),

@@ -112,9 +112,9 @@ static void add_row(const struct neph_physics_row *row, struct neph_junit *junit
 
 static void add_phase(const struct neph_phase_finding *finding, struct neph_junit *junit)
 {
-    neph_junit_add(junit, "physics phase functions",
-                   neph_arena_format(&junit->arena, "%s g %g",
-                                     neph_phase_words[finding->phase.kind], finding->phase.g),
+    char name[128];
+    neph_phase_describe(&finding->phase, name, sizeof(name));
+    neph_junit_add(junit, "physics phase functions", neph_arena_copy_text(&junit->arena, name),
                    finding->agrees ? NEPH_JUNIT_PASSED : NEPH_JUNIT_FAILED,
                    finding->agrees ? "" : "it does not agree with its definition");
 }

@@ -33,6 +33,7 @@
 #define NEPH_GPU_SHADED 32u      // a solid may shadow a medium
 #define NEPH_GPU_ENDLESS 64u     // a voxel grid repeats without end along an axis
 #define NEPH_GPU_PAIRS 128u      // grid values are stored in pairs, too
+#define NEPH_GPU_PHASE_TABLES 4096u // a phase function is a table; between the two next fields
 // The upper bits of the same constant describe the media, when there are at most KNOWN_MEDIA_MAX:
 // their number from bit MEDIA_SHIFT on, and from bit KINDS_SHIFT on four bits per medium, which are
 // its kind and, in the highest bit, whether the fog has two layers. With more media these bits are

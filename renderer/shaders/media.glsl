@@ -14,7 +14,7 @@
 #extension GL_EXT_control_flow_attributes : require
 
 layout(std430, binding = 2) readonly buffer GridValues {
-    float grid_values[]; // values of all voxel grids, one grid after the other
+    float grid_values[]; // phase functions as tables, and then the values of all voxel grids
 };
 
 #include "solids.glsl" // has TRAITS, which all files need
@@ -98,7 +98,7 @@ struct Medium {
     vec3 high_m;
     uint phase_kind;
     vec3 albedo;
-    float g;
+    float g; // asymmetry; of a phase function as a table, the table's index in grid_values[]
     vec3 extinction_color;
     float extinction_per_m; // of a shape, at density 1
     uvec3 majorant_size;    // cells of the majorant grid over low_m..high_m; 0: none

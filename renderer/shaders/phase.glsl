@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Phase functions [1/sr], normalized over the sphere: values and sampling. Each kind has its own
-// file; only this file tells kinds apart. A new kind needs a file and a line in each function
-// below. The CPU version is scenes/phase_NAME.c.
+// Phase functions [1/sr], normalized over the sphere: values and sampling. The kinds of
+// NEPH_PHASES_IN_SHADERS each have a file, and only this file tells them apart; all others are
+// tables (phase_table.glsl), which kernels with media.glsl have. The CPU version is
+// scenes/phase_NAME.c.
 #ifndef NEPH_PHASE_GLSL
 #define NEPH_PHASE_GLSL
 
@@ -14,11 +15,24 @@
 
 // PHASE_ISOTROPIC, ...: enum neph_phase_kind.
 #define PHASE_NUMBER(number, NAME, name) const uint PHASE_##NAME = number;
-NEPH_PHASE_KINDS(PHASE_NUMBER)
+NEPH_PHASES_IN_SHADERS(PHASE_NUMBER)
 
 #define PHASE_ONE(number, NAME, name) +1
-#if NEPH_PHASE_KINDS(PHASE_ONE) != 3
+#if NEPH_PHASES_IN_SHADERS(PHASE_ONE) != 3
 #error A new kind: give each function below its line.
+#endif
+const uint PHASE_TABLE = NEPH_PHASES_IN_SHADERS(PHASE_ONE);
+
+#ifdef NEPH_MEDIA_GLSL
+#include "phase_table.glsl"
+// Whether a medium's is a table. A macro, so that its condition is constant before anything is
+// inlined.
+#define is_phase_table(kind) ((TRAITS & NEPH_GPU_PHASE_TABLES) != 0u && (kind) == PHASE_TABLE)
+#else
+#define is_phase_table(kind) false
+float phase_table_per_sr(float table, vec3 view, vec3 sun) { return 0.0; }
+float phase_table_versine(float table, float u) { return 0.0; }
+float phase_table_mean_cosine(float table) { return 0.0; }
 #endif
 
 // Value for single scattering of sunlight. Light travels along -sun before the event and along
@@ -30,16 +44,21 @@ float phase_per_sr(uint kind, float g, vec3 view, vec3 sun)
         return henyey_greenstein_per_sr(g, view, sun);
     if (kind == PHASE_RAYLEIGH)
         return rayleigh_per_sr(view, sun);
+    if (is_phase_table(kind))
+        return phase_table_per_sr(g, view, sun);
     return ISOTROPIC_PER_SR;
 }
 
 // The phase function with reduced anisotropy, for octaves. `whole_per_sr` is the unreduced value.
-// For Henyey-Greenstein g is scaled, as in the octave model's papers; for other kinds the
-// difference to isotropic is.
+// For Henyey-Greenstein g is scaled, as in the octave model's papers; a table becomes the
+// Henyey-Greenstein of its scaled mean cosine, because a diffraction peak does not survive a second
+// scattering; for other kinds the difference to isotropic is scaled.
 float phase_cut_per_sr(uint kind, float g, float part, float whole_per_sr, vec3 view, vec3 sun)
 {
     if (kind == PHASE_HENYEY_GREENSTEIN)
         return henyey_greenstein_per_sr(part * g, view, sun);
+    if (is_phase_table(kind) && part < 1.0)
+        return henyey_greenstein_per_sr(part * phase_table_mean_cosine(g), view, sun);
     return mix(ISOTROPIC_PER_SR, whole_per_sr, part);
 }
 
@@ -51,10 +70,17 @@ float phase_versine(uint kind, float g, float u)
         return henyey_greenstein_versine(g, u);
     if (kind == PHASE_RAYLEIGH)
         return rayleigh_versine(u);
+    if (is_phase_table(kind))
+        return phase_table_versine(g, u);
     return isotropic_versine(u);
 }
 
 // The mean cosine (asymmetry parameter).
-float phase_mean_cosine(uint kind, float g) { return kind == PHASE_HENYEY_GREENSTEIN ? g : 0.0; }
+float phase_mean_cosine(uint kind, float g)
+{
+    if (is_phase_table(kind))
+        return phase_table_mean_cosine(g);
+    return kind == PHASE_HENYEY_GREENSTEIN ? g : 0.0;
+}
 
 #endif

@@ -36,6 +36,8 @@ static const char *find_medium_obstacle(const struct neph_medium *medium,
     if (medium->emission_w_per_m2_sr.r > 0.0 || medium->emission_w_per_m2_sr.g > 0.0 ||
         medium->emission_w_per_m2_sr.b > 0.0)
         return "a medium that emits light";
+    if (!neph_phase_is_in_shaders(medium->phase.kind))
+        return "a phase function other than isotropic, Henyey-Greenstein and Rayleigh";
     return NULL;
 }
 

@@ -282,30 +282,49 @@ static void test_paths(void **state)
     free(text);
 }
 
+/* There are machines whose /dev/null was replaced by a regular file, and machines without a
+ * terminal. */
+static bool is_device_here(const char *path)
+{
+    struct stat info;
+    const int fd = open(path, O_RDONLY | O_NONBLOCK);
+    const bool is_device = fd >= 0 && fstat(fd, &info) == 0 && S_ISCHR(info.st_mode);
+    if (fd >= 0)
+        close(fd);
+    if (!is_device)
+        print_message("%s is no device of this machine\n", path);
+    return is_device;
+}
+
+static void assert_refused(const char *path, const char *reason, const char *copy)
+{
+    char *data = NULL;
+    size_t size = 0;
+    int fd = -1;
+    struct neph_diag diag = {0};
+    assert_int_equal(neph_file_open(path, &fd, NULL, &diag), NEPH_ERR_INPUT);
+    assert_int_equal(fd, -1);
+    assert_non_null(strstr(diag.message, reason));
+    assert_int_equal(neph_file_read(path, 10, &data, &size, NULL), NEPH_ERR_INPUT);
+    assert_int_equal(neph_file_copy(path, copy, NULL), NEPH_ERR_INPUT);
+}
+
 /* Reading must not wait for any of them; ctest ends a test that hangs. */
 static void test_special_files_are_refused_at_once(void **state)
 {
+    static const char *const devices[] = {"/dev/zero", "/dev/null", "/dev/random", "/dev/tty"};
     char fifo[SCRATCH_PATH_MAX], copy[SCRATCH_PATH_MAX];
+    int tried = 0;
     assert_int_equal(mkfifo(scratch_path(state, fifo, "fifo"), 0600), 0);
     scratch_path(state, copy, "copy");
-    const char *const paths[] = {fifo, "/dev/zero", "/dev/null", "/dev/tty"};
-    for (size_t i = 0; i < sizeof(paths) / sizeof(paths[0]); i++) {
-        char *data = NULL;
-        size_t size = 0;
-        int fd = -1;
-        struct neph_diag diag = {0};
-        if (strcmp(paths[i], "/dev/tty") == 0 && access(paths[i], R_OK) != 0)
+    assert_refused(fifo, "a pipe is not a regular file", copy);
+    for (size_t i = 0; i < COUNT(devices); i++) {
+        if (!is_device_here(devices[i]))
             continue;
-        const enum neph_status status = neph_file_open(paths[i], &fd, NULL, &diag);
-        if (status == NEPH_ERR_IO && strcmp(paths[i], "/dev/tty") == 0)
-            continue; /* there is no terminal here */
-        assert_int_equal(status, NEPH_ERR_INPUT);
-        assert_int_equal(fd, -1);
-        assert_non_null(strstr(diag.message, i == 0 ? "a pipe is not a regular file"
-                                                    : "a device is not a regular file"));
-        assert_int_equal(neph_file_read(paths[i], 10, &data, &size, NULL), NEPH_ERR_INPUT);
-        assert_int_equal(neph_file_copy(paths[i], copy, NULL), NEPH_ERR_INPUT);
+        assert_refused(devices[i], "a device is not a regular file", copy);
+        tried++;
     }
+    assert_true(tried >= 1);
 }
 
 int main(void)

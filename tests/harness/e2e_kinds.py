@@ -152,7 +152,7 @@ class Kinds(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             changed = pathlib.Path(folder) / "scenes/phase_kinds.h"
             changed.parent.mkdir()
-            changed.write_text(kinds.replace("of(0,", "of(3, ONE_MORE, one_more) of(0,"))
+            changed.write_text(kinds.replace("of(0,", "of(10, ONE_MORE, one_more) of(0,"))
             made = pathlib.Path(folder) / "phase.o"
             subprocess.run([words[0], f"-iquote{folder}", *words[1:], "-o", made, "-c",
                             ROOT / "scenes/phase.c"], cwd=entry["directory"], check=True)

@@ -151,6 +151,8 @@ static void test_errors_are_named(void **state)
 #define OPTICS "extinction_per_m: 2, albedo: [1, 1, 1]"
 #define BOUNDS "bounds: {min_m: [-1, 0, -1], max_m: [1, 2, 1]}"
 
+#define PHASED(phase) "gaussian: {center_m: [0, 1, 0], width_m: 1, " OPTICS ", phase: " phase "}"
+
 /* Media next to the homogeneous one of `good`, on its line 12; NULL: it loads. */
 static const struct row {
     const char *medium, *words;
@@ -160,6 +162,20 @@ static const struct row {
     {"gaussian: {center_m: [0, 1, 0], width_m: 0, " OPTICS "}", "width_m"},
     {"gaussian: {width_m: 1, " OPTICS "}", "center_m"},
     {"gaussian: {center_m: [0, 1, 0], width_m: 0.5, asymmetry_g: 0.5, " OPTICS "}", "phase"},
+    {PHASED("henyey_greenstein"), "henyey_greenstein needs the key asymmetry_g"},
+    {PHASED("draine, asymmetry_g: 0.5"), "draine needs the key draine_alpha"},
+    {PHASED("draine, asymmetry_g: 0.5, draine_alpha: 2"), NULL},
+    {PHASED("draine, asymmetry_g: 0.5, draine_alpha: -2"), "draine_alpha"},
+    {PHASED("double_henyey_greenstein, asymmetry_g: -0.5, second_asymmetry_g: 0.2, first_share: 1"),
+     "the first lobe is the forward one"},
+    {PHASED("double_henyey_greenstein, asymmetry_g: 0.5, second_asymmetry_g: -0.2, first_share: 1"),
+     NULL},
+    {PHASED("jendersie_deon, droplet_diameter_um: 4"), "4 is outside 5 to 50 um"},
+    {PHASED("jendersie_deon, droplet_diameter_um: 20"), NULL},
+    {PHASED("rayleigh, first_share: 0.2"),
+     "rayleigh does not have this; it is for double_henyey_greenstein"},
+    {PHASED("povray_mie_hazy"), NULL},
+    {PHASED("table"), "table needs the key phase_table"},
     {"gaussian: {center_m: [0, 1, 0], width_m: 0.5, extinction_color: [1, -1, 1], " OPTICS "}",
      "extinction_color[1]"},
     {"shell: {center_m: [0, -10, 0], radius_m: 9, scale_height_m: 1, " OPTICS ", " BOUNDS "}",

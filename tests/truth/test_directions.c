@@ -133,7 +133,7 @@ static void test_phase_sampling(void **state)
 {
     for (int kind = 0; kind < NEPH_PHASE_KIND_COUNT; kind++)
         for (int i = 0; i < neph_phase_row(kind)->trial_count; i++) {
-            const struct neph_phase phase = {kind, neph_phase_row(kind)->trials[i]};
+            const struct neph_phase phase = neph_phase_row(kind)->trials[i];
             check_sampling(&phase, neph_phase_mean_cosine(&phase),
                            (1.0 + 2.0 * neph_phase_moment(&phase, 2)) / 3.0);
         }
