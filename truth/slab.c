@@ -16,7 +16,7 @@
 #include <stdlib.h>
 
 /* Modes per batch, independent of the number of processors: same bits everywhere. */
-enum { BATCH = 4, NODES_MIN = 32, NODES_MAX = 512 };
+enum { BATCH = 4, NODES_MIN = 32, NODES_MAX = 512, NODES_ENOUGH = 256 };
 
 /* Allowed remainder of the phase function's series beyond the nodes, for radiances. */
 static const double series_rest = 1e-9;
@@ -70,6 +70,12 @@ static enum neph_status check(const struct neph_slab_params *params, struct neph
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "slab: radiances for an asymmetry of %g: above %g only fluxes are exact",
                          params->phase.g, NEPH_SLAB_RADIANCE_G_MAX);
+    const double rest = neph_phase_moment(&params->phase, 2 * NODES_ENOUGH);
+    if (params->view_count > 0 && fabs(rest) > series_rest)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "slab: radiances for a phase function whose Legendre moment of degree %d "
+                         "is %.2g, above %g: only fluxes are exact",
+                         2 * NODES_ENOUGH, rest, series_rest);
     return NEPH_OK;
 }
 
@@ -79,7 +85,7 @@ static int choose_nodes(const struct neph_slab_params *params)
     if (params->node_count > 0)
         return params->node_count;
     int nodes = 64;
-    while (nodes < 256 && fabs(neph_phase_moment(&params->phase, 2 * nodes)) > series_rest)
+    while (nodes < NODES_ENOUGH && fabs(neph_phase_moment(&params->phase, 2 * nodes)) > series_rest)
         nodes++;
     return nodes;
 }

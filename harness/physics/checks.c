@@ -22,6 +22,20 @@ _Static_assert(NEPH_STAGE_MEDIUM_COUNT == 10, "a new kind");
         NEPH_PHASE_HENYEY_GREENSTEIN, (g)                                                          \
     }
 
+#define DRAINE(asymmetry, alpha)                                                                   \
+    {                                                                                              \
+        .kind = NEPH_PHASE_DRAINE, .g = (asymmetry), .draine_alpha = (alpha)                       \
+    }
+#define TWO_LOBES(asymmetry, second, share)                                                        \
+    {                                                                                              \
+        .kind = NEPH_PHASE_DOUBLE_HENYEY_GREENSTEIN, .g = (asymmetry), .second_g = (second),       \
+        .first_share = (share)                                                                     \
+    }
+#define DROPLETS(diameter_um)                                                                      \
+    {                                                                                              \
+        .kind = NEPH_PHASE_JENDERSIE_DEON, .droplet_diameter_um = (diameter_um)                    \
+    }
+
 /* The views of a check. */
 enum observable {
     LOOK_DOWN,    /* one frame from above */
@@ -63,6 +77,7 @@ static const struct row rows[] = {
     {"furnace_shell_8", FURNACE, LOOK_DOWN, NEPH_STAGE_SHELL, 8.0, 1.0, RAYLEIGH, 0.7},
     {"furnace_tent_8", FURNACE, LOOK_DOWN, NEPH_STAGE_TENT, 8.0, 1.0, HG(0.5), 0.7},
     {"furnace_clouds_16", FURNACE, LOOK_DOWN, NEPH_STAGE_CLOUDS, 16.0, 1.0, HG(0.85), 0.7},
+    {"furnace_droplets_16", FURNACE, LOOK_DOWN, NEPH_STAGE_BOX, 16.0, 1.0, DROPLETS(20.0), 0.7},
     {"furnace_glow_4", FURNACE, LOOK_DOWN, NEPH_STAGE_BOX, 4.0, 0.5, HG(0.5), 0.7},
     {"single_slab_thin", SINGLE, LOOK_DOWN, NEPH_STAGE_SLAB, 0.1, 1.0, ISO, 0.7},
     {"single_slab_4_back", SINGLE, LOOK_DOWN, NEPH_STAGE_SLAB, 4.0, 0.9, HG(-0.3), 0.4},
@@ -74,6 +89,7 @@ static const struct row rows[] = {
     {"single_shell_5", SINGLE, LOOK_DOWN, NEPH_STAGE_SHELL, 5.0, 1.0, HG(0.6), 0.7},
     {"single_tent_5", SINGLE, LOOK_DOWN, NEPH_STAGE_TENT, 5.0, 1.0, RAYLEIGH, 0.7},
     {"single_slab_spike", SINGLE, LOOK_UP, NEPH_STAGE_SLAB, 1.0, 1.0, HG(0.999), 0.7},
+    {"single_droplets_1", SINGLE, LOOK_DOWN, NEPH_STAGE_BOX, 1.0, 1.0, DROPLETS(20.0), 0.7},
     {"slab_iso_thin", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 0.1, 1.0, ISO, 0.7},
     {"slab_iso_1", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 1.0, 1.0, ISO, 0.7},
     {"slab_iso_4", MULTIPLE, LOOK_UP, NEPH_STAGE_SLAB, 4.0, 0.9, ISO, 0.7},
@@ -83,11 +99,16 @@ static const struct row rows[] = {
     {"slab_hg85_16", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 16.0, 1.0, HG(0.85), 0.7},
     {"slab_hg85_16_below", MULTIPLE, LOOK_UP, NEPH_STAGE_SLAB, 16.0, 0.99, HG(0.85), 0.7},
     {"slab_hg50_64", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 64.0, 1.0, HG(0.5), 0.5},
+    {"slab_draine_4", MULTIPLE, LOOK_UP, NEPH_STAGE_SLAB, 4.0, 1.0, DRAINE(0.6, 20.0), 0.7},
+    {"slab_two_lobes_16", MULTIPLE, LOOK_DOWN, NEPH_STAGE_SLAB, 16.0, 0.99,
+     TWO_LOBES(0.85, -0.3, 0.9), 0.7},
     {"fog_iso_1", FOG, LOOK_DOWN, NEPH_STAGE_FOG, 1.0, 1.0, ISO, 0.7},
     {"fog_hg60_8", FOG, LOOK_DOWN, NEPH_STAGE_FOG, 8.0, 1.0, HG(0.6), 0.5},
     {"half_space_90", HALF_SPACE, LOOK_DOWN, NEPH_STAGE_SLAB, 100.0, 0.9, ISO, 0.7},
     {"conservation_4", CONSERVED, CONSERVATION, NEPH_STAGE_SLAB, 4.0, 1.0, HG(0.7), 0.7},
     {"reciprocity_4", RECIPROCAL, RECIPROCITY, NEPH_STAGE_SLAB, 4.0, 1.0, HG(0.7), 0.7},
+    {"reciprocity_draine_4", RECIPROCAL, RECIPROCITY, NEPH_STAGE_SLAB, 4.0, 1.0, DRAINE(0.6, 20.0),
+     0.7},
     {"step_cloud_thin_0", COLUMNS, NADIR, NEPH_STAGE_STEP_CLOUD, 2.0, 1.0, HG(0.85), 1.0},
     {"step_cloud_thick_60", COLUMNS, NADIR, NEPH_STAGE_STEP_CLOUD, 18.0, 1.0, HG(0.85), 0.5},
     {"step_cloud_thick_60_99", COLUMNS, NADIR, NEPH_STAGE_STEP_CLOUD, 18.0, 0.99, HG(0.85), 0.5},
