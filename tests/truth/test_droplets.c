@@ -3,7 +3,7 @@
  * Droplets of many sizes against moments of their distributions, the integrals of the phase
  * function, and published optics of two clouds; the index of water against published values.
  */
-#include "tests/neph_test.h"
+#include "tests/truth/iprt.h"
 
 #include "truth/doubling.h"
 #include "truth/droplets.h"
@@ -119,32 +119,23 @@ static void test_the_water_cloud_of_iprt(void **state)
     neph_assert_close(1.0 - optics.albedo, 1.0 - 0.999979, 0.1, 0.0);
 }
 
-/* The phase function of that cloud at each angle of a file with lines of angle (degrees) and value
- * (integral over the sphere 4 pi). Its scattering angles of the rainbow fit an index of 1.326,
- * 0.0026 less than that of water; with this index the values agree to 1 %. */
+/* The phase function of that cloud at each angle of the published file. Its scattering angles of the
+ * rainbow fit an index of 1.326, 0.0026 less than that of water; with this index the values agree
+ * to 1 %. */
 static void test_the_phase_function_of_iprt(void **state)
 {
-    enum { ANGLES_MAX = 2000 };
-    static double degrees[ANGLES_MAX], values[ANGLES_MAX], cosines[ANGLES_MAX], phase[ANGLES_MAX];
-    const char *path = getenv("NEPH_WATER_CLOUD");
-    FILE *file = path ? fopen(path, "r") : NULL;
-    if (!file) {
-        print_message("not run: NEPH_WATER_CLOUD names no table of the water cloud of IPRT\n");
-        skip();
-    }
+    static struct iprt_phase rows;
+    static double cosines[IPRT_ANGLES_MAX], phase[IPRT_ANGLES_MAX];
+    iprt_read_phase(&rows);
     struct neph_droplets_params params = make(NEPH_DROPLETS_GAMMA, 10.0, 0.1, 0.8);
     params.index = 1.326;
     params.cosines = cosines;
-    while (params.angle_count < ANGLES_MAX && fscanf(file, "%lf %lf", &degrees[params.angle_count],
-                                                     &values[params.angle_count]) == 2) {
-        cosines[params.angle_count] = cos(degrees[params.angle_count] * M_PI / 180.0);
-        params.angle_count++;
-    }
-    fclose(file);
-    assert_true(params.angle_count > 100);
+    params.angle_count = rows.count;
+    for (int i = 0; i < rows.count; i++)
+        cosines[i] = cos(rows.degrees[i] * M_PI / 180.0);
     compute(&params, phase);
-    for (int i = 0; i < params.angle_count; i++)
-        neph_assert_close(4.0 * M_PI * phase[i], values[i], 0.01, 0.0);
+    for (int i = 0; i < rows.count; i++)
+        neph_assert_close(4.0 * M_PI * phase[i], rows.values[i], 0.01, 0.0);
 }
 
 static void test_refusals(void **state)
