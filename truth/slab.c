@@ -74,7 +74,7 @@ static enum neph_status check(const struct neph_slab_params *params, struct neph
                          "slab: radiances for an asymmetry of %g: above %g only fluxes are exact",
                          params->phase.g, NEPH_SLAB_RADIANCE_G_MAX);
     const double rest = neph_phase_moment(&params->phase, 2 * NODES_ENOUGH);
-    if (params->view_count > 0 && fabs(rest) > unresolved_rest)
+    if (params->view_count > 0 && !params->with_any_peak && fabs(rest) > unresolved_rest)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "slab: radiances for a phase function whose Legendre moment of degree %d "
                          "is %.2g, above %g: only fluxes are exact",

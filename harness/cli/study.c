@@ -31,6 +31,8 @@ static const struct {
      "how far occlusion, reflections and indirect light on a screen are from the truth, and why"},
     {"convergence", &neph_experiment_convergence,
      "after how many frames a preset of the real-time renderer is as good as it gets"},
+    {"phase", &neph_experiment_phase,
+     "what is lost when droplets are drawn with a simpler phase function"},
     {"post", &neph_experiment_post, "effect of each post-processing stage on error and flicker"},
 };
 enum { KIND_COUNT = sizeof(kinds) / sizeof(kinds[0]) };

@@ -13,6 +13,7 @@ extern const struct neph_experiment neph_experiment_convergence;
 extern const struct neph_experiment neph_experiment_flicker;
 extern const struct neph_experiment neph_experiment_fog;
 extern const struct neph_experiment neph_experiment_light;
+extern const struct neph_experiment neph_experiment_phase;
 extern const struct neph_experiment neph_experiment_pick;
 extern const struct neph_experiment neph_experiment_post;
 extern const struct neph_experiment neph_experiment_scaling;

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: MIT
+"""neph study phase: what simpler phase functions lose, and phase functions of scenes as tables."""
+import csv
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+NEPH = os.environ["NEPH"]
+
+
+def run(*words, **options):
+    return subprocess.run([NEPH, *map(str, words)], capture_output=True, text=True, **options)
+
+
+SCENE = """title: a fog in front of the sun
+camera: {{position_m: [0, 2, 20], look_at_m: [0, 4, 0], vertical_fov_deg: 50}}
+sun: {{direction: [0.2, 0.35, {towards}], irradiance_w_per_m2: [3, 3, 3]}}
+scattering: single
+media:
+  - homogeneous:
+      extinction_per_m: 0.05
+      albedo: [0.9, 0.9, 0.9]
+      {phase}
+      bounds: {{min_m: [-30, 0, -30], max_m: [30, 20, 15]}}
+"""
+TABLE = "phase: table\n      phase_table: {}"
+
+
+class StudyPhase(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def write(self, name, phase, towards=-1):
+        path = self.folder / f"{name}.yaml"
+        path.write_text(SCENE.format(phase=phase, towards=towards))
+        return path
+
+    def test_the_study(self):
+        """The models have the droplets' mean cosine, except the one that is fitted to them; a
+        thick cloud hides more of the difference than a thin one."""
+        numbers = self.folder / "phase.csv"
+        answer = run("study", "phase", "--depths", "0.3,30", "--nodes", 32, "--csv", numbers,
+                     "--json")
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        document = json.loads(answer.stdout)
+        droplets = document["droplets"]
+        self.assertAlmostEqual(droplets["droplets_mean_cosine"], 0.8624, delta=2e-3)
+        names = [model["name"] for model in droplets["models"]]
+        self.assertEqual(names, ["Henyey-Greenstein", "double Henyey-Greenstein", "Draine",
+                                 "Jendersie-d'Eon"])
+        for model in droplets["models"][:3]:
+            self.assertAlmostEqual(model["mean_cosine"], droplets["droplets_mean_cosine"],
+                                   delta=1e-9)
+        errors = {model["name"]: model["log_error"] for model in droplets["models"]}
+        self.assertLess(errors["Jendersie-d'Eon"], errors["Henyey-Greenstein"])
+        with open(numbers, newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 2 * 4 * 6)
+        rms = {(row["optical_depth"], row["model"], row["range"]): float(row["rms"])
+               for row in rows}
+        for name in names:
+            self.assertLess(rms["30", name, "bow"], rms["0.3", name, "bow"])
+
+    def test_a_wavelength_without_an_index(self):
+        answer = run("study", "phase", "--wavelength", 3000)
+        self.assertNotEqual(answer.returncode, 0)
+        self.assertIn("3000", answer.stderr)
+
+    def test_droplets_as_the_phase_function_of_a_scene(self):
+        """The CSV of neph droplets is a table: exact, march and tracer draw the same frame."""
+        printed = run("droplets", "--csv", self.folder / "droplets.csv")
+        self.assertEqual(printed.returncode, 0, printed.stderr)
+        for towards in (-1, 1):
+            scene = self.write(f"fog{towards + 1}", TABLE.format("droplets.csv"), towards)
+            frames = {}
+            for engine in ("exact", "march", "tracer"):
+                made = run("render", scene, "-e", engine, "--size", "32x18", "-q", "-o",
+                           self.folder / "out")
+                self.assertEqual(made.returncode, 0, made.stderr)
+                frames[engine] = made.stdout.split()[-1]
+            for engine in ("march", "tracer"):
+                compared = run("compare", frames["exact"], frames[engine], "--json")
+                document = json.loads(compared.stdout)
+                error = [item["value"] for item in document["measurements"]
+                         if item["metric"] == "rel_rmse" and item["quantity"] == "radiance"][0]
+                # march: its steps; tracer: none in single scattering by the first collision
+                self.assertLess(error, 0.02, engine)
+
+    def test_tables_that_are_none(self):
+        for text, words in ((b"0 1\n90 2\n180 1\n", "is 18.8"), (b"0 1\n90 x\n", "line 2"),
+                            (b"0 1\n100 1\n90 1\n180 1\n", "not in order"),
+                            (b"0 1\n90 -1\n180 1\n", "-1 at 90")):
+            (self.folder / "table.txt").write_bytes(text)
+            made = run("scenes", self.write("bad", TABLE.format("table.txt")))
+            self.assertNotEqual(made.returncode, 0)
+            self.assertIn("table.txt", made.stderr)
+            self.assertIn(words, made.stderr)
+            self.assertIn("bad.yaml:7", made.stderr)
+        made = run("scenes", self.write("bad", TABLE.format("$NO_SUCH_TABLE")))
+        self.assertIn("NO_SUCH_TABLE is not set", made.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
