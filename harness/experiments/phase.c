@@ -21,7 +21,7 @@ enum { DEPTHS_MAX = 8, VIEWS = 12, AZIMUTHS = 73, ANGLES = 721 };
 
 struct request {
     struct neph_cli_shared shared;
-    double radius_um, variance, wavelength_nm, sun_elevation_deg;
+    double radius_um, variance, sun_elevation_deg;
     struct neph_cli_list depths;
     int nodes;
 };
@@ -32,8 +32,7 @@ static const struct neph_cli_option options[] = {
      AT(radius_um), "10", 0.5, 30},
     {"effective-variance", 0, "V", "Effective variance of the radii", NEPH_CLI_REAL, AT(variance),
      "0.1", 0.01, 0.4},
-    {"wavelength", 0, "NM", "Wavelength in nm", NEPH_CLI_REAL, AT(wavelength_nm), "550", 300, 1000},
-    {"depths", 0, "TAU[,TAU]", "Optical depths of the clouds", NEPH_CLI_NUMBERS, AT(depths),
+    {"optical-depth", 0, "TAU[,TAU]", "Optical depths of the clouds", NEPH_CLI_NUMBERS, AT(depths),
      "0.3,3,30", .maximum = DEPTHS_MAX},
     {"sun-elevation", 0, "DEG", "Elevation of the sun", NEPH_CLI_REAL, AT(sun_elevation_deg), "40",
      3, 90},
@@ -52,7 +51,8 @@ static const struct neph_cli_option options[] = {
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .doc = "What is lost when droplets are drawn with a simpler phase function: a plane cloud of "
-           "water droplets by Mie theory, and the same cloud with Henyey-Greenstein, two of them, "
+           "water droplets at 550 nm by Mie theory, and the same cloud with Henyey-Greenstein, two "
+           "of them, "
            "Draine and Jendersie-d'Eon.\vAll orders of scattering, by doubling, without noise. "
            "Henyey-Greenstein, the pair and Draine have the mean cosine of the droplets; the "
            "remaining parameters of the pair and of Draine are those of the least logarithmic "
@@ -61,9 +61,11 @@ static const struct neph_cli_syntax syntax = {
            "around the sun, about 140 the fogbow, 180 the glory.\n\n"
            "Examples:\n"
            "  neph study phase\n"
-           "  neph study phase --effective-radius 5 --depths 1,10 --sun-elevation 20 --all\n"
+           "  neph study phase --effective-radius 5 --optical-depth 1,10 --sun-elevation 20 --all\n"
            "  neph study phase --nodes 128 --csv phase.csv",
 };
+
+static const double wavelength_m = 550e-9;
 
 /* Ranges of the scattering angle [degrees]. */
 static const struct {
@@ -84,7 +86,7 @@ static enum neph_status compute_droplets(const struct request *request, struct n
     struct neph_droplets_params params = {.sizes = NEPH_DROPLETS_GAMMA,
                                           .effective_radius_m = 1e-6 * request->radius_um,
                                           .effective_variance = request->variance,
-                                          .wavelength_m = 1e-9 * request->wavelength_nm,
+                                          .wavelength_m = wavelength_m,
                                           .density_kg_per_m3 = NEPH_WATER_DENSITY_KG_PER_M3,
                                           .angle_count = ANGLES,
                                           .cosines = cosines};

@@ -43,7 +43,7 @@ RULES = [
     (r"study screen .*--cycles", f"{SIZE} --samples 2 --rays 2 --cycles 1 -q", {0, 69}, False),
     (r"study screen", f"{SIZE} --samples 2 --rays 2 -q", {0}, False),
     (r"study convergence", f"{STUDY} --frames 16 -q", {0}, False),
-    (r"study phase", "--depths 1 --nodes 32 -q", {0}, False),
+    (r"study phase", "--optical-depth 1 --nodes 32 -q", {0}, False),
     (r"study post", f"{STUDY} --frames 16 --warm-up 4 -q", {0}, False),
     (r"ablate --list", "", {0}, True),
     (r"ablate", f"{STUDY} --frames 16 --seeds 1 -q", {0}, False),

@@ -44,7 +44,7 @@ class StudyPhase(unittest.TestCase):
         """The models have the droplets' mean cosine, except the one that is fitted to them; a
         thick cloud hides more of the difference than a thin one."""
         numbers = self.folder / "phase.csv"
-        answer = run("study", "phase", "--depths", "0.3,30", "--nodes", 32, "--csv", numbers,
+        answer = run("study", "phase", "--optical-depth", "0.3,30", "--nodes", 32, "--csv", numbers,
                      "--json")
         self.assertEqual(answer.returncode, 0, answer.stderr)
         document = json.loads(answer.stdout)
@@ -65,11 +65,6 @@ class StudyPhase(unittest.TestCase):
                for row in rows}
         for name in names:
             self.assertLess(rms["30", name, "bow"], rms["0.3", name, "bow"])
-
-    def test_a_wavelength_without_an_index(self):
-        answer = run("study", "phase", "--wavelength", 3000)
-        self.assertNotEqual(answer.returncode, 0)
-        self.assertIn("3000", answer.stderr)
 
     def test_droplets_as_the_phase_function_of_a_scene(self):
         """The CSV of neph droplets is a table: exact, march and tracer draw the same frame."""
