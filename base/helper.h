@@ -13,7 +13,7 @@
 
 #include <stddef.h>
 
-enum { NEPH_HELPER_ARGUMENTS_MAX = 12 };
+enum { NEPH_HELPER_ARGUMENTS_MAX = 16 };
 
 struct neph_helper {
     const char *name;     /* of the program: "neph-vdb" */

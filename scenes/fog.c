@@ -6,6 +6,9 @@
  * (1-e^-x)/x. It has neither problem: the exponential is the largest one that occurs, and phi lies
  * in (0, 1].
  */
+#include "scenes/bounds.h"
+#include "scenes/column.h"
+#include "scenes/load_extinction.h"
 #include "scenes/media.h"
 #include "scenes/medium_kind.h"
 
@@ -14,7 +17,10 @@
 
 #define AT(member) offsetof(struct neph_medium, member)
 #define LAYER(member) offsetof(struct neph_fog_layer, member)
+#define WRITTEN(member) offsetof(struct written_fog, member)
 #define UNREAL(member) offsetof(struct neph_unreal_fog, member)
+
+enum { LAYER_FIELDS_MAX = 16 };
 
 static const double ln2 = 0.693147180559945309417232121458;
 
@@ -114,6 +120,17 @@ static double bound_per_m(const struct neph_medium *medium, const struct neph_bo
     return sum_per_m;
 }
 
+/* Fog without a lower bound is denser below, without limit. */
+static struct neph_column column(const struct neph_medium *medium, int axis)
+{
+    const struct neph_bounds *bounds = &medium->bounds;
+    const double bottom_m = bounds->min_m.y;
+    const struct neph_vec3 point_m = {
+        0.0, isfinite(bottom_m) ? bottom_m : medium->layers[0].height_m, 0.0};
+    return (struct neph_column){.point_m = neph_bounds_nearest(bounds, point_m),
+                                .begins_there = axis == 1 && !isfinite(bottom_m)};
+}
+
 static struct neph_bounds support(const struct neph_medium *medium)
 {
     return medium->bounds;
@@ -169,7 +186,7 @@ struct neph_unreal_fog neph_fog_layer_to_unreal(const struct neph_fog_layer *lay
 
 static const struct neph_field homogeneous_fields[] = {
     {"extinction_per_m", NEPH_NUMBER, AT(layers[0].extinction_per_m), "1/m", 0, 1e4,
-     .note = "everywhere"},
+     .note = "everywhere", .standard = NEPH_OR_ANOTHER_DENSITY},
     {"bounds", NEPH_RECORD, AT(bounds),
      .note = "a homogeneous medium needs finite bounds: without them the sun, which is infinitely "
              "far away, would never arrive",
@@ -189,15 +206,39 @@ static enum neph_status finish_homogeneous(struct neph_reader *reader, const yam
 
 static const struct neph_field layer_fields[] = {
     {"extinction_per_m", NEPH_NUMBER, LAYER(extinction_per_m), "1/m", 0, 1e4, .note = "at height_m",
-     .hashing = NEPH_HASHED_AS_THREE, .hash_name = "layer"},
+     .standard = NEPH_OR_ANOTHER_DENSITY, .hashing = NEPH_HASHED_AS_THREE, .hash_name = "layer"},
     {"falloff_per_m", NEPH_NUMBER, LAYER(falloff_per_m), "1/m", 0, 10,
      .note = "a fog that grows denser with height is not modelled"},
     {"height_m", NEPH_NUMBER, LAYER(height_m), "m", -1e5, 1e5,
      .note = "where the layer has extinction_per_m"},
     {0},
 };
-static const struct neph_record layer_record = {.size = sizeof(struct neph_fog_layer),
-                                                .fields = layer_fields};
+
+struct written_layer {
+    struct neph_fog_layer layer;
+    struct neph_written_density density;
+};
+
+struct written_fog {
+    struct neph_written_medium common; /* has the layers of unreal_layers */
+    int layer_count;
+    struct written_layer layers[NEPH_FOG_LAYERS_MAX];
+};
+
+static enum neph_status read_layer(struct neph_reader *reader, const yaml_node_t *node,
+                                   const struct neph_record *record, void *target)
+{
+    struct neph_field fields[LAYER_FIELDS_MAX];
+    struct written_layer *written = target;
+    const int count = neph_gather_fields(record->fields, offsetof(struct written_layer, density),
+                                         fields);
+    fields[count] = (struct neph_field){0};
+    const enum neph_status status = neph_read_fields(reader, node, fields, written);
+    return neph_keep_error(reader, status, neph_choose_density(reader, node, &written->density));
+}
+
+static const struct neph_record layer_record = {
+    .size = sizeof(struct written_layer), .fields = layer_fields, .read = read_layer};
 
 static const struct neph_field unreal_layer_fields[] = {
     {"fog_density", NEPH_NUMBER, UNREAL(fog_density), "(Unreal's UI value)", 0, 10,
@@ -224,8 +265,8 @@ static const struct neph_record unreal_layer_record = {.size = sizeof(struct nep
                                                        .read = read_unreal_layer};
 
 static const struct neph_field height_fog_fields[] = {
-    {"layers", NEPH_ENTRIES, AT(layers), .note = "they add", .least = 1,
-     .most = NEPH_FOG_LAYERS_MAX, .count_at = AT(layer_count), .record = &layer_record,
+    {"layers", NEPH_ENTRIES, WRITTEN(layers), .note = "they add", .least = 1,
+     .most = NEPH_FOG_LAYERS_MAX, .count_at = WRITTEN(layer_count), .record = &layer_record,
      .standard = "needed, or `unreal_layers`"},
     {"unreal_layers", NEPH_ENTRIES, AT(layers), .note = "in their place", .least = 1,
      .most = NEPH_FOG_LAYERS_MAX, .count_at = AT(layer_count), .record = &unreal_layer_record,
@@ -233,6 +274,26 @@ static const struct neph_field height_fog_fields[] = {
     {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
     {0},
 };
+
+/* Each layer's optical depth is its own, within the bounds of the medium. */
+static enum neph_status finish_layers(const struct neph_reader *reader, struct written_fog *written)
+{
+    struct neph_medium *medium = &written->common.medium;
+    enum neph_status status = NEPH_OK;
+    medium->layer_count = written->layer_count;
+    for (int i = 0; i < written->layer_count; i++) {
+        const struct written_layer *layer = &written->layers[i];
+        medium->layers[i] = layer->layer;
+        medium->droplets[i] = layer->density.radii;
+        struct neph_medium one = neph_medium_of_layer(medium, i);
+        const struct neph_path path = neph_format_path("layers[%d]", i);
+        status = neph_keep_error(reader, status,
+                                 neph_apply_density(reader, path.text, &layer->density, &one,
+                                                    &one.layers[0].extinction_per_m));
+        medium->layers[i] = one.layers[0];
+    }
+    return status;
+}
 
 static enum neph_status refuse_level_fog(const struct neph_reader *reader, const char *path)
 {
@@ -249,10 +310,13 @@ static enum neph_status finish_height_fog(struct neph_reader *reader, const yaml
 {
     const struct neph_medium *medium = written;
     const bool has_layers = neph_reader_has(reader, node, "layers");
+    enum neph_status status = NEPH_OK;
     if (has_layers == neph_reader_has(reader, node, "unreal_layers"))
         return neph_refuse(reader, "", "give exactly one of layers, unreal_layers");
-    if (neph_reader_has(reader, node, "bounds"))
-        return NEPH_OK;
+    if (has_layers)
+        status = finish_layers(reader, written);
+    if (status || neph_reader_has(reader, node, "bounds"))
+        return status;
     for (int i = 0; i < medium->layer_count; i++)
         if (medium->layers[i].falloff_per_m == 0.0 && medium->layers[i].extinction_per_m > 0.0)
             return refuse_level_fog(
@@ -271,6 +335,7 @@ static void hash(const struct neph_medium *medium, FILE *text)
 
 const struct neph_medium_row neph_medium_homogeneous = {
     .facts = {.name = "homogeneous medium",
+              .place = "everywhere",
               .is_fog = true,
               .is_even = true,
               .has_closed_form = true,
@@ -280,6 +345,7 @@ const struct neph_medium_row neph_medium_homogeneous = {
     .extinction_per_m = extinction_per_m,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
+    .column = column,
     .support = support,
     .container = neph_fog_container,
     .cut_scales = cut_scales,
@@ -288,14 +354,16 @@ const struct neph_medium_row neph_medium_homogeneous = {
 
 const struct neph_medium_row neph_medium_height_fog = {
     .facts = {.name = "height fog",
+              .place = "at height_m",
               .is_fog = true,
               .has_closed_form = true,
               .majorant_cells = NEPH_MAJORANT_CELLS},
     .forms = {{"height_fog", "extinction_per_m * exp(-falloff_per_m * (y - height_m))",
-               height_fog_fields, .finish = finish_height_fog}},
+               height_fog_fields, sizeof(struct written_fog), finish_height_fog}},
     .extinction_per_m = extinction_per_m,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
+    .column = column,
     .support = support,
     .container = neph_fog_container,
     .cut_scales = cut_scales,

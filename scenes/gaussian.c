@@ -97,6 +97,12 @@ static struct neph_bounds container(const struct neph_scene *scene,
     return support(medium);
 }
 
+static struct neph_column column(const struct neph_medium *medium, int axis)
+{
+    (void)axis;
+    return (struct neph_column){.point_m = medium->gaussian.center_m};
+}
+
 /* Splits at every second width, to where e^-50 of the density remains. */
 static void cut_widths(struct neph_cuts *cuts, double middle_m, double width_m)
 {
@@ -120,7 +126,8 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 
 /* The order of the rows is the order in the hash. */
 static const struct neph_field fields[] = {
-    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at the centre"},
+    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at the centre",
+     .standard = NEPH_OR_ANOTHER_DENSITY},
     {"center_m", NEPH_THREE, AT(gaussian.center_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "of the blob"},
     {"width_m", NEPH_NUMBER, AT(gaussian.width_m), "m", 1e-3, NEPH_FAR_M,
@@ -131,6 +138,7 @@ static const struct neph_field fields[] = {
 
 const struct neph_medium_row neph_medium_gaussian = {
     .facts = {.name = "Gaussian blob",
+              .place = "at the centre",
               .has_closed_form = true,
               .needs_majorants = true,
               .majorant_cells = NEPH_MAJORANT_CELLS},
@@ -138,6 +146,7 @@ const struct neph_medium_row neph_medium_gaussian = {
     .extinction_per_m = extinction_at,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
+    .column = column,
     .drift = drift,
     .support = support,
     .cut_scales = cut_scales,

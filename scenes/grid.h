@@ -28,6 +28,7 @@ struct neph_grid {
     float *values;              /* owned; x fastest, then y, then z; finite, >= 0; dimensionless */
     float maximum;              /* of values */
     char hash[NEPH_HASH_HEX_SIZE]; /* of size and values; set by neph_grid_seal */
+    char note[200]; /* how a reader changed the values of its file, for people; "": not at all */
 };
 
 /* A grid of zeros. NEPH_ERR_INPUT: a side or the product is out of range, in words. */

@@ -5,11 +5,13 @@
 #include "scenes/bake.h"
 #include "scenes/hash_text.h"
 #include "scenes/load.h"
+#include "scenes/load_extinction.h"
 #include "scenes/load_phase.h"
 #include "scenes/media.h"
 #include "scenes/medium_kind.h"
 #include "scenes/phase_table.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -99,9 +101,8 @@ static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
 
 static void gather_fields(const struct neph_field *own, struct neph_field fields[FIELDS_MAX])
 {
-    int count = 0;
-    for (; own->key; own++)
-        fields[count++] = *own;
+    const int count = neph_gather_fields(own, offsetof(struct neph_written_medium, density),
+                                         fields);
     memcpy(&fields[count], common_fields, sizeof(common_fields));
 }
 
@@ -155,6 +156,33 @@ static enum neph_status keep_error_at(struct neph_reader *reader, const yaml_nod
     return neph_keep_error(reader, first, next);
 }
 
+/* The row of the extinction; NULL: the form has none. */
+static const struct neph_field *find_extinction(const struct neph_field *fields)
+{
+    while (fields->key && strcmp(fields->key, "extinction_per_m"))
+        fields++;
+    return fields->key ? fields : NULL;
+}
+
+/* `form_status`: of the form's own finish, which completes the medium. */
+static enum neph_status finish_density(const struct neph_reader *reader, const yaml_node_t *node,
+                                       const struct neph_medium_form *form,
+                                       struct neph_written_medium *written,
+                                       enum neph_status form_status)
+{
+    const struct neph_field *field = find_extinction(form->fields);
+    if (!field)
+        return NEPH_OK;
+    const enum neph_status status = neph_choose_density(reader, node, &written->density);
+    written->medium.droplets[0] = written->density.radii;
+    if (written->density.radius_in_voxels)
+        written->medium.droplets[0].effective_radius_um = NAN;
+    if (status || form_status)
+        return status;
+    double *extinction_per_m = (void *)((char *)written + field->at);
+    return neph_apply_density(reader, "", &written->density, &written->medium, extinction_per_m);
+}
+
 static bool were_fields_read(const struct neph_reader *reader, const struct neph_field *fields)
 {
     for (; fields->key; fields++)
@@ -177,6 +205,7 @@ static enum neph_status finish(struct neph_reader *reader, const yaml_node_t *no
     status = keep_error_at(reader, node, status, neph_finish_phase(reader, node, written));
     if (form->finish && were_fields_read(reader, form->fields))
         status = keep_error_at(reader, node, status, form->finish(reader, node, written));
+    status = neph_keep_error(reader, status, finish_density(reader, node, form, written, status));
     if (!status && written->voxels)
         status = keep_error_at(reader, node, status,
                                make_voxels(medium, written->voxels, reader->diag));
@@ -279,6 +308,9 @@ static const struct neph_field kind_fields[] = {
     {"KIND", NEPH_RECORD,
      .note = "a kind by its name, from the end of this table; each has these keys and its own",
      .record = &common_record},
+    {"KIND", NEPH_RECORD, .standard = "",
+     .note = "one of these densities may stand in place of extinction_per_m, also of a layer",
+     .record = &neph_density_record},
     {0},
 };
 

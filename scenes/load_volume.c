@@ -43,19 +43,36 @@ static const struct neph_record index_box_record = {.size = sizeof(struct neph_v
 
 const struct neph_field neph_volume_fields[] = {
     {"file", NEPH_TEXT, VOLUME(file),
-     .note = ".vdb (float or half grid; no rotation but by 90 degrees) or .df3; absolute, from the "
-             "scene file on, or $NAME or $NAME/... from the environment",
+     .note = ".vdb (float or half grid; no rotation but by 90 degrees), .df3, or .nc (NetCDF); "
+             "absolute, from the scene file on, or $NAME or $NAME/... from the environment",
      .least = 1, .most = 1000},
     {"grid", NEPH_TEXT, VOLUME(grid),
-     .note = "its name in a .vdb; `density[1]` is the second of several `density`", .least = 1,
-     .most = 64, .standard = "the only one, or `density`"},
+     .note = "its name in a .vdb; `density[1]` is the second of several `density`; the variable "
+             "of a .nc",
+     .least = 1, .most = 64, .standard = "the only one, or `density`"},
+    {"radius_grid", NEPH_TEXT, VOLUME(radius_grid),
+     .note = "the grid of effective radii, with `water_g_per_m3` or `droplets_per_cm3`; each voxel "
+             "has the extinction of its radius, and all the phase function of the medium",
+     .least = 1, .most = 64, .standard = "`effective_radius_um` everywhere"},
+    {"radius_unit_um", NEPH_NUMBER, VOLUME(radius_unit_um), "um", 1e-6, 1e9,
+     .note = "of a radius of 1 in that grid", .standard = "1; the unit that a .nc has"},
+    {"axes", NEPH_TEXT, VOLUME(axes),
+     .note = "of a .nc: its dimensions along x, y, z, such as `x,y,z`", .least = 5, .most = 200,
+     .standard = "the last three, z, y, x"},
+    {"time_index", NEPH_WHOLE, VOLUME(time_index), "", 0, 1e9,
+     .note = "of a .nc: the place along another dimension, from 0 on",
+     .standard = "needed where there are several"},
+    {"value_unit", NEPH_TEXT, VOLUME(value_unit),
+     .note = "of a .nc: in place of its attribute `units`: g/m3, kg/m3, 1/cm3, 1/m, 1/km ..., or "
+             "1 for the unit of the density that is given",
+     .least = 1, .most = 60, .standard = "its attribute"},
     {"placement", NEPH_WORD, VOLUME(placement), .words = placements,
      .note = "`file`: size and place from the file (.vdb); `fit`: size and place from `center_m` "
              "and a side",
      .standard = "`fit` if one of its keys is given, else `file`"},
     {"up", NEPH_WORD, VOLUME(up), .words = ups,
      .note = "the file's axis that points up; z: (x, y, z) of the file becomes (x, z, -y)",
-     .standard = "y"},
+     .standard = "y; z of a .nc"},
     {"index_box", NEPH_RECORD, VOLUME(index_box), .record = &index_box_record,
      .note = "the block of voxels by their indices in the file: no others are read",
      .standard = "all that are not 0 of a .vdb, all nodes of a .df3"},
@@ -78,7 +95,8 @@ const struct neph_field neph_volume_fields[] = {
     {"memory_limit_mib", NEPH_WHOLE, VOLUME(memory_limit_mib), "MiB", 1,
      NEPH_GRID_NODES_MAX * sizeof(float) >> 20, .note = "of voxels in memory, 4 bytes each",
      .standard = "512"},
-    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at value 1"},
+    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at value 1",
+     .standard = NEPH_OR_ANOTHER_DENSITY},
     {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
     {0},
 };
@@ -209,6 +227,40 @@ static enum neph_status place_as_file(struct neph_grid *grid,
     return NEPH_OK;
 }
 
+/* With radii of its own, a voxel's value must be water or droplets. */
+static enum neph_status check_radii(const struct neph_reader *reader, const yaml_node_t *node,
+                                    const char *path, struct neph_written_volume *volume)
+{
+    struct neph_written_density *density = &volume->common.density;
+    if (!volume->radius_grid)
+        return neph_reader_has(reader, node, "radius_unit_um")
+                   ? neph_refuse(reader, "radius_unit_um", "it needs the key radius_grid")
+                   : NEPH_OK;
+    const enum neph_density_unit unit = neph_find_density(reader, node);
+    if (unit != NEPH_DENSITY_WATER && unit != NEPH_DENSITY_DROPLETS)
+        return refuse(reader, "radius_grid", "the values of grid are not said to be of droplets",
+                      "give water_g_per_m3 or droplets_per_cm3, 1 where the file has that unit");
+    if (neph_reader_has(reader, node, "effective_radius_um"))
+        return refuse(reader, "effective_radius_um", "radius_grid is given, too",
+                      "leave one of them out");
+    if (!neph_volume_has_transform(path))
+        return refuse(reader, "radius_grid", "a .df3 has only one grid", "leave the key out");
+    density->radius_in_voxels = true;
+    density->unit = unit;
+    return NEPH_OK;
+}
+
+/* Keys of NetCDF files. */
+static enum neph_status check_netcdf(const struct neph_reader *reader, const yaml_node_t *node,
+                                     const char *path)
+{
+    static const char *const keys[] = {"axes", "time_index", "value_unit", NULL};
+    const char *key = find_first_key(reader, node, keys);
+    return key && !neph_volume_is_netcdf(path)
+               ? refuse(reader, key, "only a .nc has it", "leave the key out")
+               : NEPH_OK;
+}
+
 enum neph_status neph_finish_volume(struct neph_reader *reader, const yaml_node_t *node,
                                     void *written)
 {
@@ -216,20 +268,35 @@ enum neph_status neph_finish_volume(struct neph_reader *reader, const yaml_node_
     struct neph_medium *medium = written;
     const bool has_index_box = neph_reader_has(reader, node, "index_box");
     if (volume->file[0] != '$' && !neph_volume_has_known_extension(volume->file))
-        return neph_refuse(reader, "file", "'%s' must end in .vdb or .df3", volume->file);
+        return neph_refuse(reader, "file", "'%s' must end in .vdb, .df3 or .nc", volume->file);
     const char *path = NULL;
     enum neph_status status = has_index_box ? check_index_box(reader, &volume->index_box) : NEPH_OK;
     if (!status)
         status = neph_resolve_path(reader, volume->file, "/path/to/the/volume", &path);
     if (!status && neph_volume_has_known_extension(path))
         status = choose_placement(reader, node, path, volume);
+    if (!status)
+        status = check_radii(reader, node, path, volume);
+    if (!status)
+        status = check_netcdf(reader, node, path);
     if (!status) {
         const struct neph_volume_request request = {
             .path = path,
             .shown = volume->file,
             .grid_name = volume->grid,
+            .radius_name = volume->radius_grid,
+            .droplets = {volume->common.density.unit,
+                         neph_reader_has(reader, node, "radius_unit_um") ? volume->radius_unit_um
+                                                                         : 0.0,
+                         volume->common.density.radii.effective_variance},
+            .axes = volume->axes,
+            .time_index = neph_reader_has(reader, node, "time_index") ? &volume->time_index : NULL,
+            .value_unit = volume->value_unit,
+            .has_length_unit = neph_reader_has(reader, node, "unit_m"),
+            .density = neph_find_density(reader, node),
             .memory_limit_bytes = (size_t)volume->memory_limit_mib << 20,
-            .is_z_up = volume->up == UP_Z,
+            .is_z_up = neph_reader_has(reader, node, "up") ? volume->up == UP_Z
+                                                           : neph_volume_is_netcdf(path),
             .index_box = has_index_box ? &volume->index_box : NULL,
             .counts_zeros = volume->fit_to == FIT_TO_ACTIVE,
             .is_fitted = volume->placement == PLACEMENT_FIT};

@@ -10,7 +10,10 @@
 
 struct neph_written_volume {
     struct neph_written_medium common;
-    const char *file, *grid;
+    const char *file, *grid, *radius_grid;
+    double radius_unit_um;
+    const char *axes, *value_unit; /* NULL: not given */
+    int time_index;
     int placement, fit_to, up; /* words */
     struct neph_volume_box index_box;
     struct neph_vec3 center_m, size_m; /* placement: fit */

@@ -49,6 +49,59 @@ static struct neph_bounds support(const struct neph_medium *medium)
     return neph_grid_support(medium->grid);
 }
 
+/* The nodes along an axis that are within the bounds: [first, end). */
+struct nodes {
+    int first, end;
+};
+
+static struct nodes find_nodes(const struct neph_medium *medium, int axis)
+{
+    const struct neph_grid *grid = medium->grid;
+    const double origin_m = (&grid->origin_m.x)[axis], spacing_m = (&grid->spacing_m.x)[axis],
+                 low = ((&medium->bounds.min_m.x)[axis] - origin_m) / spacing_m,
+                 high = ((&medium->bounds.max_m.x)[axis] - origin_m) / spacing_m;
+    const double last = grid->size[axis];
+    return (struct nodes){(int)fmin(fmax(ceil(low), 0.0), last),
+                          (int)fmax(fmin(floor(high) + 1.0, last), 0.0)};
+}
+
+static double sum_nodes(const struct neph_grid *grid, int axis, struct nodes nodes, const int at[3])
+{
+    const size_t strides[3] = {1, (size_t)grid->size[0],
+                               (size_t)grid->size[0] * (size_t)grid->size[1]};
+    double sum = 0.0;
+    size_t index = 0;
+    for (int other = 0; other < 3; other++)
+        index += strides[other] * (size_t)(other == axis ? nodes.first : at[other]);
+    for (int i = nodes.first; i < nodes.end; i++, index += strides[axis])
+        sum += (double)grid->values[index];
+    return sum;
+}
+
+static struct neph_column column(const struct neph_medium *medium, int axis)
+{
+    const struct neph_grid *grid = medium->grid;
+    const struct neph_bounds box = neph_medium_support(medium);
+    const int a = axis == 0 ? 1 : 0, b = axis == 2 ? 1 : 2;
+    const struct nodes along = find_nodes(medium, axis), in_a = find_nodes(medium, a),
+                       in_b = find_nodes(medium, b);
+    struct neph_vec3 point_m = neph_vec3_scale(neph_vec3_add(box.min_m, box.max_m), 0.5);
+    double largest = -1.0;
+    int at[3] = {0};
+    for (at[b] = in_b.first; at[b] < in_b.end; at[b]++)
+        for (at[a] = in_a.first; at[a] < in_a.end; at[a]++) {
+            const double sum = sum_nodes(grid, axis, along, at);
+            if (sum <= largest)
+                continue;
+            largest = sum;
+            (&point_m.x)[a] = (&grid->origin_m.x)[a] + at[a] * (&grid->spacing_m.x)[a];
+            (&point_m.x)[b] = (&grid->origin_m.x)[b] + at[b] * (&grid->spacing_m.x)[b];
+        }
+    const double side_m = (&box.max_m.x)[axis] - (&box.min_m.x)[axis];
+    return (struct neph_column){
+        .point_m = point_m, .is_endless = grid->is_endless[axis] && side_m >= NEPH_GRID_ENDLESS_M};
+}
+
 /* Splits at the shadow that a grid casts on the ray, an eighth of its cells at a time: quadrature
  * nodes are then closer than its cells. */
 static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
@@ -153,7 +206,8 @@ static const struct neph_field grid_fields[] = {
      .note = "number of copies side by side along x, y, z, the last node beside the first of the "
              "next; 0: without end, over the whole world",
      .standard = "[1, 1, 1]"},
-    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at value 1"},
+    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at value 1",
+     .standard = NEPH_OR_ANOTHER_DENSITY},
     {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
     {0},
 };
@@ -258,6 +312,7 @@ static enum neph_status finish_sheet(struct neph_reader *reader, const yaml_node
 
 const struct neph_medium_row neph_medium_grid = {
     .facts = {.name = "voxel grid",
+              .place = "at value 1",
               .has_closed_form = true,
               .has_kinks = true,
               .needs_majorants = true,
@@ -272,6 +327,7 @@ const struct neph_medium_row neph_medium_grid = {
     .extinction_per_m = extinction_per_m,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
+    .column = column,
     .support = support,
     .cut_scales = cut_scales,
     .cut_kinks = cut_kinks,

@@ -76,7 +76,8 @@ struct written_horizon {
 
 /* The defaults are the article's values. */
 static const struct neph_field fields[] = {
-    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at density 1"},
+    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at density 1",
+     .standard = NEPH_OR_ANOTHER_DENSITY},
     {"seed", NEPH_WHOLE, HORIZON(seed), "", 0, 1e9, .standard = "1"},
     {"planet_radius_m", NEPH_NUMBER, HORIZON(params.planet_radius_m), "m", 1e3, 1e8,
      .standard = "2e5"},
@@ -116,6 +117,7 @@ static enum neph_status finish(struct neph_reader *reader, const yaml_node_t *no
 
 const struct neph_medium_row neph_medium_horizon = {
     .facts = {.name = "Horizon cloud layer",
+              .place = "at density 1",
               .needs_majorants = true,
               /* measured on cumulus 100 m and more across in 10 km of sky */
               .majorant_cells = 48 * 48 * 48},

@@ -8,14 +8,23 @@
 
 #include "scenes/cuts.h"
 #include "scenes/fields.h"
+#include "scenes/load_density.h"
 
 /* Default number of cells of a majorant grid: good for a 64^3 cloud. */
 #define NEPH_MAJORANT_CELLS (16 * 16 * 16)
+
+/* A line parallel to an axis of the world, through this point. `begins_there`: it is a ray upwards
+ * along the axis. `is_endless`: its optical depth is infinite. */
+struct neph_column {
+    struct neph_vec3 point_m;
+    bool begins_there, is_endless;
+};
 
 /* A medium as written in a file: the target of the fields of forms. Some forms add members for the
  * voxels or textures that they create. */
 struct neph_written_medium {
     struct neph_medium medium;
+    struct neph_written_density density;
     int voxels; /* nodes along the longest side, for all engines; 0: the medium itself */
     const char *phase_table; /* a file */
 };
@@ -56,6 +65,8 @@ struct neph_medium_row {
     /* Splits a ray at the kinks of the density. There may be more than fit; bisection of the
      * quadrature covers those. NULL: none. */
     void (*cut_kinks)(struct neph_cuts *cuts, const struct neph_medium *medium);
+    /* The densest column along an axis (scenes/column.h). NULL: not computed. */
+    struct neph_column (*column)(const struct neph_medium *medium, int axis);
     /* Moves it with the wind, with the bounds where they move as well; may write to memory that
      * `medium` owns. NULL: it stays. */
     void (*drift)(struct neph_medium *medium, struct neph_vec3 by_m);

@@ -255,11 +255,20 @@ static void drift(struct neph_medium *medium, struct neph_vec3 by_m)
     medium->bounds = neph_bounds_translate(medium->bounds, by_m);
 }
 
+/* --- its densest place --- */
+
+static struct neph_column column(const struct neph_medium *medium, int axis)
+{
+    (void)axis;
+    return (struct neph_column){.point_m = medium->plume.foot_m};
+}
+
 /* --- in a scene file --- */
 
 /* The order of the rows is the order in the hash. */
 static const struct neph_field fields[] = {
-    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at the foot"},
+    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at the foot",
+     .standard = NEPH_OR_ANOTHER_DENSITY},
     {"foot_m", NEPH_THREE, AT(plume.foot_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "where it begins"},
     {"axis", NEPH_THREE, AT(plume.axis), "", -NEPH_FAR_M, NEPH_FAR_M,
@@ -284,6 +293,7 @@ static enum neph_status finish(struct neph_reader *reader, const yaml_node_t *no
 
 const struct neph_medium_row neph_medium_plume = {
     .facts = {.name = "smoke plume",
+              .place = "at the foot",
               .has_closed_form = true,
               .needs_majorants = true,
               .majorant_cells = NEPH_MAJORANT_CELLS},
@@ -292,6 +302,7 @@ const struct neph_medium_row neph_medium_plume = {
     .extinction_per_m = extinction_per_m,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
+    .column = column,
     .support = support,
     .container = container,
     .cut_scales = cut_scales,

@@ -48,6 +48,7 @@ enum neph_medium_kind {
 /* Properties of a kind. */
 struct neph_medium_facts {
     const char *name;     /* "height fog", ...: for messages */
+    const char *place;    /* "at the centre", ...: where it has its extinction_per_m */
     bool is_fog;          /* consists only of layers that thin out with height */
     bool is_even;         /* homogeneous within its bounds */
     bool has_closed_form; /* see neph_medium_optical_depth() */
@@ -89,6 +90,12 @@ struct neph_plume {
     double width_m, scale_height_m; /* > 0 */
 };
 
+/* Droplets of a gamma distribution (scenes/density_units.h); 0: not given. */
+struct neph_droplet_radii {
+    double effective_radius_um; /* NAN: it varies, and the extinction of each voxel has it */
+    double effective_variance;
+};
+
 struct neph_grid;    /* scenes/grid.h */
 struct neph_horizon; /* scenes/horizon.h */
 
@@ -113,6 +120,9 @@ struct neph_medium {
     /* Homogeneous: one layer with falloff 0. Height fog: the layers add. */
     int layer_count;
     struct neph_fog_layer layers[NEPH_FOG_LAYERS_MAX];
+    /* The droplets of each layer; other kinds have only the first. With them the extinction is
+     * translated into other units; no rendered value depends on them. */
+    struct neph_droplet_radii droplets[NEPH_FOG_LAYERS_MAX];
 };
 
 enum neph_solid_kind {

@@ -217,9 +217,17 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
     }
 }
 
+/* The ball below the ground is empty. */
+static struct neph_column column(const struct neph_medium *medium, int axis)
+{
+    (void)axis;
+    return (struct neph_column){.point_m = medium->shell.center_m, .begins_there = true};
+}
+
 /* The order of the rows is the order in the hash. */
 static const struct neph_field fields[] = {
-    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at the radius"},
+    {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at the radius",
+     .standard = NEPH_OR_ANOTHER_DENSITY},
     {"center_m", NEPH_THREE, AT(shell.center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
      .note = "of the ball"},
     {"radius_m", NEPH_NUMBER, AT(shell.radius_m), "m", 1, 1e8,
@@ -234,6 +242,7 @@ static const struct neph_field fields[] = {
 
 const struct neph_medium_row neph_medium_shell = {
     .facts = {.name = "spherical shell",
+              .place = "at the radius",
               .has_closed_form = true,
               .has_kinks = true,
               .majorant_cells = NEPH_MAJORANT_CELLS},
@@ -244,6 +253,7 @@ const struct neph_medium_row neph_medium_shell = {
     .extinction_per_m = extinction_per_m,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
+    .column = column,
     .support = support,
     .cut_scales = cut_scales,
     .container = container,

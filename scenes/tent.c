@@ -136,10 +136,17 @@ static struct neph_bounds support(const struct neph_medium *medium)
 
 /* --- in a scene file --- */
 
+/* The ball below the ground is empty. */
+static struct neph_column column(const struct neph_medium *medium, int axis)
+{
+    (void)axis;
+    return (struct neph_column){.point_m = medium->tent.center_m, .begins_there = true};
+}
+
 /* The order of the rows is the order in the hash. */
 static const struct neph_field fields[] = {
     {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4,
-     .note = "at the altitude of the peak"},
+     .note = "at the altitude of the peak", .standard = NEPH_OR_ANOTHER_DENSITY},
     {"center_m", NEPH_THREE, AT(tent.center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
      .note = "of the ball"},
     {"radius_m", NEPH_NUMBER, AT(tent.radius_m), "m", 1, 1e8,
@@ -165,6 +172,7 @@ static enum neph_status finish(struct neph_reader *reader, const yaml_node_t *no
 
 const struct neph_medium_row neph_medium_tent = {
     .facts = {.name = "tent layer",
+              .place = "at the peak",
               .has_closed_form = true,
               .has_kinks = true,
               .needs_majorants = true,
@@ -176,6 +184,7 @@ const struct neph_medium_row neph_medium_tent = {
     .extinction_per_m = extinction_per_m,
     .optical_depth = optical_depth,
     .bound_per_m = bound_per_m,
+    .column = column,
     .support = support,
     .cut_scales = cut_scales,
 };

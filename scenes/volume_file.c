@@ -31,6 +31,7 @@ struct format {
 static const struct format formats[] = {
     {".vdb", true, neph_volume_read_vdb, write_vdb},
     {".df3", false, neph_volume_read_df3, neph_volume_write_df3},
+    {".nc", true, neph_volume_read_netcdf, NULL},
 };
 enum { FORMAT_COUNT = sizeof(formats) / sizeof(formats[0]) };
 
@@ -48,13 +49,19 @@ static const struct format *find_format(const char *path)
 static enum neph_status refuse_format(const char *shown, struct neph_diag *diag)
 {
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not a volume file that neph supports", shown);
-    neph_hint(diag, "its name must end in .vdb or .df3");
+    neph_hint(diag, "its name must end in .vdb or .df3, to be read also in .nc");
     return NEPH_ERR_INPUT;
 }
 
 bool neph_volume_has_known_extension(const char *path)
 {
     return find_format(path) != NULL;
+}
+
+bool neph_volume_is_netcdf(const char *path)
+{
+    const struct format *format = find_format(path);
+    return format && format->read == neph_volume_read_netcdf;
 }
 
 bool neph_volume_has_transform(const char *path)
@@ -67,7 +74,7 @@ enum neph_status neph_volume_write(const char *path, const struct neph_grid *gri
                                    struct neph_diag *diag)
 {
     const struct format *format = find_format(path);
-    return format ? format->write(path, grid, diag) : refuse_format(path, diag);
+    return format && format->write ? format->write(path, grid, diag) : refuse_format(path, diag);
 }
 
 /* O_NONBLOCK: a named pipe must be refused, not waited for. */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Volumes from and to files: OpenVDB (.vdb; float or half grids; scale, translation, rotations by
- * multiples of 90 degrees, and mirrors) and POV-Ray density files (.df3; 8, 16 or 32 bits).
+ * multiples of 90 degrees, and mirrors) and POV-Ray density files (.df3; 8, 16 or 32 bits); from
+ * NetCDF files of simulations (.nc; scenes/volume_netcdf.h).
  */
 #ifndef NEPH_SCENES_VOLUME_FILE_H
 #define NEPH_SCENES_VOLUME_FILE_H
@@ -14,14 +15,17 @@
  * The block of voxels is `index_box` where it is given. Else the block of a .vdb is the smallest
  * box around the active voxels that are not 0, or around all active voxels (with `counts_zeros`, or
  * if all of them are 0); the transform of the file places it. The block of a .df3 is all of its
- * nodes, zeros included: 1 apart, the first at the origin, because the format has no transform.
+ * nodes, zeros included: 1 apart, the first at the origin, because the format has no transform. The
+ * block of a .nc is all of its nodes, in metres at their coordinates; uneven levels become even
+ * ones (scenes/even_levels.h). With `radius_name` each value becomes its extinction.
  *
  * NEPH_ERR_INPUT; each message names the file and the fault:
  * - it is not readable, truncated, or declares a larger size than it has,
  * - it has no such grid, or several of that name (the message lists the grids), or not a float or
  *   half grid,
  * - it is rotated by angles other than multiples of 90 degrees, or sheared,
- * - it has NaN, infinite or negative values,
+ * - it has NaN, infinite, negative or missing values,
+ * - of a .nc: the unit of values or coordinates is unknown, coordinates do not ascend or descend,
  * - a side is longer than NEPH_GRID_SIDE_MAX, or the nodes need more than `memory_limit_bytes`,
  * - for a fitted block: stray voxels decide its size.
  * Memory stays below the limit plus the tree of the file. */
@@ -31,13 +35,20 @@ enum neph_status neph_volume_read(const struct neph_volume_request *request,
 /* Whether the file's format, by its extension, defines size and place of a voxel. */
 bool neph_volume_has_transform(const char *path);
 
-/* Whether neph_volume_read() knows the extension: ".vdb", ".df3". */
+/* Whether the file is NetCDF, by its extension. */
+bool neph_volume_is_netcdf(const char *path);
+
+/* Whether neph_volume_read() knows the extension: ".vdb", ".df3", ".nc". */
 bool neph_volume_has_known_extension(const char *path);
 
 /* The path of the program that reads and writes .vdb files; the caller frees it. It is the value of
  * the variable NEPH_VDB, else neph-vdb beside the running program, else the place where it was
  * built. NEPH_ERR_UNAVAILABLE: no such program. */
 enum neph_status neph_volume_find_openvdb(char **program, struct neph_diag *diag);
+
+/* The path of the program that reads .nc files, from NEPH_NETCDF or beside the running program, as
+ * neph_volume_find_openvdb() finds the other. NEPH_ERR_UNAVAILABLE: no such program. */
+enum neph_status neph_volume_find_netcdf(char **program, struct neph_diag *diag);
 
 /* Conventions for the nodes in a .vdb. */
 enum neph_vdb_layout {

@@ -25,6 +25,7 @@ typedef enum neph_status neph_volume_reader(const struct neph_volume_request *re
 
 neph_volume_reader neph_volume_read_vdb;
 neph_volume_reader neph_volume_read_df3;
+neph_volume_reader neph_volume_read_netcdf;
 
 /* NEPH_ERR_INPUT, in words, when these nodes exceed the memory limit of the request. */
 enum neph_status neph_volume_check_size(const struct neph_volume_request *request,

@@ -161,8 +161,10 @@ static bool read_block(struct voxels *voxels, const int64_t size[3],
     return true;
 }
 
+/* `box`: the voxels by their indices in the file. */
 static enum neph_status read_grid(const struct neph_volume_request *request, struct voxels *voxels,
-                                  struct neph_grid **grid, struct neph_diag *diag)
+                                  struct neph_grid **grid, struct neph_volume_box *box,
+                                  struct neph_diag *diag)
 {
     struct neph_vdb_placement placement;
     struct neph_turned_block turned;
@@ -173,6 +175,10 @@ static enum neph_status read_grid(const struct neph_volume_request *request, str
     while (!status && voxels->used < voxels->size)
         if (!read_block(voxels, placement.size, &turned, made->values))
             status = neph_fail(diag, NEPH_ERR_INPUT, "damaged: OpenVDB read nonsense from it");
+    for (int axis = 0; axis < 3 && !status; axis++) {
+        box->first[axis] = placement.first[axis];
+        box->last[axis] = (int)(placement.first[axis] + placement.size[axis] - 1);
+    }
     if (status)
         neph_grid_destroy(made);
     else
@@ -182,16 +188,64 @@ static enum neph_status read_grid(const struct neph_volume_request *request, str
 
 static enum neph_status map_and_read(const struct neph_volume_request *request,
                                      const struct neph_shared *shared, struct neph_grid **grid,
-                                     struct neph_diag *diag)
+                                     struct neph_volume_box *box, struct neph_diag *diag)
 {
     const void *bytes = NULL;
     struct voxels voxels = {.used = 0};
     enum neph_status status = neph_shared_map(shared, &bytes, &voxels.size, diag);
     voxels.bytes = bytes;
     if (!status)
-        status = read_grid(request, &voxels, grid, diag);
+        status = read_grid(request, &voxels, grid, box, diag);
     if (bytes)
         munmap((void *)bytes, voxels.size);
+    return status;
+}
+
+static enum neph_status read_one(const struct neph_volume_request *request,
+                                 const struct neph_volume_source *source, struct neph_grid **grid,
+                                 struct neph_volume_box *box, struct neph_diag *diag)
+{
+    struct neph_shared voxels;
+    enum neph_status status = neph_shared_create("neph-vdb-voxels", &voxels, diag);
+    if (status)
+        return status;
+    status = run_reader(request, source->size_bytes, &voxels, diag);
+    if (!status)
+        status = map_and_read(request, &voxels, grid, box, diag);
+    neph_shared_destroy(&voxels);
+    return status;
+}
+
+static bool is_placed_alike(const struct neph_grid *a, const struct neph_grid *b)
+{
+    const struct neph_vec3 moved = neph_vec3_sub(a->origin_m, b->origin_m),
+                           scaled = neph_vec3_sub(a->spacing_m, b->spacing_m);
+    return neph_vec3_length(moved) == 0.0 && neph_vec3_length(scaled) == 0.0;
+}
+
+/* The radii of the voxels of `grid`, and the extinctions in place of its values. */
+static enum neph_status apply_radii(const struct neph_volume_request *request,
+                                    const struct neph_volume_source *source,
+                                    const struct neph_volume_box *box, struct neph_grid *grid,
+                                    struct neph_diag *diag)
+{
+    struct neph_volume_request of_radii = *request;
+    struct neph_volume_box same;
+    struct neph_grid *radii = NULL;
+    of_radii.grid_name = request->radius_name;
+    of_radii.index_box = box;
+    of_radii.is_fitted = of_radii.counts_zeros = false;
+    enum neph_status status = read_one(&of_radii, source, &radii, &same, diag);
+    if (!status && !is_placed_alike(grid, radii)) {
+        status = neph_fail(diag, NEPH_ERR_INPUT,
+                           "grid '%.60s' has another transform than the grid of the density",
+                           request->radius_name);
+        neph_hint(diag, "resample one of them with openvdb::tools::resampleToMatch");
+    }
+    if (!status)
+        status = neph_droplet_voxels_convert(&request->droplets, grid->size, grid->values,
+                                             radii->values, diag);
+    neph_grid_destroy(radii);
     return status;
 }
 
@@ -200,14 +254,15 @@ enum neph_status neph_volume_read_vdb(const struct neph_volume_request *request,
                                       const struct neph_volume_source *source,
                                       struct neph_grid **grid, struct neph_diag *diag)
 {
-    struct neph_shared voxels;
-    enum neph_status status = neph_shared_create("neph-vdb-voxels", &voxels, diag);
+    struct neph_volume_box box;
+    struct neph_grid *made = NULL;
+    enum neph_status status = read_one(request, source, &made, &box, diag);
+    if (!status && request->radius_name)
+        status = apply_radii(request, source, &box, made, diag);
     if (status)
-        return status;
-    status = run_reader(request, source->size_bytes, &voxels, diag);
-    if (!status)
-        status = map_and_read(request, &voxels, grid, diag);
-    neph_shared_destroy(&voxels);
+        neph_grid_destroy(made);
+    else
+        *grid = made;
     return status;
 }
 

@@ -301,8 +301,10 @@ neph_vdb_placement compute_placement(const entry &chosen, const CoordBBox &box)
                   chosen.name().c_str()));
     const openvdb::math::Mat4d m = map->getAffineMap()->getMat4();
     neph_vdb_placement placement = {};
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         placement.size[i] = box.dim()[i];
+        placement.first[i] = box.min()[i];
+    }
     place_axes(chosen, m, placement);
     for (int j = 0; j < 3; j++)
         placement.origin[j] = m(3, j);

@@ -28,8 +28,9 @@ struct neph_vdb_placement {
     double origin[3];  /* of node (0, 0, 0), in the unit of the file */
     double spacing[3]; /* along the axes of the index, > 0 */
     int64_t size[3];
+    int32_t first[3];       /* index of node (0, 0, 0) in the file */
     int32_t axis[3];        /* axis i of the index lies along this axis of the file's world */
-    int32_t is_reversed[3]; /* against that axis; write reads neither */
+    int32_t is_reversed[3]; /* against that axis; write reads none of these */
 };
 
 struct neph_vdb_block {

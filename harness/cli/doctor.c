@@ -48,6 +48,15 @@ static bool has_server(const char *library)
     return neph_http_has_library();
 }
 
+static bool has_netcdf(const char *name)
+{
+    char *program = NULL;
+    (void)name;
+    const bool is_there = neph_volume_find_netcdf(&program, NULL) == NEPH_OK;
+    free(program);
+    return is_there;
+}
+
 static bool has_openimageio(const char *name)
 {
     (void)name;
@@ -75,6 +84,11 @@ static const struct {
      "OpenVDB files, and voxels in cycles",
      {NULL},
      "copy it from the build folder into neph's folder, or set NEPH_VDB to its path"},
+    {"neph-netcdf",
+     has_netcdf,
+     "NetCDF files of simulations",
+     {"libnetcdf-dev", "netcdf-devel", "netcdf"},
+     ", and build neph again"},
     {"neph-image",
      has_openimageio,
      "frames in TIFF, HDR, PFM, PPM, JPEG, WebP and DPX",

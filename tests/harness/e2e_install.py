@@ -62,8 +62,10 @@ class Install(unittest.TestCase):
 
     def test_nothing_is_left_of_the_build(self):
         programs = {path.name for path in (self.prefix / "bin").iterdir()}
-        self.assertEqual(programs - {"neph-image"}, {"neph", "neph-vdb"})
-        self.assertEqual("neph-image" in programs, BUILT.with_name("neph-image").exists())
+        optional = {"neph-image", "neph-netcdf"}
+        self.assertEqual(programs - optional, {"neph", "neph-vdb"})
+        for name in optional:
+            self.assertEqual(name in programs, BUILT.with_name(name).exists(), name)
         self.assertTrue((self.data / "scripts/blender_render.py").exists())
         headers = {path.name for path in (self.prefix / "include").iterdir()}
         self.assertEqual(headers, {"neph_metrics.h"})

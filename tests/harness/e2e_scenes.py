@@ -97,6 +97,47 @@ class Scenes(neph_case.NephCase):
                 for line, place in zip(found, places):
                     self.assertTrue(line.startswith(place), (line, place))
 
+    def test_densities(self):
+        fog = BLOCK[:BLOCK.index("  - grid")] + (
+            "  - homogeneous: {DENSITY, bounds: {min_m: [-50, 0, -50], max_m: [50, 20, 50]},\n"
+            "      albedo: [1, 1, 0.9], extinction_color: [1, 1, 2]}\n")
+        self.put("fog.yaml", fog.replace("DENSITY", "visibility_2_percent_m: 100"))
+        document = self.json("scenes", "fog.yaml")
+        [medium] = document["densities"]["media"]
+        for key, value, digits in (
+                ("extinction_per_m", math.log(50) / 100, 15), ("visibility_2_percent_m", 100, 12),
+                ("visibility_5_percent_m", 100 * math.log(20) / math.log(50), 12),
+                ("water_g_per_m3", 0.2492, 4), ("droplets_per_cm3", 82.76, 1)):
+            self.assertAlmostEqual(medium[key], value, digits, key)
+        self.assertAlmostEqual(medium["optical_depth"]["y"], math.log(50) / 5)
+        self.assertEqual((medium["effective_radius_um"], medium["effective_radius_assumed"]),
+                         (10, True))
+        self.assertEqual([words.split(":")[0] for words in medium["untranslated"]],
+                         ["extinction_color", "albedo", "densities of Unreal and Filament",
+                          "phase"])
+        # Each printed density is the same scene; of a wrong one the error names both keys.
+        droplets = ", effective_radius_um: 10, effective_variance: 0.1"
+        for key in ("extinction_per_m", "visibility_2_percent_m", "visibility_5_percent_m",
+                    "water_g_per_m3", "droplets_per_cm3"):
+            self.put("fog.yaml", fog.replace("DENSITY", f"{key}: {medium[key]!r}{droplets}"))
+            again = self.json("scenes", "fog.yaml")["densities"]["media"][0]
+            self.assertAlmostEqual(again["extinction_per_m"] / medium["extinction_per_m"], 1, 14)
+            self.assertFalse(again["effective_radius_assumed"])
+        self.put("fog.yaml", fog.replace("DENSITY", "optical_depth: 1, extinction_per_m: 1"))
+        self.neph("scenes", "fog.yaml", code=65, silent=True, said=(
+            "fog.yaml:5:34: media[0].homogeneous.optical_depth: extinction_per_m is given, too",
+            "leave one of them out"))
+
+    def test_densities_without_end(self):
+        layer = "{optical_depth: 0.5, falloff_per_m: 0.1, height_m: 0}"
+        self.put("fog.yaml", BLOCK[:BLOCK.index("  - grid")] +
+                 f"  - height_fog: {{layers: [{layer}, {layer}], albedo: [1, 1, 1]}}\n")
+        said = self.neph("scenes", "fog.yaml").stdout
+        self.assertRegex(said, r"medium 0 layer 1 +at height_m +0\.05 .* infinite +0.5 +infinite\n")
+        media = self.json("scenes", "fog.yaml")["densities"]["media"]
+        self.assertEqual([(entry["layer"], entry["optical_depth"]["x"], entry["endless_along"])
+                          for entry in media], [(0, None, ["x", "z"]), (1, None, ["x", "z"])])
+
     def test_the_older_name_of_description(self):
         self.put("old.yaml", BLOCK.replace("VALUES", str(VALUES)) + "physics: words\n")
         said = self.neph("scenes", "old.yaml", said="warning: old.yaml:7: the key `physics` is now "

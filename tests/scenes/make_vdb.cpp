@@ -48,6 +48,22 @@ openvdb::GridPtrVec placed()
     return {grid};
 }
 
+/* Water and the effective radius of its droplets, 5 um and 1 more for each i; the same radii at
+ * another place, and without the last voxel. */
+openvdb::GridPtrVec droplets()
+{
+    openvdb::GridPtrVec grids{ramp("water")};
+    for (const char *name : {"radius", "radius_moved", "radius_short"}) {
+        const FloatGrid::Ptr grid = ramp(name);
+        for (auto voxel = grid->beginValueOn(); voxel; ++voxel)
+            voxel.setValue(static_cast<float>(voxel.getCoord()[0] + 8));
+        grids.push_back(grid);
+    }
+    grids[2]->setTransform(Transform::createLinearTransform(0.5));
+    openvdb::gridPtrCast<FloatGrid>(grids[3])->tree().setValueOff(Coord(1, 5, 9), 0.0f);
+    return grids;
+}
+
 openvdb::GridPtrVec rotated()
 {
     const FloatGrid::Ptr grid = ramp("density");
@@ -205,6 +221,7 @@ const struct {
     {"plain", [] { return openvdb::GridPtrVec{ramp("density")}; }},
     {"placed", placed},
     {"half", half},
+    {"droplets", droplets},
     {"tile", tile},
     {"one_of_another_name", [] { return openvdb::GridPtrVec{ramp("smoke")}; }},
     {"several",

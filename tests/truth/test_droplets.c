@@ -5,6 +5,7 @@
  */
 #include "tests/truth/iprt.h"
 
+#include "scenes/density_units.h"
 #include "truth/doubling.h"
 #include "truth/droplets.h"
 #include "truth/mie.h"
@@ -51,6 +52,23 @@ static void test_moments(void **state)
                               optics.extinction_efficiency, 1e-5, 0.0);
             neph_assert_close(optics.droplets_per_kg, 1.0 / mass_kg, v > 0.2 ? 2e-2 : 2e-4, 0.0);
         }
+}
+
+/* The closed form of scenes/density_units.h for water at 550 nm, within the errors it states. */
+static void test_efficiency_of_scenes(void **state)
+{
+    static const struct {
+        double radius_um, variance, error;
+    } rows[] = {{2.0, 0.01, 0.025}, {2.0, 0.4, 0.025}, {4.0, 0.4, 0.007}, {10.0, 0.4, 0.0015}};
+    struct neph_diag diag = {.message = ""};
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const struct neph_droplet_radii radii = {rows[i].radius_um, rows[i].variance};
+        struct neph_droplets_params params = make(NEPH_DROPLETS_GAMMA, rows[i].radius_um,
+                                                  rows[i].variance, 0.55);
+        neph_assert_ok(neph_water_index(550e-9, &params.index, &diag), &diag);
+        const double q = compute(&params, NULL).extinction_efficiency;
+        neph_assert_close(neph_droplet_extinction_efficiency(radii), q, rows[i].error, 0.0);
+    }
 }
 
 /* A narrow distribution is one sphere where efficiency varies slowly. */

@@ -1,0 +1,438 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * neph's side of the protocol with neph-netcdf: runs it, checks every number it returns, converts
+ * units, and makes even nodes of its coordinates.
+ */
+#include "scenes/volume_netcdf.h"
+
+#include "base/helper.h"
+#include "scenes/even_levels.h"
+#include "scenes/file_units.h"
+#include "scenes/volume_file.h"
+#include "scenes/volume_format.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_UNIT_KIND_COUNT == 7, "a new kind");
+_Static_assert(NEPH_DENSITY_UNIT_COUNT == 6, "a new unit");
+
+enum { BOX_BYTES = 80 };
+
+/* As for OpenVDB: 5 MB/s of a compressed file, on a busy machine. */
+static const size_t cpu_bytes_per_s = 5000000;
+static const size_t cpu_start_s = 10;
+static const double wall_per_cpu = 20.0;
+
+static const struct neph_helper helper = {
+    .name = "neph-netcdf",
+    .variable = "NEPH_NETCDF",
+    .built = NEPH_NETCDF_PROGRAM,
+    .library = "NetCDF",
+    .reads = "NetCDF files",
+    .missing = "install NetCDF and build neph again: sudo apt-get install libnetcdf-dev",
+};
+
+enum neph_status neph_volume_find_netcdf(char **program, struct neph_diag *diag)
+{
+    return neph_helper_find(&helper, program, diag);
+}
+
+/* The output of the program, and what is made of it. */
+struct volume {
+    struct neph_netcdf_header header;
+    int size[3];
+    double *levels[3];     /* owned; in metres, or in the unit of the file */
+    bool is_reversed[3];   /* they descend in the file; here they ascend */
+    float *values, *radii; /* owned; radii: NULL without */
+    double first[3], spacing[3];
+    char note[sizeof(((struct neph_grid *)0)->note)];
+};
+
+static void finish_volume(struct volume *volume)
+{
+    for (int axis = 0; axis < 3; axis++)
+        free(volume->levels[axis]);
+    free(volume->values);
+    free(volume->radii);
+}
+
+/* ---- the program ----------------------------------------------------------------------------- */
+
+static enum neph_status run_program(const struct neph_volume_request *request, size_t file_bytes,
+                                    const struct neph_shared *voxels, struct neph_diag *diag)
+{
+    const size_t cpu_s = cpu_start_s + file_bytes / cpu_bytes_per_s;
+    const struct neph_volume_box *box = request->index_box;
+    char memory[32], cpu[32], side[32], time[32], index_box[BOX_BYTES] = "all";
+    snprintf(memory, sizeof(memory), "%zu", request->memory_limit_bytes);
+    snprintf(cpu, sizeof(cpu), "%zu", cpu_s);
+    snprintf(side, sizeof(side), "%d", NEPH_GRID_SIDE_MAX);
+    snprintf(time, sizeof(time), "%d", request->time_index ? *request->time_index : -1);
+    if (box)
+        snprintf(index_box, sizeof(index_box), "%d,%d,%d,%d,%d,%d", box->first[0], box->first[1],
+                 box->first[2], box->last[0], box->last[1], box->last[2]);
+    const char *argv[NEPH_HELPER_ARGUMENTS_MAX] = {NULL,
+                                                   "read",
+                                                   voxels->path,
+                                                   request->path,
+                                                   memory,
+                                                   cpu,
+                                                   side,
+                                                   time,
+                                                   request->axes ? request->axes : "-",
+                                                   index_box,
+                                                   request->grid_name ? request->grid_name : "-",
+                                                   request->radius_name};
+    return neph_helper_run(&helper, argv, wall_per_cpu * (double)cpu_s, diag);
+}
+
+static enum neph_status refuse_output(struct neph_diag *diag)
+{
+    return neph_fail(diag, NEPH_ERR_INPUT, "damaged: NetCDF read nonsense from it");
+}
+
+struct output {
+    const unsigned char *bytes;
+    size_t size, used;
+};
+
+static bool take(struct output *output, void *to, size_t size)
+{
+    if (size > output->size - output->used)
+        return false;
+    memcpy(to, output->bytes + output->used, size);
+    output->used += size;
+    return true;
+}
+
+static bool ends(const char text[NEPH_NETCDF_TEXT_SIZE])
+{
+    return memchr(text, '\0', NEPH_NETCDF_TEXT_SIZE);
+}
+
+static bool is_sound(const struct neph_netcdf_header *header, int variables)
+{
+    bool sound = header->variable_count == variables;
+    for (int axis = 0; axis < 3; axis++)
+        sound &= header->axes[axis].size >= 1 && header->axes[axis].size <= NEPH_GRID_SIDE_MAX &&
+                 ends(header->axes[axis].name) && ends(header->axes[axis].unit);
+    for (int v = 0; v < 2; v++)
+        sound &= ends(header->names[v]) && ends(header->units[v]);
+    return sound;
+}
+
+static enum neph_status take_numbers(struct output *output, void **numbers, size_t count,
+                                     size_t size, struct neph_diag *diag)
+{
+    *numbers = calloc(count, size);
+    if (!*numbers)
+        return neph_fail_memory(diag);
+    return take(output, *numbers, count * size) ? NEPH_OK : refuse_output(diag);
+}
+
+static enum neph_status take_volume(const struct neph_volume_request *request,
+                                    struct output *output, struct volume *volume,
+                                    struct neph_diag *diag)
+{
+    const int variables = request->radius_name ? 2 : 1;
+    if (!take(output, &volume->header, sizeof(volume->header)) ||
+        !is_sound(&volume->header, variables))
+        return refuse_output(diag);
+    for (int axis = 0; axis < 3; axis++)
+        volume->size[axis] = (int)volume->header.axes[axis].size;
+    enum neph_status status = neph_volume_check_size(request, volume->size, diag);
+    for (int axis = 0; axis < 3 && !status; axis++)
+        status = take_numbers(output, (void **)&volume->levels[axis], (size_t)volume->size[axis],
+                              sizeof(double), diag);
+    const size_t count = (size_t)volume->size[0] * (size_t)volume->size[1] *
+                         (size_t)volume->size[2];
+    if (!status)
+        status = take_numbers(output, (void **)&volume->values, count, sizeof(float), diag);
+    if (!status && request->radius_name)
+        status = take_numbers(output, (void **)&volume->radii, count, sizeof(float), diag);
+    return status;
+}
+
+static enum neph_status read_output(const struct neph_volume_request *request,
+                                    const struct neph_volume_source *source, struct volume *volume,
+                                    struct neph_diag *diag)
+{
+    struct neph_shared shared;
+    const void *bytes = NULL;
+    struct output output = {.used = 0};
+    enum neph_status status = neph_shared_create("neph-netcdf-voxels", &shared, diag);
+    if (status)
+        return status;
+    status = run_program(request, source->size_bytes, &shared, diag);
+    if (!status)
+        status = neph_shared_map(&shared, &bytes, &output.size, diag);
+    output.bytes = bytes;
+    if (!status)
+        status = take_volume(request, &output, volume, diag);
+    if (bytes)
+        munmap((void *)bytes, output.size);
+    neph_shared_destroy(&shared);
+    return status;
+}
+
+/* ---- units of values ------------------------------------------------------------------------- */
+
+/* The kind of unit that each density needs; UNKNOWN: any, because only proportions count. */
+static const enum neph_unit_kind kinds[NEPH_DENSITY_UNIT_COUNT] = {
+    [NEPH_DENSITY_EXTINCTION] = NEPH_UNIT_EXTINCTION,
+    [NEPH_DENSITY_WATER] = NEPH_UNIT_WATER,
+    [NEPH_DENSITY_DROPLETS] = NEPH_UNIT_NUMBER,
+    [NEPH_DENSITY_VISIBILITY_2] = NEPH_UNIT_UNKNOWN,
+    [NEPH_DENSITY_VISIBILITY_5] = NEPH_UNIT_UNKNOWN,
+    [NEPH_DENSITY_OPTICAL_DEPTH] = NEPH_UNIT_UNKNOWN,
+};
+
+static const char *const kind_units[NEPH_UNIT_KIND_COUNT] = {
+    [NEPH_UNIT_WATER] = "g/m3 or kg/m3",
+    [NEPH_UNIT_NUMBER] = "1/cm3 or 1/m3",
+    [NEPH_UNIT_EXTINCTION] = "1/m or 1/km",
+};
+
+static enum neph_status refuse_unit(const struct neph_volume_request *request, const char *name,
+                                    const char *unit, enum neph_unit_kind kind,
+                                    struct neph_diag *diag)
+{
+    const char *key = neph_density_unit_row(request->density)->key;
+    neph_fail(diag, NEPH_ERR_INPUT, "variable '%s' has %s%.60s%s, and %s needs %s", name,
+              *unit ? "the unit '" : "no unit", unit, *unit ? "'" : "", key,
+              kind_units[kinds[request->density]]);
+    if (kind == NEPH_UNIT_MIXING_RATIO)
+        neph_hint(diag,
+                  "it is a mixing ratio: multiply it by the density of air, such as with "
+                  "ncap2 -s 'lwc=%s*rho' in.nc out.nc, and name that variable",
+                  name);
+    else
+        neph_hint(diag, "value_unit is used in place of the attribute `units` of the file");
+    return NEPH_ERR_INPUT;
+}
+
+static enum neph_status convert_values(const struct neph_volume_request *request,
+                                       struct volume *volume, size_t count, struct neph_diag *diag)
+{
+    const char *unit = request->value_unit ? request->value_unit : volume->header.units[0];
+    const enum neph_unit_kind needed = request->density < NEPH_DENSITY_UNIT_COUNT
+                                           ? kinds[request->density]
+                                           : NEPH_UNIT_UNKNOWN;
+    double factor = 1.0;
+    const enum neph_unit_kind kind = neph_unit_find(unit, &factor);
+    const bool is_one = request->value_unit && kind == NEPH_UNIT_ONE;
+    if (needed == NEPH_UNIT_UNKNOWN)
+        return NEPH_OK;
+    if (kind != needed && !is_one)
+        return refuse_unit(request, volume->header.names[0], unit, kind, diag);
+    for (size_t i = 0; i < count; i++)
+        volume->values[i] = (float)(factor * (double)volume->values[i]);
+    return NEPH_OK;
+}
+
+static enum neph_status convert_radii(const struct neph_volume_request *request,
+                                      struct volume *volume, struct neph_diag *diag)
+{
+    struct neph_droplet_voxels droplets = request->droplets;
+    double factor = 1.0;
+    if (droplets.radius_unit_um == 0.0) {
+        const char *unit = volume->header.units[1];
+        if (neph_unit_find(unit, &factor) != NEPH_UNIT_LENGTH) {
+            neph_fail(diag, NEPH_ERR_INPUT, "variable '%s' has %s%.60s%s, which is no length",
+                      volume->header.names[1], *unit ? "the unit '" : "no unit", unit,
+                      *unit ? "'" : "");
+            neph_hint(diag, "radius_unit_um is used in place of it: 1 for um, 1e6 for m");
+            return NEPH_ERR_INPUT;
+        }
+        droplets.radius_unit_um = 1e6 * factor;
+    }
+    return neph_droplet_voxels_convert(&droplets, volume->size, volume->values, volume->radii,
+                                       diag);
+}
+
+/* ---- coordinates ----------------------------------------------------------------------------- */
+
+static enum neph_status refuse_axis(const struct neph_netcdf_axis *axis, const char *what,
+                                    const char *unit, struct neph_diag *diag)
+{
+    neph_fail(diag, NEPH_ERR_INPUT, "dimension '%s' has %s%s%s", axis->name, what, unit,
+              *unit ? "'" : "");
+    neph_hint(diag, "unit_m: 1 takes coordinates as metres; placement: fit with center_m and "
+                    "size_m takes even nodes without coordinates");
+    return NEPH_ERR_INPUT;
+}
+
+/* Whether coordinates ascend; with `sign` -1: descend. */
+static bool ascends(const double *levels, int count, double sign)
+{
+    for (int i = 0; i < count; i++)
+        if (!isfinite(levels[i]) || (i > 0 && !(sign * (levels[i] - levels[i - 1]) > 0.0)))
+            return false;
+    return true;
+}
+
+/* Coordinates in metres. `*are_known` false: the file has none that are lengths, and a fitted block
+ * does not need them. */
+static enum neph_status read_axis(const struct neph_volume_request *request, struct volume *volume,
+                                  int axis, bool *are_known, struct neph_diag *diag)
+{
+    const struct neph_netcdf_axis *own = &volume->header.axes[axis];
+    double *levels = volume->levels[axis], factor = 1.0;
+    const int count = volume->size[axis];
+    const bool is_length = neph_unit_find(own->unit, &factor) == NEPH_UNIT_LENGTH;
+    *are_known = own->has_coordinates && (is_length || request->has_length_unit);
+    if (!*are_known && request->is_fitted)
+        return NEPH_OK;
+    if (!own->has_coordinates)
+        return refuse_axis(own, "no coordinate variable", "", diag);
+    if (!*are_known)
+        return *own->unit
+                   ? refuse_axis(own, "coordinates that are no lengths, in '", own->unit, diag)
+                   : refuse_axis(own, "coordinates without a unit", "", diag);
+    volume->is_reversed[axis] = count > 1 && levels[0] > levels[1];
+    if (!ascends(levels, count, volume->is_reversed[axis] ? -1.0 : 1.0))
+        return refuse_axis(own, "coordinates that neither ascend nor descend", "", diag);
+    if (count == 1 && !request->is_fitted)
+        return refuse_axis(own, "one place, which has no thickness", "", diag);
+    *are_known = count > 1;
+    for (int i = 0; i < count; i++)
+        levels[i] *= is_length ? factor : 1.0;
+    return NEPH_OK;
+}
+
+static void reverse_levels(double *levels, int count)
+{
+    for (int i = 0; i < count / 2; i++) {
+        const double low = levels[i];
+        levels[i] = levels[count - 1 - i];
+        levels[count - 1 - i] = low;
+    }
+}
+
+/* Reverses the values along an axis. */
+static void reverse_values(struct volume *volume, int axis)
+{
+    const int *size = volume->size;
+    const size_t strides[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
+    const int a = axis == 0 ? 1 : 0, b = axis == 2 ? 1 : 2;
+    for (int k = 0; k < size[b]; k++)
+        for (int j = 0; j < size[a]; j++) {
+            float *line = volume->values + (size_t)k * strides[b] + (size_t)j * strides[a];
+            for (int i = 0; i < size[axis] / 2; i++) {
+                float *low = &line[(size_t)i * strides[axis]],
+                      *high = &line[(size_t)(size[axis] - 1 - i) * strides[axis]], kept = *low;
+                *low = *high;
+                *high = kept;
+            }
+        }
+}
+
+/* Even nodes along an axis whose coordinates ascend. */
+static enum neph_status make_even(const struct neph_volume_request *request, struct volume *volume,
+                                  int axis, struct neph_diag *diag)
+{
+    struct neph_even_levels even;
+    const double *levels = volume->levels[axis];
+    const int count = volume->size[axis];
+    const bool is_even = neph_are_levels_even(levels, count, NEPH_GRID_SIDE_MAX, &even);
+    volume->first[axis] = even.first;
+    volume->spacing[axis] = even.spacing;
+    if (is_even)
+        return NEPH_OK;
+    size_t inner = 1, outer = 1;
+    for (int other = 0; other < 3; other++)
+        *(other < axis ? &inner : &outer) *= other == axis ? 1 : (size_t)volume->size[other];
+    volume->size[axis] = even.count;
+    const enum neph_status status = neph_volume_check_size(request, volume->size, diag);
+    if (status)
+        return status;
+    float *values = calloc(inner * (size_t)even.count * outer, sizeof(*values));
+    if (!values)
+        return neph_fail_memory(diag);
+    const double change = neph_even_levels_resample(levels, count, &even, outer, inner,
+                                                    volume->values, values);
+    free(volume->values);
+    volume->values = values;
+    const size_t used = strlen(volume->note);
+    snprintf(volume->note + used, sizeof(volume->note) - used,
+             "%s%d uneven places along '%.40s' became %d, %.4g m apart: their sum times thickness "
+             "changed by %.1e",
+             used ? "; " : "", count, volume->header.axes[axis].name, even.count, even.spacing,
+             change);
+    return NEPH_OK;
+}
+
+static enum neph_status place_axes(const struct neph_volume_request *request, struct volume *volume,
+                                   struct neph_diag *diag)
+{
+    bool are_known[3];
+    enum neph_status status = NEPH_OK;
+    for (int axis = 0; axis < 3 && !status; axis++)
+        status = read_axis(request, volume, axis, &are_known[axis], diag);
+    const bool all_known = !status && are_known[0] && are_known[1] && are_known[2];
+    for (int axis = 0; axis < 3 && !status; axis++) {
+        volume->first[axis] = 0.0;
+        volume->spacing[axis] = 1.0;
+        if (volume->is_reversed[axis]) {
+            reverse_levels(volume->levels[axis], volume->size[axis]);
+            reverse_values(volume, axis);
+        }
+        if (all_known)
+            status = make_even(request, volume, axis, diag);
+    }
+    return status;
+}
+
+/* ---- all ------------------------------------------------------------------------------------- */
+
+static enum neph_status create_grid(const struct neph_volume_request *request,
+                                    const struct volume *volume, struct neph_grid **grid,
+                                    struct neph_diag *diag)
+{
+    const double *o = volume->first, *h = volume->spacing;
+    const struct neph_block block = {{volume->size[0], volume->size[1], volume->size[2]},
+                                     {o[0], o[1], o[2]},
+                                     {h[0], h[1], h[2]}};
+    struct neph_turned_block turned;
+    const enum neph_status status = neph_volume_create_grid(request, &neph_axis_turn_none, &block,
+                                                            &turned, grid, diag);
+    if (status)
+        return status;
+    const float *value = volume->values;
+    for (int k = 0; k < block.size[2]; k++)
+        for (int j = 0; j < block.size[1]; j++) {
+            float *row = (*grid)->values + turned.first + j * turned.step[1] + k * turned.step[2];
+            for (int i = 0; i < block.size[0]; i++)
+                row[i * turned.step[0]] = *value++;
+        }
+    memcpy((*grid)->note, volume->note, sizeof(volume->note));
+    return NEPH_OK;
+}
+
+enum neph_status neph_volume_read_netcdf(const struct neph_volume_request *request,
+                                         const struct neph_volume_source *source,
+                                         struct neph_grid **grid, struct neph_diag *diag)
+{
+    struct volume *volume = calloc(1, sizeof(*volume));
+    if (!volume)
+        return neph_fail_memory(diag);
+    enum neph_status status = read_output(request, source, volume, diag);
+    if (!status)
+        status = convert_values(
+            request, volume,
+            (size_t)volume->size[0] * (size_t)volume->size[1] * (size_t)volume->size[2], diag);
+    if (!status && request->radius_name)
+        status = convert_radii(request, volume, diag);
+    if (!status)
+        status = place_axes(request, volume, diag);
+    if (!status)
+        status = create_grid(request, volume, grid, diag);
+    finish_volume(volume);
+    free(volume);
+    return status;
+}
