@@ -84,6 +84,14 @@ static void move(const struct search *search, const double *step, double *moved)
     }
 }
 
+static bool is_small(const struct search *search, const double *moved)
+{
+    for (int k = 0; k < search->problem->unknown_count; k++)
+        if (fabs(moved[k] - search->x[k]) > search->problem->smallest_step)
+            return false;
+    return true;
+}
+
 static void accept(struct search *search, const double *x, double squares)
 {
     double *residuals = search->residuals;
@@ -112,9 +120,13 @@ static enum neph_status descend(struct search *search, bool *is_done, struct nep
         if (status)
             return status;
         const double squares = dot(search->moved, search->moved, problem->residual_count);
+        *is_done = is_small(search, moved);
+        if (!(squares < search->squares) && *is_done)
+            return NEPH_OK;
         if (!(squares < search->squares))
             continue;
-        *is_done = !(search->squares - squares > problem->tolerance * search->squares);
+        *is_done |= squares <= problem->enough;
+        *is_done |= !(search->squares - squares > problem->tolerance * search->squares);
         accept(search, moved, squares);
         return NEPH_OK;
     }
@@ -139,6 +151,7 @@ enum neph_status neph_least_squares_solve(const struct neph_least_squares *probl
         status = problem->find_residuals(problem->context, search.x, search.residuals, diag);
     if (!status)
         search.squares = dot(search.residuals, search.residuals, problem->residual_count);
+    is_done = search.squares <= problem->enough;
     for (int i = 0; i < problem->iterations_max && !is_done && !status; i++)
         status = descend(&search, &is_done, diag);
     if (!status) {
@@ -149,36 +162,39 @@ enum neph_status neph_least_squares_solve(const struct neph_least_squares *probl
     return status;
 }
 
-/* By Gauss and Jordan, after scaling to a diagonal of 1. */
-bool neph_positive_invert(int count, double matrix[NEPH_UNKNOWNS_MAX][NEPH_UNKNOWNS_MAX])
+/* Rotate rows and columns k and l so that the element (k, l) becomes 0. */
+static void rotate(int count, double matrix[NEPH_UNKNOWNS_MAX][NEPH_UNKNOWNS_MAX],
+                   double vectors[NEPH_UNKNOWNS_MAX][NEPH_UNKNOWNS_MAX], int k, int l)
 {
-    double scale[NEPH_UNKNOWNS_MAX];
-    for (int k = 0; k < count; k++) {
-        if (!(matrix[k][k] > 0.0))
-            return false;
-        scale[k] = 1.0 / sqrt(matrix[k][k]);
+    const double angle = 0.5 * atan2(2.0 * matrix[k][l], matrix[l][l] - matrix[k][k]);
+    const double c = cos(angle), s = sin(angle);
+    for (int i = 0; i < count; i++) {
+        const double a = matrix[i][k], b = matrix[i][l];
+        matrix[i][k] = c * a - s * b;
+        matrix[i][l] = s * a + c * b;
     }
+    for (int i = 0; i < count; i++) {
+        const double a = matrix[k][i], b = matrix[l][i], v = vectors[k][i], w = vectors[l][i];
+        matrix[k][i] = c * a - s * b;
+        matrix[l][i] = s * a + c * b;
+        vectors[k][i] = c * v - s * w;
+        vectors[l][i] = s * v + c * w;
+    }
+}
+
+void neph_symmetric_eigen(int count, double matrix[NEPH_UNKNOWNS_MAX][NEPH_UNKNOWNS_MAX],
+                          double values[NEPH_UNKNOWNS_MAX],
+                          double vectors[NEPH_UNKNOWNS_MAX][NEPH_UNKNOWNS_MAX])
+{
+    enum { SWEEPS = 12 }; /* convergence is quadratic: 16 unknowns need 6 to 8 */
     for (int k = 0; k < count; k++)
         for (int l = 0; l < count; l++)
-            matrix[k][l] *= scale[k] * scale[l];
-    for (int k = 0; k < count; k++) {
-        const double pivot = matrix[k][k];
-        if (!(pivot > 1e-15 * count))
-            return false;
-        matrix[k][k] = 1.0;
-        for (int l = 0; l < count; l++)
-            matrix[k][l] /= pivot;
-        for (int row = 0; row < count; row++) {
-            const double factor = matrix[row][k];
-            if (row == k)
-                continue;
-            matrix[row][k] = 0.0;
-            for (int l = 0; l < count; l++)
-                matrix[row][l] -= factor * matrix[k][l];
-        }
-    }
+            vectors[k][l] = k == l;
+    for (int sweep = 0; sweep < SWEEPS; sweep++)
+        for (int k = 0; k < count; k++)
+            for (int l = k + 1; l < count; l++)
+                if (matrix[k][l] != 0.0)
+                    rotate(count, matrix, vectors, k, l);
     for (int k = 0; k < count; k++)
-        for (int l = 0; l < count; l++)
-            matrix[k][l] *= scale[k] * scale[l];
-    return true;
+        values[k] = matrix[k][k];
 }

@@ -24,6 +24,8 @@ struct neph_least_squares {
     void *context;
     const double *low, *high; /* bounds of the unknowns; NULL: none */
     double tolerance;         /* an iteration that improves the sum by less is the last: relative */
+    double smallest_step;     /* so is one that moves no unknown by more */
+    double enough;            /* a sum that is not above it ends the search */
     int iterations_max;
 };
 
@@ -32,8 +34,11 @@ struct neph_least_squares {
 enum neph_status neph_least_squares_solve(const struct neph_least_squares *problem, double *x,
                                           double *squares, struct neph_diag *diag);
 
-/* Replace a symmetric matrix of count x count by its inverse. False: it is not positive definite in
- * double precision, and `matrix` is undefined. */
-bool neph_positive_invert(int count, double matrix[NEPH_UNKNOWNS_MAX][NEPH_UNKNOWNS_MAX]);
+/* Eigenvalues of a symmetric matrix of count x count, and its eigenvectors of length 1: vectors[i]
+ * is the one of values[i]. By rotations of Jacobi (Numer. Math. 9 (1966), 1), relative accuracy
+ * 1e-14 of the largest. `matrix` is undefined afterwards. */
+void neph_symmetric_eigen(int count, double matrix[NEPH_UNKNOWNS_MAX][NEPH_UNKNOWNS_MAX],
+                          double values[NEPH_UNKNOWNS_MAX],
+                          double vectors[NEPH_UNKNOWNS_MAX][NEPH_UNKNOWNS_MAX]);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Least squares on a certified problem, from its own starts, against bounds, with an unknown that
- * has no influence, and a failing residual; inverses of matrices.
+ * has no influence, and a failing residual; eigenvalues of matrices.
  */
 #include "tests/neph_test.h"
 
@@ -71,6 +71,16 @@ static void test_bounds_and_an_idle_unknown(void **state)
     neph_assert_close(slope, 0.0, 0.0, 1e-2); /* of terms near 100 */
 }
 
+/* A sum that is enough ends the search before it is least. */
+static void test_enough_is_enough(void **state)
+{
+    struct neph_least_squares problem = misra;
+    double b[3] = {500.0, 1e-4}, squares;
+    problem.enough = 100.0;
+    neph_assert_ok(neph_least_squares_solve(&problem, b, &squares, NULL), NULL);
+    assert_true(squares <= 100.0 && squares > 0.13);
+}
+
 static void test_an_error_changes_nothing(void **state)
 {
     struct neph_least_squares problem = misra;
@@ -82,26 +92,37 @@ static void test_an_error_changes_nothing(void **state)
     neph_assert_close(squares, -1.0, 0.0, 0.0);
 }
 
-static void test_inverses(void **state)
+/* Eigenvalues of the matrix of second differences of order n: 2 - 2 cos(k pi / (n + 1)), and its
+ * vectors are sines; and of a matrix of rank 1. */
+static void test_eigenvalues(void **state)
 {
-    /* Of the Hilbert matrix of order 4, over a wide range of units. */
-    static const double inverse[4][4] = {{16, -120, 240, -140},
-                                         {-120, 1200, -2700, 1680},
-                                         {240, -2700, 6480, -4200},
-                                         {-140, 1680, -4200, 2800}};
-    static const double unit[] = {1.0, 1e6, 1e-6, 30.0};
-    double matrix[NEPH_UNKNOWNS_MAX][NEPH_UNKNOWNS_MAX];
-    for (int k = 0; k < 4; k++)
-        for (int l = 0; l < 4; l++)
-            matrix[k][l] = unit[k] * unit[l] / (k + l + 1);
-    assert_true(neph_positive_invert(4, matrix));
-    for (int k = 0; k < 4; k++)
-        for (int l = 0; l < 4; l++)
-            neph_assert_close(matrix[k][l] * unit[k] * unit[l], inverse[k][l], 1e-11, 0.0);
-    for (int k = 0; k < 2; k++)
-        for (int l = 0; l < 2; l++)
-            matrix[k][l] = 1.0;
-    assert_false(neph_positive_invert(2, matrix));
+    enum { N = NEPH_UNKNOWNS_MAX };
+    double matrix[N][N] = {{0.0}}, values[N], vectors[N][N];
+    for (int k = 0; k < N; k++) {
+        matrix[k][k] = 2.0;
+        if (k > 0)
+            matrix[k][k - 1] = matrix[k - 1][k] = -1.0;
+    }
+    neph_symmetric_eigen(N, matrix, values, vectors);
+    for (int i = 0; i < N; i++) {
+        const double k = round(acos(1.0 - 0.5 * values[i]) * (N + 1) / M_PI);
+        neph_assert_close(values[i], 2.0 - 2.0 * cos(k * M_PI / (N + 1)), 0.0, 1e-13);
+        for (int j = 0; j < N; j++)
+            neph_assert_close(fabs(vectors[i][j]),
+                              fabs(sqrt(2.0 / (N + 1)) * sin(k * (j + 1) * M_PI / (N + 1))), 0.0,
+                              1e-12);
+    }
+    for (int k = 0; k < 3; k++)
+        for (int l = 0; l < 3; l++)
+            matrix[k][l] = (k + 1) * (l + 1);
+    neph_symmetric_eigen(3, matrix, values, vectors);
+    double sum = 0.0, most = 0.0;
+    for (int i = 0; i < 3; i++) {
+        sum += fabs(values[i]);
+        most = fmax(most, values[i]);
+    }
+    neph_assert_close(most, 14.0, 1e-14, 0.0);
+    neph_assert_close(sum, 14.0, 1e-14, 0.0);
 }
 
 #include "tests/main.h"
