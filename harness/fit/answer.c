@@ -39,15 +39,26 @@ static void add(char *text, size_t size, const char *format, ...)
 
 /* ---- the sentence ---------------------------------------------------------------------------- */
 
-static void add_mistake(const struct neph_fit_mistake *mistake, char *text, size_t size)
+static void add_factor(const char *name, double predicted, double found,
+                       const struct neph_fit_estimate *estimate, char *text, size_t size)
+{
+    add(text, size, "%s x %.4g", name, predicted);
+    if (estimate->is_determined)
+        add(text, size, ", found %.4g", found);
+}
+
+static void add_mistake(const struct neph_fit *fit, const struct neph_fit_mistake *mistake,
+                        char *text, size_t size)
 {
     const bool both = mistake->extinction != 1.0 && mistake->albedo != 1.0;
     add(text, size, "%s (%s%s", mistake->name, mistake->detail, mistake->detail[0] ? ": " : "");
     if (mistake->extinction != 1.0)
-        add(text, size, "extinction x %.4g, found %.4g%s", mistake->extinction, mistake->found[0],
-            both ? "; " : "");
+        add_factor("extinction", mistake->extinction, mistake->found[0],
+                   &fit->held.list[NEPH_FIT_EXTINCTION], text, size);
+    add(text, size, both ? "; " : "");
     if (mistake->albedo != 1.0)
-        add(text, size, "scattered light x %.4g, found %.4g", mistake->albedo, mistake->found[1]);
+        add_factor("scattered light", mistake->albedo, mistake->found[1],
+                   &fit->held.list[NEPH_FIT_ALBEDO], text, size);
     add(text, size, ")");
 }
 
@@ -83,7 +94,7 @@ static void add_differences(const struct neph_fit_answer *answer, char *text, si
     }
     for (int i = 0; i < verdict->count; i++) {
         add(text, size, "%s", i > 0 ? " or " : between);
-        add_mistake(&verdict->list[i], text, size);
+        add_mistake(fit, &verdict->list[i], text, size);
         between = "; ";
     }
     if (!verdict->factors_agree && verdict->count == 0) {
@@ -341,15 +352,20 @@ static json_t *extinction_json(const struct neph_fit *fit)
     return json;
 }
 
-static json_t *mistakes_json(const struct neph_fit_verdict *verdict)
+static json_t *mistakes_json(const struct neph_fit *fit, const struct neph_fit_verdict *verdict)
 {
-    json_t *list = json_array();
-    for (int i = 0; i < verdict->count; i++)
-        neph_json_add(&list,
-                      json_pack("{s:s, s:s, s:f, s:f, s:f, s:f}", "name", verdict->list[i].name,
-                                "detail", verdict->list[i].detail, "extinction",
-                                verdict->list[i].extinction, "albedo", verdict->list[i].albedo));
-    return list;
+    const struct neph_fit_estimate *list = fit->held.list;
+    json_t *json = json_array();
+    for (int i = 0; i < verdict->count; i++) {
+        const struct neph_fit_mistake *mistake = &verdict->list[i];
+        const double e = list[NEPH_FIT_EXTINCTION].is_determined ? mistake->found[0] : NAN,
+                     a = list[NEPH_FIT_ALBEDO].is_determined ? mistake->found[1] : NAN;
+        neph_json_add(&json, json_pack("{s:s, s:s, s:f, s:f, s:o, s:o}", "name", mistake->name,
+                                       "detail", mistake->detail, "extinction", mistake->extinction,
+                                       "albedo", mistake->albedo, "found_extinction",
+                                       neph_json_number(e), "found_albedo", neph_json_number(a)));
+    }
+    return json;
 }
 
 static json_t *pixels_json(const struct neph_fit *fit)
@@ -380,11 +396,11 @@ json_t *neph_fit_json(const struct neph_fit_answer *answer)
     neph_fit_sentence(answer, text, sizeof(text));
     return json_pack(
         "{s:s, s:b, s:o, s:s?, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "sentence", text, "agrees",
-        verdict->agrees, "mistakes", mistakes_json(verdict), "falloff_mistake", verdict->falloff,
-        "transfer", transfer_json(fit, verdict), "extinction", extinction_json(fit), "albedo",
-        unknown_json(fit, NEPH_FIT_ALBEDO), "asymmetry", unknown_json(fit, NEPH_FIT_ASYMMETRY),
-        "falloff", unknown_json(fit, NEPH_FIT_FALLOFF), "extinction_times_albedo",
-        estimate_json(&fit->best.scattering), "rms",
+        verdict->agrees, "mistakes", mistakes_json(fit, verdict), "falloff_mistake",
+        verdict->falloff, "transfer", transfer_json(fit, verdict), "extinction",
+        extinction_json(fit), "albedo", unknown_json(fit, NEPH_FIT_ALBEDO), "asymmetry",
+        unknown_json(fit, NEPH_FIT_ASYMMETRY), "falloff", unknown_json(fit, NEPH_FIT_FALLOFF),
+        "extinction_times_albedo", estimate_json(&fit->best.scattering), "rms",
         json_pack("{s:o, s:o}", "radiance", neph_json_number(has[0] ? fit->rms[0] : NAN),
                   "transmittance", neph_json_number(has[1] ? fit->rms[1] : NAN)),
         "pixels", pixels_json(fit));

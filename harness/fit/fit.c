@@ -151,13 +151,38 @@ double neph_fit_limit(const struct neph_fit *fit, int restricted)
 
 /* ---- weights --------------------------------------------------------------------------------- */
 
-/* Divide the weights of the pixels by the scales of their quantities; outliers keep 0. */
-static void set_weights(struct neph_fit *fit, const double *scales)
+/* What a relative error of radiance, or of the optical depth of a transmittance, is multiplied by. */
+static double find_sensitivity(double value, int quantity)
+{
+    if (quantity == NEPH_FIT_RADIANCE)
+        return value;
+    const double transmittance = fmin(fmax(value, 1e-9), 1.0);
+    return -transmittance * log(transmittance);
+}
+
+static void find_floors(struct neph_fit *fit)
+{
+    const double rounding = 1e-7; /* of floats */
+    double sums[NEPH_FIT_QUANTITY_COUNT] = {0.0};
+    for (int i = 0; i < count_values(fit); i++) {
+        const struct neph_fit_pixel *pixel = &fit->pixels->list[i / VALUES];
+        const double error = pixel->weights[0][i % VALUES] *
+                             find_sensitivity(pixel->values[0][i % VALUES], quantity_of(i));
+        sums[quantity_of(i)] += error * error;
+    }
+    for (int q = 0; q < NEPH_FIT_QUANTITY_COUNT; q++)
+        fit->floors[q] = fmax(NEPH_FIT_MODEL_ERROR * sqrt(sums[q] / (3 * fit->pixels->count)),
+                              rounding);
+}
+
+/* Divide the weights of the pixels by the scales of their quantities, which are their residuals'
+ * rms; outliers keep 0. */
+static void scale_weights(struct neph_fit *fit)
 {
     for (int i = 0; i < count_values(fit); i++)
         if (fit->weights[i] != 0.0)
             fit->weights[i] = fit->pixels->list[i / VALUES].weights[0][i % VALUES] /
-                              scales[quantity_of(i)];
+                              fmax(fit->rms[quantity_of(i)], fit->floors[quantity_of(i)]);
 }
 
 static void start_weights(struct neph_fit *fit)
@@ -320,11 +345,8 @@ static enum neph_status rescale(struct neph_fit *fit, double *residuals, struct 
     enum neph_status status = NEPH_OK;
     const int rounds = fit->pixels->has[0] && fit->pixels->has[1] ? 3 : 2;
     for (int round = 0; round < rounds && !status; round++) {
-        double scales[NEPH_FIT_QUANTITY_COUNT];
         status = measure(fit, &fit->best.point, residuals, fit->rms, diag);
-        for (int q = 0; q < NEPH_FIT_QUANTITY_COUNT; q++)
-            scales[q] = fmax(fit->rms[q], NEPH_FIT_MODEL_ERROR);
-        set_weights(fit, scales);
+        scale_weights(fit);
         if (!status)
             status = minimise_whole(fit, &fit->best.point, &fit->best.squares, diag);
     }
@@ -416,35 +438,75 @@ static double find_spread(const struct neph_fit *fit, const double *residuals, i
     return count ? 1.4826 * room[count / 2] : INFINITY;
 }
 
-/* Give pixels beyond 6 spreads no weight, such as edges and fireflies; unless they are so many that
- * the model is at fault. */
-static enum neph_status remove_outliers(struct neph_fit *fit, const double *residuals,
-                                        struct neph_diag *diag)
+/* How far each pixel is from the others: the largest of its residuals, in spreads. */
+static enum neph_status find_scores(const struct neph_fit *fit, const double *residuals,
+                                    double *scores, struct neph_diag *diag)
 {
-    const double far = 6.0, most = 0.05;
-    double spreads[NEPH_FIT_QUANTITY_COUNT],
-        *room = malloc((size_t)count_values(fit) * sizeof(*room));
+    double spreads[NEPH_FIT_QUANTITY_COUNT];
+    double *room = malloc((size_t)count_values(fit) * sizeof(*room));
     if (!room)
         return neph_fail_memory(diag);
     for (int q = 0; q < NEPH_FIT_QUANTITY_COUNT; q++)
-        spreads[q] = fmax(find_spread(fit, residuals, q, room),
-                          NEPH_FIT_MODEL_ERROR / fmax(fit->rms[q], NEPH_FIT_MODEL_ERROR));
+        spreads[q] = fmax(find_spread(fit, residuals, q, room), fit->floors[q]);
     free(room);
-    for (int remove = 0; remove < 2; remove++) {
-        if (remove && fit->outlier_count > most * fit->pixels->count)
-            fit->outlier_count = 0;
-        if (remove && fit->outlier_count == 0)
-            break;
-        for (int p = 0; p < fit->pixels->count; p++) {
-            bool is_far = false;
-            for (int v = 0; v < VALUES; v++)
-                is_far |= fabs(residuals[p * VALUES + v]) > far * spreads[v / 3];
-            fit->outlier_count += is_far && !remove;
-            for (int v = 0; v < VALUES && is_far && remove; v++)
-                fit->weights[p * VALUES + v] = 0.0;
-        }
+    for (int p = 0; p < fit->pixels->count; p++) {
+        scores[p] = 0.0;
+        for (int v = 0; v < VALUES; v++)
+            scores[p] = fmax(scores[p], fabs(residuals[p * VALUES + v]) / spreads[v / 3]);
     }
     return NEPH_OK;
+}
+
+/* Give pixels beyond `far` spreads no weight. Returns their number. */
+static int remove_pixels(struct neph_fit *fit, const double *scores, double far)
+{
+    int count = 0;
+    for (int p = 0; p < fit->pixels->count; p++)
+        if (scores[p] > far) {
+            count++;
+            memset(&fit->weights[p * VALUES], 0, VALUES * sizeof(*fit->weights));
+        }
+    return count;
+}
+
+/* One round of remove_outliers(). `*is_done`: the next round would be the same. */
+static enum neph_status remove_farthest(struct neph_fit *fit, bool is_last, double *residuals,
+                                        double *scores, bool *is_done, struct neph_diag *diag)
+{
+    const double far = 6.0;
+    const int count = fit->pixels->count, before = fit->outlier_count;
+    double *sorted = scores + count, rms[NEPH_FIT_QUANTITY_COUNT];
+    start_weights(fit);
+    enum neph_status status = measure(fit, &fit->best.point, residuals, rms, diag);
+    if (!status)
+        status = find_scores(fit, residuals, scores, diag);
+    if (status)
+        return status;
+    memcpy(sorted, scores, (size_t)count * sizeof(*scores));
+    neph_sort_doubles(sorted, (size_t)count);
+    const double limit = fmax(far, sorted[count - 1 - count / 20]);
+    fit->outlier_count = is_last && limit > far ? 0 : remove_pixels(fit, scores, limit);
+    *is_done = fit->outlier_count == before && limit == far;
+    scale_weights(fit);
+    return fit->outlier_count == 0 && before == 0 ? NEPH_OK : rescale(fit, residuals, diag);
+}
+
+/* Leave out pixels beyond 6 spreads, such as edges and fireflies, which bias the first fit: in
+ * rounds, the farthest 5 % at most. If more are far in the end, the model is at fault, and none is
+ * left out. */
+static enum neph_status remove_outliers(struct neph_fit *fit, double *residuals,
+                                        struct neph_diag *diag)
+{
+    enum { ROUNDS = 4 };
+    enum neph_status status = NEPH_OK;
+    bool is_done = false;
+    double *scores = malloc(2 * (size_t)fit->pixels->count * sizeof(*scores));
+    if (!scores)
+        return neph_fail_memory(diag);
+    for (int round = 0; round < ROUNDS && !is_done && !status; round++)
+        status = remove_farthest(fit, round == ROUNDS - 1, residuals, scores, &is_done, diag);
+    free(scores);
+    return status;
 }
 
 /* ---- intervals ------------------------------------------------------------------------------- */
@@ -518,8 +580,8 @@ static void find_shifts(const struct neph_fit *fit, double *const *slopes,
         }
 }
 
-/* The variance of a sum of unknowns by relative errors up to NEPH_FIT_MODEL_ERROR that are the same
- * for all values of a quantity in a tile. */
+/* The variance of a sum of unknowns by two relative errors up to NEPH_FIT_MODEL_ERROR of a quantity:
+ * one of all values, and one of all in a tile. */
 static double find_model_variance(const struct neph_fit *fit, const struct errors *errors,
                                   const double factors[UNKNOWNS])
 {
@@ -530,11 +592,17 @@ static double find_model_variance(const struct neph_fit *fit, const struct error
         for (int k = 0; k < UNKNOWNS; k++)
             shift += factors[k] * errors->shifts[k][i];
         moved[pixel->tile][quantity_of(i)] += shift * fit->weights[i] *
-                                              pixel->values[0][i % VALUES];
+                                              find_sensitivity(pixel->values[0][i % VALUES],
+                                                               quantity_of(i));
     }
-    for (int t = 0; t < NEPH_FIT_TILE_COUNT; t++)
-        for (int q = 0; q < NEPH_FIT_QUANTITY_COUNT; q++)
+    for (int q = 0; q < NEPH_FIT_QUANTITY_COUNT; q++) {
+        double all = 0.0;
+        for (int t = 0; t < NEPH_FIT_TILE_COUNT; t++) {
+            all += moved[t][q];
             sum += moved[t][q] * moved[t][q];
+        }
+        sum += all * all;
+    }
     return sum * NEPH_FIT_MODEL_ERROR * NEPH_FIT_MODEL_ERROR / 3.0;
 }
 
@@ -740,14 +808,13 @@ static enum neph_status solve_coarsely(struct neph_fit *fit, double *residuals,
 static enum neph_status solve(struct neph_fit *fit, double *residuals, struct neph_diag *diag)
 {
     const struct neph_fit_range range = neph_fit_whole_range(fit);
+    find_floors(fit);
     enum neph_status status = solve_coarsely(fit, residuals, diag);
     start_weights(fit);
     if (!status)
         status = rescale(fit, residuals, diag);
     if (!status)
         status = remove_outliers(fit, residuals, diag);
-    if (!status && fit->outlier_count > 0)
-        status = rescale(fit, residuals, diag);
     if (!status)
         status = find_intervals(fit, &range, &fit->best, diag);
     return status ? status : find_held(fit, diag);

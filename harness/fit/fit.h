@@ -11,9 +11,9 @@
 
 #include "harness/fit/model.h"
 
-/* Relative error of values that a frame may have beside its noise, of a sign that neighbours share:
- * half floats round by 5e-4, and renderers integrate to 1e-3. It is part of all intervals, and no
- * scale is below it. */
+/* Relative error of radiance and optical depth that a frame may have beside its noise, of a sign that
+ * all pixels share, or neighbours: half floats round by 5e-4, and renderers integrate to 1e-3. It is
+ * part of all intervals, and no scale is below its rms. */
 #define NEPH_FIT_MODEL_ERROR 1e-3
 
 /* Wider intervals are "not determined": a factor between both ends, and a difference of g. */
@@ -53,8 +53,9 @@ struct neph_fit {
     double rms[NEPH_FIT_QUANTITY_COUNT];   /* relative residuals */
     int outlier_count;                     /* pixels left out: far from all others */
     /* Working memory, of pixels->count x NEPH_FIT_QUANTITY_COUNT x 3. */
-    double *weights, *predicted; /* weights are over scales; owned */
-    int stride;                  /* one of so many pixels has weight */
+    double *weights, *predicted;            /* weights are over scales; owned */
+    int stride;                             /* one of so many pixels has weight */
+    double floors[NEPH_FIT_QUANTITY_COUNT]; /* smallest scales: the rms of NEPH_FIT_MODEL_ERROR */
 };
 
 /* Fit. `is_free` and the two pointers are set; unknowns with an obstacle (neph_fit_obstacle()) are

@@ -192,6 +192,22 @@ static bool can_explain(const struct neph_fit *fit, const struct neph_fit_mistak
            (fit->is_free[NEPH_FIT_ALBEDO] || !has_albedo) && !is_excluded(&fit->best, mistake);
 }
 
+/* How far the factors that were found are from those of a mistake. */
+static double find_distance(const struct neph_fit_mistake *mistake)
+{
+    return hypot(log(mistake->found[0] / mistake->extinction),
+                 log(mistake->found[1] / mistake->albedo));
+}
+
+/* Add a mistake, the nearest first. */
+static void insert(struct neph_fit_verdict *verdict, struct neph_fit_mistake mistake)
+{
+    int at = verdict->count++;
+    for (; at > 0 && find_distance(&mistake) < find_distance(&verdict->list[at - 1]); at--)
+        verdict->list[at] = verdict->list[at - 1];
+    verdict->list[at] = mistake;
+}
+
 static enum neph_status find_mistakes(struct neph_fit *fit, bool is_alone,
                                       struct neph_fit_verdict *verdict, struct neph_diag *diag)
 {
@@ -206,7 +222,7 @@ static enum neph_status find_mistakes(struct neph_fit *fit, bool is_alone,
             continue;
         status = try_mistake(fit, &base, is_alone, &mistake, &explains, diag);
         if (explains)
-            verdict->list[verdict->count++] = mistake;
+            insert(verdict, mistake);
     }
     return status;
 }
