@@ -26,7 +26,7 @@ static const struct neph_cli_option options[] = {
      "What is fitted: extinction, albedo, asymmetry, falloff (default: all that the scene has); "
      "the rest is held at the scene's values",
      NEPH_CLI_NAMES, AT(unknowns)},
-    {"frame", 0, NULL, "Which frame of a moving scene it is, 0-based", NEPH_CLI_INTEGER, AT(frame),
+    {"frame", 0, "N", "Which frame of a moving scene it is, 0-based", NEPH_CLI_INTEGER, AT(frame),
      "0", 0, INT_MAX},
     {"pixels", 0, "N", "About as many pixels, on a regular grid", NEPH_CLI_INTEGER, AT(pixels),
      "600", 16, 1000000},

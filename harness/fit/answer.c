@@ -7,6 +7,10 @@
 #include <stdarg.h>
 #include <string.h>
 
+/* A new kind breaks the build here until this file handles it. */
+_Static_assert(NEPH_FIT_UNKNOWN_COUNT == 4, "a new unknown");
+_Static_assert(NEPH_FIT_TRANSFER_COUNT == 3, "a new transfer");
+
 const char *const neph_fit_unknown_names[] = {
     [NEPH_FIT_EXTINCTION] = "extinction", [NEPH_FIT_ALBEDO] = "albedo",
     [NEPH_FIT_ASYMMETRY] = "asymmetry",   [NEPH_FIT_FALLOFF] = "falloff",

@@ -18,6 +18,7 @@
 #include <string.h>
 
 /* A new kind breaks the build here until this file handles it. */
+_Static_assert(NEPH_FIT_UNKNOWN_COUNT == 4, "a new unknown");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 

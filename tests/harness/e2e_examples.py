@@ -64,6 +64,7 @@ RULES = [
     (r"pick", f"{SIZE} -q", {0, 1}, False),
     (r"compare", "-q", {0, 1}, True),
     (r"flicker", "-q", {0, 1}, True),
+    (r"fit", "", {0, 1}, True),
     (r"limits", "-q", {0}, True),
     (r"view", "-q", {0}, True),
     (r"post", "-q", {0}, True),
