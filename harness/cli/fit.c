@@ -7,6 +7,7 @@
 #include "harness/compare/frame.h"
 #include "harness/data.h"
 #include "harness/fit/answer.h"
+#include "harness/fit/fit.h"
 #include "scenes/motion.h"
 
 #include <limits.h>
@@ -72,9 +73,9 @@ static const struct neph_cli_syntax syntax = {
         "0: "
         "the frame agrees with the scene; 1: it differs.\n\n"
         "Examples:\n"
-        "  neph fit exact.exr my_fog.yaml\n"
-        "  neph fit exact.exr my_fog.yaml --free extinction,albedo --json\n"
-        "  neph fit exact.exr my_fog.yaml --transmittance transmittance --pixels 2000",
+        "  neph fit fog.exr my_fog.yaml\n"
+        "  neph fit fog.exr my_fog.yaml --free extinction,albedo --json\n"
+        "  neph fit fog.exr my_fog.yaml --transmittance transmittance --pixels 2000",
 };
 
 static enum neph_status find_unknowns(const struct request *request, bool *is_free,

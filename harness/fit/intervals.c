@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Intervals of a fit: the inverse of the normal matrix without the directions that have no influence
- * on the residuals, for three kinds of errors: independent residuals, residuals that are correlated
- * within tiles, and errors of the model.
+ * Intervals of a fit: the inverse of the normal matrix without the directions that have no
+ * influence on the residuals, for three kinds of errors: independent residuals, residuals that are
+ * correlated within tiles, and errors of the model.
  */
-#include "harness/fit/residuals.h"
+#include "harness/fit/intervals.h"
 
 #include "base/arena.h"
 #include "base/least_squares.h"
@@ -22,7 +22,7 @@ static const double normal_95 = 1.959964; /* quantile of the normal distribution
 /* ---- intervals ------------------------------------------------------------------------------- */
 
 struct errors {
-    /* Without what the data do not determine, and for residuals of variance 1; 0 of what is fixed. */
+    /* For residuals of variance 1, without directions that have no influence; 0 of what is fixed. */
     double inverse[UNKNOWNS][UNKNOWNS];
     double undetermined[UNKNOWNS][UNKNOWNS];     /* covariance of directions without influence */
     double tiles[NEPH_FIT_TILE_COUNT][UNKNOWNS]; /* by how much the residuals of a tile move it */
@@ -91,8 +91,8 @@ static void find_shifts(const struct neph_fit *fit, double *const *slopes,
         }
 }
 
-/* The variance of a sum of unknowns by two relative errors up to NEPH_FIT_MODEL_ERROR of a quantity:
- * one of all values, and one of all in a tile. */
+/* The variance of a sum of unknowns by two relative errors up to NEPH_FIT_MODEL_ERROR of a
+ * quantity: one of all values, and one of all in a tile. */
 static double find_model_variance(const struct neph_fit *fit, const struct errors *errors,
                                   const double factors[UNKNOWNS])
 {
@@ -225,7 +225,8 @@ enum neph_status neph_fit_find_intervals(struct neph_fit *fit, const struct neph
 
 /* ---- what is not determined ------------------------------------------------------------------ */
 
-/* Hold an unknown that is not determined at the scene's value, if that explains the frame as well. */
+/* Hold an unknown that is not determined at the scene's value, if that explains the frame as well.
+ * */
 static enum neph_status hold(struct neph_fit *fit, int unknown, struct neph_fit_range *range,
                              struct neph_diag *diag)
 {

@@ -12,7 +12,7 @@ struct factors {
     double extinction, albedo;
 };
 
-/* Of the number that stands for scattering or extinction, by the medium's albedo. */
+/* Factors by the medium's albedo, where one number is taken for another. */
 static struct factors absorption_added(double albedo)
 {
     return (struct factors){2.0 - albedo, 1.0 / ((2.0 - albedo) * albedo)};
@@ -182,8 +182,8 @@ static bool is_one(double factor)
     return fabs(log(factor)) <= log(1.0 + NEPH_FIT_TOLERANCE);
 }
 
-/* Whether a mistake may be tried: it changes what is free, and not to factors that are far from those
- * that were found. */
+/* Whether a mistake may be tried: it changes what is free, and not to factors that are far from
+ * those that were found. */
 static bool can_explain(const struct neph_fit *fit, const struct neph_fit_mistake *mistake)
 {
     const bool has_extinction = !is_one(mistake->extinction), has_albedo = !is_one(mistake->albedo);
@@ -253,8 +253,8 @@ static bool is_transfer_sure(const struct neph_fit *fit)
     return true;
 }
 
-/* Compare with the scene, with each mistake and the scene's other values, with the scene's extinction
- * and albedo, and with each mistake: the first that explains the frame is enough. */
+/* Compare with the scene, with each mistake and the scene's other values, with the scene's
+ * extinction and albedo, and with each mistake: the first that explains the frame is enough. */
 static enum neph_status compare(struct neph_fit *fit, struct neph_fit_verdict *verdict,
                                 bool *is_scene, struct neph_diag *diag)
 {

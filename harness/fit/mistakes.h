@@ -6,10 +6,10 @@
 #ifndef NEPH_HARNESS_FIT_MISTAKES_H
 #define NEPH_HARNESS_FIT_MISTAKES_H
 
-#include "harness/fit/fit.h"
+#include "harness/fit/problem.h"
 
-/* A mistake explains a frame if factors within this tolerance of its own do as well as the best: with
- * the scene's asymmetry and falloff, within the same tolerance; if none does, with any. */
+/* A mistake explains a frame if factors within this tolerance of its own do as well as the best:
+ * with the scene's asymmetry and falloff, within the same tolerance; if none does, with any. */
 #define NEPH_FIT_TOLERANCE 0.03
 
 struct neph_fit_mistake {

@@ -31,7 +31,7 @@ struct work {
     struct neph_window window;
     struct neph_camera camera;
     struct neph_fit_pixels *pixels;
-    /* Of each pixel of the list: distance to the scene's solid, and depth over distance. */
+    /* For each pixel of the list: distance to the scene's solid, depth over distance. */
     double *hit_m, *cosines;
     int *at; /* index in the image */
 };

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/fit/residuals.h"
+#include "harness/fit/problem.h"
+
+#include "base/least_squares.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,12 +13,19 @@ _Static_assert(NEPH_FIT_QUANTITY_COUNT == 2, "a new quantity");
 
 enum { VALUES = NEPH_FIT_VALUES, UNKNOWNS = NEPH_FIT_UNKNOWN_COUNT };
 
+/* The unknowns in a simple order of magnitude: logarithms of factors, and g. */
+static const double widest[UNKNOWNS] = {
+    [NEPH_FIT_EXTINCTION] = 11.5, [NEPH_FIT_ALBEDO] = 11.5, [NEPH_FIT_FALLOFF] = 9.2};
+static const double asymmetry_max = 0.98;
+
+/* Quantiles of chi squared of 1 and 2 degrees of freedom. */
+static const double chi_squared_95[] = {3.841, 5.991};
+
 int neph_fit_count_values(const struct neph_fit *fit)
 {
     return fit->pixels->count * VALUES;
 }
 
-/* Values, and one of the prior for each unknown. */
 int neph_fit_count_residuals(const struct neph_fit *fit)
 {
     return neph_fit_count_values(fit) + UNKNOWNS;
@@ -27,7 +36,6 @@ int neph_fit_quantity_at(int value)
     return value % VALUES / 3;
 }
 
-/* What a relative error of radiance, or of the optical depth of a transmittance, is multiplied by. */
 double neph_fit_sensitivity(double value, int quantity)
 {
     if (quantity == NEPH_FIT_RADIANCE)
@@ -82,4 +90,56 @@ enum neph_status neph_fit_find_slopes(void *context, const double *x, const doub
     }
     free(low);
     return status;
+}
+
+struct neph_fit_range neph_fit_whole_range(const struct neph_fit *fit)
+{
+    const struct neph_fit_point own = neph_fit_scene_point(fit->scene);
+    struct neph_fit_range range = {own, own};
+    for (int k = 0; k < UNKNOWNS; k++) {
+        const double high = k == NEPH_FIT_ASYMMETRY ? asymmetry_max : widest[k];
+        range.low.x[k] = fit->is_free[k] ? -high : own.x[k];
+        range.high.x[k] = fit->is_free[k] ? high : own.x[k];
+    }
+    return range;
+}
+
+enum neph_status neph_fit_minimise(struct neph_fit *fit, const struct neph_fit_base *base,
+                                   const struct neph_fit_range *range, double enough,
+                                   struct neph_fit_point *point, double *squares,
+                                   struct neph_diag *diag)
+{
+    struct neph_fit_problem problem = {.fit = fit, .base = base, .point = *point};
+    double x[UNKNOWNS], low[UNKNOWNS], high[UNKNOWNS];
+    for (int k = 0; k < UNKNOWNS; k++) {
+        problem.point.x[k] = fmin(fmax(point->x[k], range->low.x[k]), range->high.x[k]);
+        if (range->low.x[k] < range->high.x[k]) {
+            x[problem.count] = problem.point.x[k];
+            low[problem.count] = range->low.x[k];
+            high[problem.count] = range->high.x[k];
+            problem.unknowns[problem.count++] = k;
+        }
+    }
+    const struct neph_least_squares solver = {.unknown_count = problem.count,
+                                              .residual_count = neph_fit_count_residuals(fit),
+                                              .find_residuals = neph_fit_find_residuals,
+                                              .find_slopes = neph_fit_find_slopes,
+                                              .context = &problem,
+                                              .low = low,
+                                              .high = high,
+                                              .tolerance = 1e-5,
+                                              .smallest_step = 1e-5,
+                                              .enough = enough,
+                                              .iterations_max = 30};
+    const enum neph_status status = neph_least_squares_solve(&solver, x, squares, diag);
+    for (int k = 0; k < problem.count && !status; k++)
+        problem.point.x[problem.unknowns[k]] = x[k];
+    if (!status)
+        *point = problem.point;
+    return status;
+}
+
+double neph_fit_limit(const struct neph_fit *fit, int restricted)
+{
+    return fit->best.squares + chi_squared_95[restricted - 1] * fmax(fit->best.noise, 1.0);
 }
