@@ -24,6 +24,7 @@ neph_verb neph_cli_droplets;
 neph_verb neph_cli_benchmark;
 neph_verb neph_cli_compare;
 neph_verb neph_cli_flicker;
+neph_verb neph_cli_fit;
 neph_verb neph_cli_limits;
 neph_verb neph_cli_view;
 neph_verb neph_cli_post;

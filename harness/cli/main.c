@@ -46,6 +46,8 @@ static const struct {
      "measure the error of frames of any renderer against a reference"},
     {"flicker", neph_cli_flicker, NULL,
      "measure the flicker and the lag of a sequence of any renderer"},
+    {"fit", neph_cli_fit, NULL,
+     "which medium explains a frame of any renderer, and known mistakes"},
     {"limits", neph_cli_limits, NULL,
      "how much frames differ from run to run, as limits for compare and flicker"},
     {"view", neph_cli_view, NULL,

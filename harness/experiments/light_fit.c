@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/experiments/light.h"
 
+#include "base/least_squares.h"
 #include "scenes/media.h"
 
 #include <math.h>
@@ -113,113 +114,41 @@ static int compute_residuals(const struct neph_light_study *study,
     return count;
 }
 
-static double sum_squares(const double *residuals, int count)
-{
-    double sum = 0.0;
-    for (int i = 0; i < count; i++)
-        sum += residuals[i] * residuals[i];
-    return sum;
-}
-
 /* ---- least squares --------------------------------------------------------------------------- */
 
-struct normal {
-    double matrix[UNKNOWNS][UNKNOWNS], right[UNKNOWNS];
-};
-
-struct search {
-    const struct neph_light_study *study;
+static struct neph_octaves_fit make_fit(const double *coefficients)
+{
     struct neph_octaves_fit fit;
-    double damping, squares;
-    int count;                 /* number of residuals */
-    double *residuals, *moved; /* at `fit`, and at a trial point */
-    double *slopes[UNKNOWNS];  /* Jacobian: all residuals by each unknown */
-};
-
-static struct neph_octaves_fit add_fit_step(const struct neph_octaves_fit *fit, const double *step)
-{
-    struct neph_octaves_fit moved = *fit;
-    double *coefficients = moved.contribution;
-    for (int k = 0; k < UNKNOWNS; k++)
-        coefficients[k] += step[k];
-    return moved;
+    memcpy(&fit, coefficients, sizeof(fit));
+    return fit;
 }
 
-/* Jacobian by forward differences: a step of 1e-5 keeps half the digits of a double. */
-static void find_slopes(struct search *search)
+static enum neph_status find_residuals(void *study, const double *coefficients, double *residuals,
+                                       struct neph_diag *diag)
 {
+    const struct neph_octaves_fit fit = make_fit(coefficients);
+    (void)diag;
+    compute_residuals(study, &fit, residuals);
+    return NEPH_OK;
+}
+
+/* By forward differences: a step of 1e-5 keeps half the digits of a double. */
+static enum neph_status find_slopes(void *study, const double *coefficients,
+                                    const double *residuals, double *const *slopes,
+                                    struct neph_diag *diag)
+{
+    const double step = 1e-5;
+    (void)diag;
     for (int k = 0; k < UNKNOWNS; k++) {
-        double step[UNKNOWNS] = {0.0};
-        step[k] = 1e-5;
-        const struct neph_octaves_fit moved = add_fit_step(&search->fit, step);
-        compute_residuals(search->study, &moved, search->slopes[k]);
-        for (int i = 0; i < search->count; i++)
-            search->slopes[k][i] = (search->slopes[k][i] - search->residuals[i]) / step[k];
+        double moved[UNKNOWNS];
+        memcpy(moved, coefficients, sizeof(moved));
+        moved[k] += step;
+        const struct neph_octaves_fit fit = make_fit(moved);
+        const int count = compute_residuals(study, &fit, slopes[k]);
+        for (int i = 0; i < count; i++)
+            slopes[k][i] = (slopes[k][i] - residuals[i]) / step;
     }
-}
-
-static double dot(const double *a, const double *b, int count)
-{
-    double sum = 0.0;
-    for (int i = 0; i < count; i++)
-        sum += a[i] * b[i];
-    return sum;
-}
-
-static struct normal make_normal_equations(const struct search *search)
-{
-    struct normal normal;
-    for (int k = 0; k < UNKNOWNS; k++) {
-        for (int l = 0; l < UNKNOWNS; l++)
-            normal.matrix[k][l] = dot(search->slopes[k], search->slopes[l], search->count);
-        normal.right[k] = -dot(search->slopes[k], search->residuals, search->count);
-    }
-    return normal;
-}
-
-/* Gaussian elimination. The damped matrix is positive definite, so no pivoting is needed. */
-static void solve(struct normal normal, double damping, double step[UNKNOWNS])
-{
-    for (int k = 0; k < UNKNOWNS; k++)
-        normal.matrix[k][k] *= 1.0 + damping;
-    for (int k = 0; k < UNKNOWNS; k++)
-        for (int row = k + 1; row < UNKNOWNS; row++) {
-            const double factor = normal.matrix[row][k] / normal.matrix[k][k];
-            for (int l = k; l < UNKNOWNS; l++)
-                normal.matrix[row][l] -= factor * normal.matrix[k][l];
-            normal.right[row] -= factor * normal.right[k];
-        }
-    for (int k = UNKNOWNS - 1; k >= 0; k--) {
-        step[k] = normal.right[k];
-        for (int l = k + 1; l < UNKNOWNS; l++)
-            step[k] -= normal.matrix[k][l] * step[l];
-        step[k] /= normal.matrix[k][k];
-    }
-}
-
-/* One step of descent; raises the damping until the objective decreases. False: converged. */
-static bool descend(struct search *search)
-{
-    find_slopes(search);
-    const struct normal normal = make_normal_equations(search);
-    for (; search->damping < 1e9; search->damping *= 4.0) {
-        double step[UNKNOWNS];
-        solve(normal, search->damping, step);
-        const struct neph_octaves_fit moved = add_fit_step(&search->fit, step);
-        compute_residuals(search->study, &moved, search->moved);
-        const double squares = sum_squares(search->moved, search->count);
-        if (!(squares < search->squares))
-            continue;
-        const bool is_worth_it = search->squares - squares > 1e-7 * search->squares;
-        double *residuals = search->residuals;
-        search->residuals = search->moved;
-        search->moved = residuals;
-        search->fit = moved;
-        search->squares = squares;
-        search->damping = fmax(search->damping / 8.0, 1e-9);
-        return is_worth_it;
-    }
-    return false;
+    return NEPH_OK;
 }
 
 static size_t count_residuals_max(const struct neph_light_study *study)
@@ -230,29 +159,35 @@ static size_t count_residuals_max(const struct neph_light_study *study)
     return room;
 }
 
+static enum neph_status count_residuals(const struct neph_light_study *study, int *count,
+                                        struct neph_diag *diag)
+{
+    const struct neph_octaves_fit zero = {.contribution = {0.0}};
+    double *residuals = calloc(count_residuals_max(study), sizeof(*residuals));
+    if (!residuals)
+        return neph_fail_memory(diag);
+    *count = compute_residuals(study, &zero, residuals);
+    free(residuals);
+    return *count > 0 ? NEPH_OK
+                      : neph_fail(diag, NEPH_ERR_USAGE, "there is no cell with media to fit on");
+}
+
 enum neph_status neph_light_fit(const struct neph_light_study *study, struct neph_octaves_fit *fit,
                                 struct neph_diag *diag)
 {
-    struct neph_arena arena = {.last = NULL};
-    struct search search = {.study = study, .damping = 1e-2};
-    const size_t room = count_residuals_max(study);
-    search.residuals = neph_arena_allocate(&arena, room, sizeof(double));
-    search.moved = neph_arena_allocate(&arena, room, sizeof(double));
-    for (int k = 0; k < UNKNOWNS; k++)
-        search.slopes[k] = neph_arena_allocate(&arena, room, sizeof(double));
-    enum neph_status status = neph_arena_check(&arena, diag);
-    if (!status) {
-        search.count = compute_residuals(study, &search.fit, search.residuals);
-        search.squares = sum_squares(search.residuals, search.count);
-        if (search.count == 0)
-            status = neph_fail(diag, NEPH_ERR_USAGE, "there is no cell with media to fit on");
-    }
-    for (int i = 0; i < ITERATIONS_MAX && !status; i++)
-        if (!descend(&search))
-            break;
+    struct neph_light_study copy = *study;
+    struct neph_least_squares problem = {.unknown_count = UNKNOWNS,
+                                         .find_residuals = find_residuals,
+                                         .find_slopes = find_slopes,
+                                         .context = &copy,
+                                         .tolerance = 1e-7,
+                                         .iterations_max = ITERATIONS_MAX};
+    double coefficients[UNKNOWNS] = {0.0}, squares;
+    enum neph_status status = count_residuals(study, &problem.residual_count, diag);
     if (!status)
-        *fit = search.fit;
-    neph_arena_finish(&arena);
+        status = neph_least_squares_solve(&problem, coefficients, &squares, diag);
+    if (!status)
+        *fit = make_fit(coefficients);
     return status;
 }
 

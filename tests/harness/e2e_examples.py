@@ -65,6 +65,7 @@ RULES = [
     (r"pick", f"{SIZE} -q", {0, 1}, False),
     (r"compare", "-q", {0, 1}, True),
     (r"flicker", "-q", {0, 1}, True),
+    (r"fit", "", {0}, True),
     (r"limits", "-q", {0}, True),
     (r"view", "-q", {0}, True),
     (r"post", "-q", {0}, True),
@@ -216,6 +217,9 @@ class Examples(unittest.TestCase):
         cls.environment = {**os.environ, "PATH": path, "SDL_VIDEODRIVER": "dummy"}
         cls.examples = list(examples())
         neph_case.run("bake", "gaussian_blob", "cloud.vdb", "--resolution", "4", cwd=cls.folder)
+        neph_case.run("render", "my_fog.yaml", "-e", "exact", "--size", "16x9", "-o", "fog",
+                      cwd=cls.folder)
+        (cls.folder / "fog/my_fog_exact_0000.exr").rename(cls.folder / "fog.exr")
 
     def paste(self, command, codes):
         done = subprocess.run(["bash", "-c", command], cwd=self.folder, env=self.environment,
