@@ -388,6 +388,8 @@ static struct neph_gpu_medium *add_medium(const struct neph_medium *medium,
     gpu->constants[1] |= neph_medium_is_coloured(medium) ? NEPH_GPU_COLOURED : 0u;
     if (medium->kind == NEPH_MEDIUM_GRID && neph_grid_is_endless(medium->grid))
         gpu->constants[1] |= NEPH_GPU_ENDLESS;
+    if (medium->kind == NEPH_MEDIUM_GRID && medium->grid->is_constant)
+        gpu->constants[1] |= NEPH_GPU_CONSTANT_CELLS;
     gpu->optical_depth_iterations += 1 + count_depth_iterations(medium);
     return made;
 }

@@ -24,6 +24,7 @@ STUDY = f"{SIZE} --steps 4"
 RULES = [
     (r"validate .*--suite physics --only", "--samples 2 -q", {0, 1}, False),
     (r"validate .*--suite physics", "--only furnace_box_4 -e exact -q", {0, 1}, True),
+    (r"validate .*--suite i3rc", "--samples 20 -q", {1}, True),
     (r"validate .*--suite stress.* povray", "-q", {0, 1}, False),
     (r"validate .*--suite stress", "-q", {0, 1}, False),
     (r"validate .*-e ", f"--no-charts {SIZE} -q", {0, 1}, True),
