@@ -89,10 +89,26 @@ static enum neph_status find_side(const struct neph_scene *scene, int axis, stru
     return NEPH_OK;
 }
 
-/* The levels, given or of the media. */
+/* The top of the boxes that cover the domain from below, its ground: media inside it do not count.
+ * -inf: none. */
+static double find_ground_m(const struct neph_scene *scene, struct extent x, struct extent z)
+{
+    double top_m = -INFINITY;
+    for (int i = 0; i < scene->solid_count; i++) {
+        const struct neph_solid *solid = &scene->solids[i];
+        const struct neph_bounds *box = &solid->box;
+        if (solid->kind == NEPH_SOLID_BOX && !neph_is_turned(&solid->turn) &&
+            box->min_m.x <= x.low_m && box->max_m.x >= x.high_m && box->min_m.z <= z.low_m &&
+            box->max_m.z >= z.high_m)
+            top_m = fmax(top_m, box->max_m.y);
+    }
+    return top_m;
+}
+
+/* The levels, given or of the media above the ground. */
 static enum neph_status find_levels(const struct neph_scene *scene,
-                                    const struct neph_fluxes_params *params, struct extent *levels,
-                                    struct neph_diag *diag)
+                                    const struct neph_fluxes_params *params, double ground_m,
+                                    struct extent *levels, struct neph_diag *diag)
 {
     struct extent media = {INFINITY, -INFINITY, true};
     for (int m = 0; m < scene->medium_count; m++) {
@@ -100,6 +116,8 @@ static enum neph_status find_levels(const struct neph_scene *scene,
         media.low_m = fmin(media.low_m, support.min_m.y);
         media.high_m = fmax(media.high_m, support.max_m.y);
     }
+    if (ground_m < media.high_m)
+        media.low_m = fmax(media.low_m, ground_m);
     if (!(isfinite(media.low_m) && isfinite(media.high_m))) {
         neph_fail(diag, NEPH_ERR_INPUT, "media without end along y have no top and bottom level");
         neph_hint(diag, "bounds of the medium end it");
@@ -112,8 +130,8 @@ static enum neph_status find_levels(const struct neph_scene *scene,
         levels->low_m < levels->high_m)
         return NEPH_OK;
     return neph_fail(diag, NEPH_ERR_INPUT,
-                     "levels at %g m and %g m: the media are between %g m and %g m, and must be "
-                     "between the levels",
+                     "levels at %g m and %g m: the media are between %g m and %g m, above any "
+                     "ground, and must be between the levels",
                      levels->low_m, levels->high_m, media.low_m, media.high_m);
 }
 
@@ -168,7 +186,7 @@ enum neph_status neph_flux_domain_find(const struct neph_scene *scene,
     if (!status)
         status = find_side(scene, 2, &z, diag);
     if (!status)
-        status = find_levels(scene, params, &levels, diag);
+        status = find_levels(scene, params, find_ground_m(scene, x, z), &levels, diag);
     if (!status)
         status = check_solids(scene, levels, diag);
     if (!status)

@@ -73,7 +73,8 @@ struct neph_fluxes {
 
 struct neph_fluxes_params {
     int columns_x, columns_z; /* 1..NEPH_FLUX_COLUMNS_MAX */
-    double bottom_m, top_m;   /* the levels; NaN: the lowest and the highest point of media */
+    double bottom_m, top_m;   /* the levels; NaN: the lowest point of media above the ground, and the
+                               * highest */
     int paths;                /* photons that start above a column, and paths of each radiance; 2 to
                 * NEPH_FLUX_PATHS_MAX, rounded up to whole batches */
     uint64_t seed;

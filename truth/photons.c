@@ -29,6 +29,7 @@ struct photon {
     int channel;
     double value[3], probability[3];
     bool is_direct; /* no event yet */
+    bool is_below;  /* the bottom level */
 };
 
 double neph_flux_bottom_m(const struct neph_flux_domain *domain)
@@ -118,22 +119,27 @@ static void leave(const struct photon *photon, enum neph_flux flux, struct neph_
         values[c] += photon->share * part[c];
 }
 
-/* Leave the photon's weight at a level that it crosses before `end_m`. */
-static void cross(const struct photon *photon, double level_m, double end_m, enum neph_flux flux)
-{
-    const double t_m = (level_m - photon->at_m.y) / photon->direction.y;
-    if (t_m >= 0.0 && t_m <= end_m)
-        leave(photon, flux, neph_vec3_along(photon->at_m, photon->direction, t_m), photon->value);
-}
-
-static void cross_levels(const struct photon *photon, double end_m)
+/* Leave the photon's weight at the levels that it crosses before `end_m`. A ground at the bottom
+ * level ends the ray there, up to rounding. */
+static void cross_levels(struct photon *photon, double end_m, bool is_at_ground)
 {
     const struct neph_flux_domain *domain = &photon->of->domain;
-    if (photon->direction.y > 0.0) {
-        cross(photon, domain->box.max_m.y, end_m, NEPH_FLUX_REFLECTED);
-        cross(photon, neph_flux_bottom_m(domain), end_m, NEPH_FLUX_UPWARD);
-    } else if (photon->direction.y < 0.0 && !photon->is_direct) {
-        cross(photon, neph_flux_bottom_m(domain), end_m, NEPH_FLUX_TRANSMITTED);
+    const struct neph_vec3 from_m = photon->at_m, along = photon->direction;
+    const double to_top_m = (domain->box.max_m.y - from_m.y) / along.y,
+                 to_bottom_m = (neph_flux_bottom_m(domain) - from_m.y) / along.y;
+    if (along.y > 0.0) {
+        if (photon->is_below)
+            leave(photon, NEPH_FLUX_UPWARD, neph_vec3_along(from_m, along, fmax(0.0, to_bottom_m)),
+                  photon->value);
+        if (to_top_m >= 0.0 && to_top_m <= end_m)
+            leave(photon, NEPH_FLUX_REFLECTED, neph_vec3_along(from_m, along, to_top_m),
+                  photon->value);
+        photon->is_below = false;
+    } else if (along.y < 0.0 && !photon->is_below && (to_bottom_m <= end_m || is_at_ground)) {
+        if (!photon->is_direct) /* else leave_direct() has counted it */
+            leave(photon, NEPH_FLUX_TRANSMITTED,
+                  neph_vec3_along(from_m, along, fmin(to_bottom_m, end_m)), photon->value);
+        photon->is_below = true;
     }
 }
 
@@ -219,7 +225,7 @@ static void follow(struct photon *photon)
             of->tracker, &ray, photon->channel, photon->random, &cost);
         if (!neph_tracker_is_grey(of->tracker))
             weigh(photon, collision.ratio);
-        cross_levels(photon, collision.t_m);
+        cross_levels(photon, collision.t_m, collision.medium < 0 && hit.solid);
         photon->is_direct = false;
         if (collision.medium >= 0)
             scatter(photon, &collision);

@@ -87,18 +87,21 @@ enum neph_status neph_fluxes_measure(const struct neph_fluxes_job *job,
 int neph_fluxes_warn(const char *what, const struct neph_fluxes *fluxes)
 {
     int count = 0;
-    for (int flux = 0; flux < NEPH_FLUX_COUNT; flux++)
-        for (int c = 0; c < fluxes->channel_count && flux != NEPH_FLUX_HORIZONTAL; c++) {
-            const struct neph_flux_estimate mean = neph_flux_of_domain(fluxes, (enum neph_flux)flux,
-                                                                       c);
-            if (!(mean.doubt > NEPH_FLUX_DOUBTFUL))
-                continue;
+    for (int flux = 0; flux < NEPH_FLUX_COUNT; flux++) {
+        struct neph_flux_estimate mean = neph_flux_of_domain(fluxes, (enum neph_flux)flux, 0);
+        for (int c = 1; c < fluxes->channel_count; c++) {
+            const struct neph_flux_estimate own = neph_flux_of_domain(fluxes, (enum neph_flux)flux,
+                                                                      c);
+            mean = own.doubt > mean.doubt ? own : mean;
+        }
+        if (flux != NEPH_FLUX_HORIZONTAL && mean.doubt > NEPH_FLUX_DOUBTFUL) {
             count++;
-            neph_progress_warn("%s: the error bar of %s, %.2g, is not to be trusted: its own "
-                               "relative variance is %.2g, above %g; a few paths make most of it, "
-                               "or there are few of them: take more paths",
+            neph_progress_warn("%s: the error of %s, %.2g, is not to be trusted: a few paths make "
+                               "most of it (its square has a relative variance of %.2g, above %g); "
+                               "--samples takes more",
                                what, neph_flux_names[flux], mean.standard_error, mean.doubt,
                                NEPH_FLUX_DOUBTFUL);
         }
+    }
     return count;
 }

@@ -181,6 +181,9 @@ static void test_ground_and_colour_conserve_light(void **state)
     scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.5, 1.5};
     scene.solids = &ground;
     scene.solid_count = 1;
+    /* So wide that a reflected photon starts above the bottom level, by rounding. */
+    scene.media[0].bounds.min_m.x = -1e6;
+    scene.media[0].bounds.max_m.x = 1e6;
     const struct neph_fluxes_params params = make_params(2, 1, neph_test_paths(20000));
     struct neph_fluxes fluxes = trace(&scene, &params);
     const double part[3] = {albedo.r, albedo.g, albedo.b};
@@ -267,7 +270,7 @@ static void test_bad_scenes_are_refused(void **state)
     const struct neph_scene good = make_slab(1.0, 1.0, 0.0, 0.5);
     const struct neph_fluxes_params params = make_params(1, 1, 10);
     struct neph_solid tower = make_ground(white);
-    tower.box.max_m.y = 20.0;
+    tower.box = (struct neph_bounds){{0.3, -1, 0.3}, {0.6, 20, 0.6}};
     struct neph_scene bad = good;
     bad.sun.direction = (struct neph_vec3){1, 0, 0};
     assert_refused(&bad, &params, NEPH_ERR_INPUT, "no sun above the horizon");
@@ -281,6 +284,11 @@ static void test_bad_scenes_are_refused(void **state)
     bad.solids = &tower;
     bad.solid_count = 1;
     assert_refused(&bad, &params, NEPH_ERR_INPUT, "above the bottom level of 0 m");
+    tower.box.min_m.x = tower.box.min_m.z = -1e6; /* a ground, not where the level is */
+    tower.box.max_m.x = tower.box.max_m.z = 1e6;
+    struct neph_fluxes_params low = params;
+    low.bottom_m = 0.0;
+    assert_refused(&bad, &low, NEPH_ERR_INPUT, "above the bottom level of 0 m");
     bad = good;
     bad.media[0].bounds.min_m.x = bad.media[0].bounds.min_m.z = 0.0;
     bad.media[0].bounds.max_m.x = bad.media[0].bounds.max_m.z = 1.0;
