@@ -273,7 +273,7 @@ static double cell_density(const struct cell *cell, const double u[3])
                mix(mix(c[4], c[5], f[0]), mix(c[6], c[7], f[0]), f[1]), f[2]);
 }
 
-/* Of constant cells. NaN is outside. */
+/* The density of constant cells; 0 outside, and for NaN. */
 static double nearest_density(const struct neph_grid *grid, const double u[3])
 {
     int node[3];

@@ -2,7 +2,7 @@
  *
  * The columns of a scene for its fluxes.
  */
-#include "truth/fluxes.h"
+#include "truth/flux_domain.h"
 
 #include "scenes/bounds.h"
 #include "scenes/grid.h"
@@ -18,6 +18,9 @@ _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
 /* Two periods or levels within this part of each other are equal. */
 static const double rounding = 1e-9;
+
+/* Between the bottom level and a ground at that level, as a part of the height. */
+static const double hair = 1e-9;
 
 struct extent {
     double low_m, high_m;
@@ -212,35 +215,7 @@ struct neph_scene neph_flux_scene(const struct neph_scene *scene)
     return lit;
 }
 
-static bool is_coloured(struct neph_rgb rgb)
+double neph_flux_bottom_m(const struct neph_flux_domain *domain)
 {
-    return rgb.r != rgb.g || rgb.g != rgb.b;
-}
-
-static bool is_scene_coloured(const struct neph_scene *scene)
-{
-    for (int m = 0; m < scene->medium_count; m++)
-        if (is_coloured(scene->media[m].albedo) || neph_medium_is_coloured(&scene->media[m]))
-            return true;
-    for (int i = 0; i < scene->solid_count; i++)
-        if (is_coloured(scene->solids[i].albedo))
-            return true;
-    return false;
-}
-
-enum neph_status neph_fluxes_create(const struct neph_scene *scene,
-                                    const struct neph_flux_domain *domain,
-                                    struct neph_fluxes *fluxes, struct neph_diag *diag)
-{
-    const int channels = is_scene_coloured(scene) ? 3 : 1;
-    const size_t columns = (size_t)domain->columns_x * (size_t)domain->columns_z;
-    struct neph_fluxes made = {.domain = *domain, .channel_count = channels};
-    made.sums = calloc(NEPH_FLUX_COUNT * columns * (size_t)channels, sizeof(*made.sums));
-    made.domain_sums = calloc(NEPH_FLUX_COUNT * (size_t)channels, sizeof(*made.domain_sums));
-    if (!made.sums || !made.domain_sums) {
-        neph_fluxes_finish(&made);
-        return neph_fail_memory(diag);
-    }
-    *fluxes = made;
-    return NEPH_OK;
+    return domain->box.min_m.y + hair * (domain->box.max_m.y - domain->box.min_m.y);
 }

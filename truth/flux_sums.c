@@ -1,11 +1,43 @@
-/* SPDX-License-Identifier: MIT
- *
- * Means of fluxes, their standard errors, and whether these are to be trusted.
- */
-#include "truth/fluxes.h"
+/* SPDX-License-Identifier: MIT */
+#include "truth/flux_sums.h"
+
+#include "scenes/media.h"
 
 #include <math.h>
 #include <stdlib.h>
+
+static bool is_coloured(struct neph_rgb rgb)
+{
+    return rgb.r != rgb.g || rgb.g != rgb.b;
+}
+
+static bool is_scene_coloured(const struct neph_scene *scene)
+{
+    for (int m = 0; m < scene->medium_count; m++)
+        if (is_coloured(scene->media[m].albedo) || neph_medium_is_coloured(&scene->media[m]))
+            return true;
+    for (int i = 0; i < scene->solid_count; i++)
+        if (is_coloured(scene->solids[i].albedo))
+            return true;
+    return false;
+}
+
+enum neph_status neph_fluxes_create(const struct neph_scene *scene,
+                                    const struct neph_flux_domain *domain,
+                                    struct neph_fluxes *fluxes, struct neph_diag *diag)
+{
+    const int channels = is_scene_coloured(scene) ? 3 : 1;
+    const size_t columns = (size_t)domain->columns_x * (size_t)domain->columns_z;
+    struct neph_fluxes made = {.domain = *domain, .channel_count = channels};
+    made.sums = calloc(NEPH_FLUX_COUNT * columns * (size_t)channels, sizeof(*made.sums));
+    made.domain_sums = calloc(NEPH_FLUX_COUNT * (size_t)channels, sizeof(*made.domain_sums));
+    if (!made.sums || !made.domain_sums) {
+        neph_fluxes_finish(&made);
+        return neph_fail_memory(diag);
+    }
+    *fluxes = made;
+    return NEPH_OK;
+}
 
 static int column_count(const struct neph_fluxes *fluxes)
 {

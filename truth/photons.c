@@ -17,9 +17,6 @@ static const double roulette_weight = 0.1;
 /* Launch columns, at most. */
 static const double launch_max = 16777216.0;
 
-/* Between the bottom level and a ground at that level, as a part of the height. */
-static const double hair = 1e-9;
-
 struct photon {
     const struct neph_photons *of;
     struct neph_random *random;
@@ -31,11 +28,6 @@ struct photon {
     bool is_direct; /* no event yet */
     bool is_below;  /* the bottom level */
 };
-
-double neph_flux_bottom_m(const struct neph_flux_domain *domain)
-{
-    return domain->box.min_m.y + hair * (domain->box.max_m.y - domain->box.min_m.y);
-}
 
 /* Columns along one axis above which sunlight enters: those of the domain and, where it is open,
  * those through which sunlight reaches its sides. `shift_m`: from top to bottom. */

@@ -5,7 +5,7 @@
 #ifndef NEPH_TRUTH_PHOTONS_H
 #define NEPH_TRUTH_PHOTONS_H
 
-#include "truth/fluxes.h"
+#include "truth/flux_sums.h"
 #include "truth/random.h"
 #include "truth/tracking.h"
 
@@ -28,8 +28,5 @@ enum neph_status neph_photons_init(struct neph_photons *photons, const struct ne
 /* Trace `paths` photons from each column; adds their parts to `values`, [flux][column][channel]. */
 void neph_photons_trace(const struct neph_photons *photons, uint64_t seed, int batch, int paths,
                         double *values);
-
-/* Height of the bottom level, a hair above a ground at that level. */
-double neph_flux_bottom_m(const struct neph_flux_domain *domain);
 
 #endif

@@ -15,6 +15,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* A new kind breaks the build here until this file handles it. */
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+
 struct tracked {
     const struct neph_medium *medium;
     bool inverted; /* collisions by the inverse of each fog layer, or of constant cells; else by

@@ -21,14 +21,13 @@ struct request {
     struct neph_cli_size columns;
     int samples, seed;
     double bottom_m, top_m;
-    const char *map, *plot;
+    const char *exr, *plot;
 };
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"columns", 0, "NXxNZ", "Columns along x and z (default: 1x1)", NEPH_CLI_SIZE, AT(columns)},
     {.name = "engine",
-     .argument = "NAME",
      .help = "oracle: photons from the sun, in double precision on the CPU; tracer: paths to the "
              "sun, on the Vulkan device",
      .otherwise = "oracle"},
@@ -41,8 +40,8 @@ static const struct neph_cli_option options[] = {
     {"top", 0, "M",
      "Height of the upper level in m, of reflectance (default: the highest point of media)",
      NEPH_CLI_REAL, AT(top_m)},
-    {"map", 0, "FILE", "An EXR with a pixel for each column, a layer for each flux and error",
-     NEPH_CLI_FILE, AT(map)},
+    {"exr", 0, "FILE", "An EXR with a pixel for each column, a layer for each flux and error",
+     NEPH_CLI_FILE, AT(exr)},
     {"plot", 0, "FILE", "An SVG of the fluxes over x, with their errors", NEPH_CLI_FILE, AT(plot)},
     {.name = "csv", .help = "A line for each column"},
     {.name = "json"},
@@ -72,7 +71,7 @@ static const struct neph_cli_syntax syntax = {
         "is not to be trusted. Methods and sources are in truth/fluxes.h.\n\n"
         "Examples:\n"
         "  neph fluxes step_cloud --columns 32x1 --plot fluxes.svg\n"
-        "  neph fluxes cumulus --columns 64x64 --samples 100 --map fluxes.exr --csv fluxes.csv\n"
+        "  neph fluxes cumulus --columns 64x64 --samples 100 --exr fluxes.exr --csv fluxes.csv\n"
         "  neph fluxes step_cloud -e tracer --json",
 };
 
@@ -245,8 +244,8 @@ static enum neph_status tell(const struct answer *answer, struct neph_diag *diag
     neph_fluxes_warn(answer->scene->name, &answer->fluxes);
     if (request->shared.csv)
         status = neph_write_to_file(request->shared.csv, print_csv, answer, diag);
-    if (!status && request->map)
-        status = write_map(&answer->fluxes, request->map, diag);
+    if (!status && request->exr)
+        status = write_map(&answer->fluxes, request->exr, diag);
     if (!status && request->plot)
         status = write_plot(answer, request->plot, diag);
     if (!status && request->shared.json)

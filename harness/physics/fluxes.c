@@ -7,6 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A new flux breaks the build here until this file handles it. */
+_Static_assert(NEPH_FLUX_COUNT == 8, "a new flux");
+
 const char *const neph_flux_names[NEPH_FLUX_COUNT] = {
     [NEPH_FLUX_REFLECTED] = "reflected", [NEPH_FLUX_TRANSMITTED] = "transmitted",
     [NEPH_FLUX_DIRECT] = "direct",       [NEPH_FLUX_UPWARD] = "upward",

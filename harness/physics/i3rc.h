@@ -88,7 +88,7 @@ enum neph_status neph_i3rc_compare(const struct neph_fluxes stages[NEPH_I3RC_STA
                                    enum neph_flux flux, const double *consensus,
                                    struct neph_i3rc_number *number, struct neph_diag *diag);
 
-/* Print for a terminal; fill a table for CSV and JSON, a row for each quantity of each experiment. */
+/* Print for a terminal; fill a table for CSV and JSON, a row for each quantity of an experiment. */
 void neph_i3rc_print(const struct neph_i3rc *suite, FILE *out);
 void neph_i3rc_fill_table(const struct neph_i3rc *suite, struct neph_table *table);
 

@@ -3,15 +3,18 @@
  * The experiments of I3RC as scenes. World: +y up; the columns of a table count along x, its lines
  * along z; at an azimuth of 0 sunlight travels towards +x.
  *
- * Case 1, the step cloud: 32 columns of 15.625 m, 250 m thick, optical depth 2 in the first half of
- * them and 18 in the second (truth/step_cloud.h). Case 2, a cloud of a radar: 640 columns of 50 m, 54
+ * Case 1, the step cloud: 32 columns of 15.625 m, 250 m thick, optical depth 2 in the first half
+ * and 18 in the second (truth/step_cloud.h). Case 2, a cloud of a radar: 640 columns of 50 m, 54
  * layers of 45 m, an optical depth for each cell, the top layer first. Case 3, a cloud of Landsat:
  * 128 x 128 columns of 30 m with an optical depth and a thickness each, above one flat base.
- * Periodic, also across. Fluxes count at the top of the highest cell with a cloud and at the bottom
- * of the lowest: in case 2 the transmittance of the consensus is there and not 630 m lower, at the
- * bottom of the table, which blurs it over ten columns. In case 3 layers are 20 m, as in the driver of the radiation code by
- * R. Pincus and F. Evans; that driver rounds each thickness to whole layers, while here the topmost
- * layer of a column is partly filled, with its share of the optical depth.
+ * Periodic, also across.
+ *
+ * Fluxes count at the top of the highest cell with a cloud and at the bottom of the lowest. In case
+ * 2 the transmittance of the consensus is there: 630 m lower, at the bottom of the table, light has
+ * spread over ten columns, and the differences of neighbours are correlated. Layers of case 3 are
+ * 20 m, as in the driver of the code by R. Pincus and F. Evans (i3rc-monte-carlo-model). That
+ * driver rounds each thickness to whole layers; here the topmost layer of a column has its part of
+ * the optical depth.
  */
 #ifndef NEPH_HARNESS_PHYSICS_I3RC_CASE_H
 #define NEPH_HARNESS_PHYSICS_I3RC_CASE_H

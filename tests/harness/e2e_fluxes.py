@@ -98,7 +98,7 @@ class Fluxes(NephCase):
     def test_all_forms_agree(self):
         scene = self.put("cells.yaml", CELLS)
         arguments = ("fluxes", scene, "--columns", "4x2", "--samples", 64, "-q")
-        found = self.json(*arguments, "--csv", self.folder / "f.csv", "--map",
+        found = self.json(*arguments, "--csv", self.folder / "f.csv", "--exr",
                           self.folder / "f.exr", "--plot", self.folder / "f.svg")
         rows = list(csv.DictReader((self.folder / "f.csv").read_text().splitlines()))
         self.assertEqual(len(rows), 8)
@@ -111,7 +111,7 @@ class Fluxes(NephCase):
         self.assertIn("absorbed", "".join(root.itertext()))
         text = self.neph(*arguments).stdout
         self.assertIn(f"{found['fluxes']['reflected']['mean'][0]:.5f}", text)
-        self.json(*arguments, "--map", self.folder / "g.exr")
+        self.json(*arguments, "--exr", self.folder / "g.exr")
         self.neph("compare", self.folder / "g.exr", "-r", self.folder / "f.exr", "--layer",
                   "zenith_error", "-q")
         again = self.json(*arguments, NEPH_THREADS="3")
