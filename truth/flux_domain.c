@@ -163,9 +163,9 @@ static enum neph_status check_params(const struct neph_fluxes_params *params,
         params->columns_z < 1 || params->columns_z > NEPH_FLUX_COLUMNS_MAX)
         return neph_fail(diag, NEPH_ERR_USAGE, "%d x %d columns: must be 1..%d along each side",
                          params->columns_x, params->columns_z, NEPH_FLUX_COLUMNS_MAX);
-    if (params->paths < 2 || params->paths > NEPH_FLUX_PATHS_MAX)
-        return neph_fail(diag, NEPH_ERR_USAGE, "%d paths of a column: must be 2..%d", params->paths,
-                         NEPH_FLUX_PATHS_MAX);
+    if (params->paths < NEPH_FLUX_PATHS_MIN || params->paths > NEPH_FLUX_PATHS_MAX)
+        return neph_fail(diag, NEPH_ERR_USAGE, "%d paths of a column: must be %d..%d",
+                         params->paths, NEPH_FLUX_PATHS_MIN, NEPH_FLUX_PATHS_MAX);
     return NEPH_OK;
 }
 

@@ -10,8 +10,11 @@
 #include <stdint.h>
 
 #define NEPH_FLUX_COLUMNS_MAX 1024 /* along x and along z */
+#define NEPH_FLUX_BATCHES 256      /* at most */
+/* Photons for each path of a radiance, which costs three times as much. */
+#define NEPH_FLUX_PHOTONS 8
+#define NEPH_FLUX_PATHS_MIN (2 * NEPH_FLUX_PHOTONS) /* two batches */
 #define NEPH_FLUX_PATHS_MAX 100000000
-#define NEPH_FLUX_BATCHES 256 /* at most */
 
 /* The box of the columns. Along an axis that is not open the scene repeats its box. */
 struct neph_flux_domain {
@@ -22,10 +25,11 @@ struct neph_flux_domain {
 
 struct neph_fluxes_params {
     int columns_x, columns_z; /* 1..NEPH_FLUX_COLUMNS_MAX */
-    double bottom_m, top_m; /* the levels; NaN: the lowest point of media above the ground, and the
-                               * highest */
-    int paths;              /* photons that start above a column, and paths of each radiance; 2 to
-                * NEPH_FLUX_PATHS_MAX, rounded up to whole batches */
+    /* The levels; NaN: the lowest point of media above the ground, and the highest. */
+    double bottom_m, top_m;
+    /* Photons that start above a column, NEPH_FLUX_PATHS_MIN to NEPH_FLUX_PATHS_MAX, rounded up to
+     * whole batches. */
+    int paths;
     uint64_t seed;
     /* Called between parts of the work with the finished fraction; or NULL. */
     void (*progress)(void *context, double fraction);

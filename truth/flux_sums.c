@@ -102,7 +102,10 @@ static struct neph_flux_estimate estimate(const struct neph_flux_sum *sum)
     const double second = p2 - m * m > least ? p2 - m * m : 0.0,
                  fourth = fmax(second * second,
                                p4 - 4.0 * m * p3 + 6.0 * m * m * p2 - 3.0 * m * m * m * m);
-    const double doubt = second > 0.0 ? (fourth / (second * second) - 1.0) / n : 0.0;
+    /* At least that of as many normal numbers. */
+    const double least_doubt = 2.0 / (n - 1.0);
+    const double doubt = second > 0.0 ? fmax(least_doubt, (fourth / (second * second) - 1.0) / n)
+                                      : 0.0;
     return (struct neph_flux_estimate){sum->first + m, sqrt(second / (n - 1.0)), doubt};
 }
 

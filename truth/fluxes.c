@@ -18,7 +18,7 @@ static const size_t wave_bytes = (size_t)256 << 20;
 struct work {
     const struct neph_fluxes_params *params;
     struct neph_photons photons;
-    int batches, paths; /* of a batch and column */
+    int batches, paths; /* of a radiance, in a batch and column */
     int first;          /* batch of the present wave */
     size_t numbers;     /* values of a batch */
     double *values;     /* [batch of the wave][flux][column][channel] */
@@ -88,8 +88,8 @@ static void trace_batch(int index, void *context)
     const struct work *work = context;
     double *values = work->values + (size_t)index * work->numbers;
     memset(values, 0, work->numbers * sizeof(*values));
-    neph_photons_trace(&work->photons, work->params->seed, work->first + index, work->paths,
-                       values);
+    neph_photons_trace(&work->photons, work->params->seed, work->first + index,
+                       NEPH_FLUX_PHOTONS * work->paths, values);
     trace_radiances(work, work->first + index, values);
 }
 
@@ -114,8 +114,9 @@ static enum neph_status trace(struct work *work, struct neph_fluxes *fluxes, str
 {
     const struct neph_flux_domain *domain = &work->photons.domain;
     const int paths = work->params->paths;
-    work->paths = (paths + NEPH_FLUX_BATCHES - 1) / NEPH_FLUX_BATCHES;
-    work->batches = (paths + work->paths - 1) / work->paths;
+    const int all = (paths + NEPH_FLUX_PHOTONS - 1) / NEPH_FLUX_PHOTONS;
+    work->paths = (all + NEPH_FLUX_BATCHES - 1) / NEPH_FLUX_BATCHES;
+    work->batches = (all + work->paths - 1) / work->paths;
     work->numbers = (size_t)NEPH_FLUX_COUNT * (size_t)domain->columns_x *
                     (size_t)domain->columns_z * (size_t)work->photons.channel_count;
     const size_t room = wave_bytes / (work->numbers * sizeof(*work->values));
@@ -124,7 +125,7 @@ static enum neph_status trace(struct work *work, struct neph_fluxes *fluxes, str
     work->values = malloc(wave * work->numbers * sizeof(*work->values));
     if (!work->values)
         return neph_fail_memory(diag);
-    fluxes->paths = work->batches * work->paths;
+    fluxes->paths = NEPH_FLUX_PHOTONS * work->batches * work->paths;
     const enum neph_status status = trace_waves(work, (int)wave, fluxes, diag);
     free(work->values);
     return status;

@@ -31,8 +31,11 @@ static const struct neph_cli_option options[] = {
      .help = "oracle: photons from the sun, in double precision on the CPU; tracer: paths to the "
              "sun, on the Vulkan device",
      .otherwise = "oracle"},
-    {"samples", 0, NULL, "Photons or paths of each column", NEPH_CLI_INTEGER, AT(samples), "10000",
-     2, NEPH_FLUX_PATHS_MAX},
+    {"samples", 0, NULL,
+     "Photons of each column, and an eighth as many paths of each radiance; of the tracer: paths "
+     "of "
+     "each flux",
+     NEPH_CLI_INTEGER, AT(samples), "20000", NEPH_FLUX_PATHS_MIN, NEPH_FLUX_PATHS_MAX},
     {"seed", 0, NULL, "Seed of all that is random", NEPH_CLI_INTEGER, AT(seed), "1", 0, INT_MAX},
     {"bottom", 0, "M",
      "Height of the lower level in m, of transmittance (default: the lowest point of media)",

@@ -95,8 +95,8 @@ static const struct neph_cli_option options[] = {
      "quick, full)",
      NEPH_CLI_WORD, .at = offsetof(struct neph_validate_request, suite)},
     {"samples", 0, "N",
-     "Of the physics suite: paths per pixel and seed of our tracers (default: 256). Of i3rc: paths "
-     "of each column and quantity (default: 2000, 1000 and 64 in case 1, 2 and 3)",
+     "Of the physics suite: paths per pixel and seed of our tracers (default: 256). Of i3rc: as of "
+     "`neph fluxes` (default: 16000, 4000 and 512 in case 1, 2 and 3)",
 
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, samples), .minimum = 2,
      .maximum = 1000000},
@@ -287,7 +287,7 @@ static const struct neph_cli_syntax syntax = {
         "  neph validate my_fog.yaml -e exact,march -s march:steps=256 -o /tmp/fog\n"
         "  neph validate --suite physics --jobs 4 -o out/physics\n"
         "  neph validate --suite physics --only slab -e oracle,tracer --samples 4096\n"
-        "  neph validate --suite i3rc --only case1_exp1 --samples 200 -o out/i3rc\n"
+        "  neph validate --suite i3rc --only case1_exp1 --samples 2000 -o out/i3rc\n"
         "  neph validate --suite stress --only fence_tiles --preset fixed+override=parallel\n"
         "  neph validate --suite stress --only fog_seam -e povray --pictures all",
 };

@@ -13,8 +13,8 @@ const struct neph_i3rc_quantity neph_i3rc_quantities[NEPH_I3RC_QUANTITIES] = {
     {"R", NEPH_FLUX_REFLECTED},  {"T", NEPH_FLUX_TRANSMITTED}, {"A", NEPH_FLUX_ABSORBED},
     {"H", NEPH_FLUX_HORIZONTAL}, {"Iu", NEPH_FLUX_NADIR},      {"Id", NEPH_FLUX_ZENITH}};
 
-/* Paths of a column: standard errors of the domain's fluxes of 0.1 %, and seconds to minutes. */
-static const int usual_paths[] = {2000, 1000, 64};
+/* Photons of a column: standard errors of the domain's fluxes of 0.1 % or less, in a minute. */
+static const int usual_paths[] = {16000, 4000, 512};
 
 /* A difference from the consensus that its codes have among each other, and our standard errors. */
 static const double allowed_part = 0.003, allowed_errors = 3.0;
@@ -136,16 +136,17 @@ static enum neph_status measure_stages(const struct neph_i3rc_params *params,
     enum neph_status status = NEPH_OK;
     for (int s = 0; s < NEPH_I3RC_STAGES && !status; s++) {
         const int paths = (int)ceil(row->paths * neph_i3rc_stages[s]);
-        const struct neph_fluxes_job job = {.engine = params->engine,
-                                            .what = scene->name,
-                                            .params = {.columns_x = scene->columns_x,
-                                                       .columns_z = scene->columns_z,
-                                                       .bottom_m = NAN,
-                                                       .top_m = NAN,
-                                                       .paths = paths < 2 ? 2 : paths,
-                                                       .seed = (uint64_t)s + 1},
-                                            .device = params->device,
-                                            .quiet = params->quiet};
+        const struct neph_fluxes_job job = {
+            .engine = params->engine,
+            .what = scene->name,
+            .params = {.columns_x = scene->columns_x,
+                       .columns_z = scene->columns_z,
+                       .bottom_m = NAN,
+                       .top_m = NAN,
+                       .paths = paths < NEPH_FLUX_PATHS_MIN ? NEPH_FLUX_PATHS_MIN : paths,
+                       .seed = (uint64_t)s + 1},
+            .device = params->device,
+            .quiet = params->quiet};
         status = neph_fluxes_measure(&job, &scene->scene, &stages[s], diag);
     }
     return status;

@@ -72,7 +72,7 @@ struct neph_i3rc_params {
     const char *engine;      /* oracle or tracer */
     const char *const *only; /* "case2", "case2_exp1": parts of names; or none */
     int only_count;
-    int paths; /* of a column; 0: each experiment's own number */
+    int paths; /* photons of a column; 0: each experiment's own number */
     struct neph_shared_device *device;
     bool quiet;
 };

@@ -179,9 +179,9 @@ static void place_light(struct neph_scene *scene, double zenith_deg)
                                    .irradiance_w_per_m2 = {1.0, 1.0, 1.0}};
 }
 
-static void place_ground(struct neph_i3rc_scene *made, double albedo)
+/* At the bottom of the table. */
+static void place_ground(struct neph_i3rc_scene *made, double bottom_m, double albedo)
 {
-    const double bottom_m = made->grid->origin_m.y - 0.5 * made->grid->spacing_m.y;
     made->ground = (struct neph_solid){
         .kind = NEPH_SOLID_BOX,
         .box = {{-far_m, bottom_m - 1.0, -far_m}, {far_m, bottom_m, far_m}},
@@ -210,7 +210,7 @@ static enum neph_status fill_scene(struct neph_i3rc_scene *made,
     scene->octaves = (struct neph_octaves){8, 0.5, 0.5, 0.5};
     place_light(scene, experiment->sun_zenith_deg);
     if (experiment->ground_albedo > 0.0)
-        place_ground(made, experiment->ground_albedo);
+        place_ground(made, lattices[experiment->case_number - 1].base_m, experiment->ground_albedo);
     scene->medium_count = 1;
     scene->media[0] = (struct neph_medium){
         .kind = NEPH_MEDIUM_GRID,

@@ -77,7 +77,7 @@ RULES = [
     (r"baseline", "", {0, 66}, True),
     (r"droplets", "--effective-radius 1", {0}, True),
     (r"fluxes .*tracer", "--samples 16 -q", {0, 69}, True),
-    (r"fluxes", "--samples 4 -q", {0}, True),
+    (r"fluxes", "--samples 16 -q", {0}, True),
     (r"serve", "-o missing", {66}, True),  # else it runs until Ctrl-C
     (r"store", "", {0, 66}, True),
     (r"scenes .*--new", "--force", {0}, True),

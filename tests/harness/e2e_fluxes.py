@@ -84,7 +84,7 @@ class Fluxes(NephCase):
 
     def test_the_tracer_agrees_with_the_photons(self):
         scene = self.put("cells.yaml", CELLS)
-        photons = self.fluxes(scene, "--columns", "4x1", "--samples", 20000)
+        photons = self.fluxes(scene, "--columns", "4x1", "--samples", 100000)
         paths = self.fluxes(scene, "--columns", "4x1", "--samples", 6000, "-e", "tracer")
         for name, flux in photons.items():
             for column in range(4):
@@ -97,7 +97,7 @@ class Fluxes(NephCase):
 
     def test_all_forms_agree(self):
         scene = self.put("cells.yaml", CELLS)
-        arguments = ("fluxes", scene, "--columns", "4x2", "--samples", 64, "-q")
+        arguments = ("fluxes", scene, "--columns", "4x2", "--samples", 256, "-q")
         found = self.json(*arguments, "--csv", self.folder / "f.csv", "--exr",
                           self.folder / "f.exr", "--plot", self.folder / "f.svg")
         rows = list(csv.DictReader((self.folder / "f.csv").read_text().splitlines()))
@@ -118,7 +118,7 @@ class Fluxes(NephCase):
         self.assertEqual(again["fluxes"], found["fluxes"])
 
     def test_doubtful_errors_are_told(self):
-        self.neph("fluxes", self.slab(4), "--samples", 4, "-q", said=("not to be trusted", "above"))
+        self.neph("fluxes", self.slab(4), "--samples", 16, "-q", said=("not to be trusted", "above"))
 
     def test_refusals(self):
         slab = self.slab(1)
@@ -162,7 +162,7 @@ class I3rc(NephCase):
 
     @unittest.skipUnless(os.environ.get("NEPH_I3RC_DATA"), "NEPH_I3RC_DATA names no folder")
     def test_the_radar_cloud(self):
-        self.validate("--only", "case2_exp1", "--samples", 200)
+        self.validate("--only", "case2_exp1", "--samples", 800)
 
 
 if __name__ == "__main__":

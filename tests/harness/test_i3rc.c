@@ -112,7 +112,7 @@ static void test_a_slab_as_case_2(void **state)
     const struct neph_slab_fluxes truth = solve_slab(depth, 0.5);
     write_radar_slab(folder, depth);
     write_consensus(folder, &truth, noise);
-    struct neph_i3rc suite = run(folder, "case2_exp2", 48);
+    struct neph_i3rc suite = run(folder, "case2_exp2", 192);
     assert_int_equal(suite.row_count, 1);
     const struct neph_i3rc_row *row = &suite.rows[0];
     assert_null(row->missing);
@@ -175,7 +175,7 @@ static void test_a_slab_as_case_3(void **state)
 static void test_files_that_are_not_here(void **state)
 {
     OWNED(folder) char *folder = make_folder();
-    struct neph_i3rc suite = run(folder, NULL, 2);
+    struct neph_i3rc suite = run(folder, NULL, 16);
     assert_int_equal(suite.row_count, neph_i3rc_experiment_count);
     for (int r = 0; r < suite.row_count; r++) {
         const struct neph_i3rc_row *row = &suite.rows[r];
@@ -185,7 +185,7 @@ static void test_files_that_are_not_here(void **state)
     }
     assert_int_equal(suite.compared, 0);
     neph_i3rc_finish(&suite);
-    suite = run(NULL, "case3", 2);
+    suite = run(NULL, "case3", 16);
     assert_int_equal(suite.row_count, 4);
     assert_non_null(strstr(suite.rows[0].missing, NEPH_I3RC_VARIABLE));
     neph_i3rc_finish(&suite);
