@@ -73,6 +73,7 @@ static const struct neph_cli_option shared_options[] = {
     {"part", 0, "NAME",
      .help = "Part of OpenEXR files with several, by its name or its number from 0 (default: the "
              "only one with colour)"},
+    {"plot", 0, "FILE", .help = "A chart as SVG"},
     {"ppd", 0, "N",
      .help =
          "Pixels per degree of the display (default: 67.02, 0.7 m from a screen 0.7 m and 3840 px "

@@ -75,6 +75,11 @@ static bool are_media_supported(const struct neph_scene *scene, char *reason, si
                      neph_medium_facts(scene->media[m].kind)->name);
             return false;
         }
+    if (neph_scene_mixes_cells(scene)) {
+        snprintf(reason, reason_size,
+                 "grids with interpolation constant and trilinear in one scene: kernels have one");
+        return false;
+    }
     return true;
 }
 

@@ -425,6 +425,8 @@ static struct neph_gpu_medium *add_medium(const struct neph_medium *medium,
     gpu->constants[1] |= neph_medium_is_coloured(medium) ? NEPH_GPU_COLOURED : 0u;
     if (medium->kind == NEPH_MEDIUM_GRID && neph_grid_is_endless(medium->grid))
         gpu->constants[1] |= NEPH_GPU_ENDLESS;
+    if (medium->kind == NEPH_MEDIUM_GRID && medium->grid->is_constant)
+        gpu->constants[1] |= NEPH_GPU_CONSTANT_CELLS;
     gpu->optical_depth_iterations += 1 + count_depth_iterations(medium);
     return made;
 }
@@ -639,7 +641,8 @@ void neph_gpu_scene_add_fog(struct neph_gpu_scene *gpu, const struct neph_scene 
                             const struct neph_medium *fog, double frame)
 {
     const struct neph_vec3 camera_m = neph_scene_camera(scene, frame).position_m;
-    const uint32_t known = ~0u << NEPH_GPU_MEDIA_SHIFT & ~NEPH_GPU_PHASE_TABLES;
+    const uint32_t known = ~0u << NEPH_GPU_MEDIA_SHIFT &
+                           ~(NEPH_GPU_PHASE_TABLES | NEPH_GPU_CONSTANT_CELLS | NEPH_GPU_OWN_RAYS);
     if (!has_effect(fog))
         return;
     const struct neph_gpu_medium *made = add_medium(fog, camera_m, 0, gpu);

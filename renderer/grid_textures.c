@@ -3,6 +3,8 @@
 
 #include "renderer/media/grid.h"
 #include "renderer/texture.h"
+#include "scenes/grid.h"
+#include "scenes/media.h"
 
 /* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
@@ -54,6 +56,10 @@ enum neph_status neph_grid_textures_create(const struct neph_vulkan *vulkan,
 {
     const struct neph_medium *media[NEPH_GPU_MEDIA_MAX];
     const uint32_t count = shortcuts->grid_texture ? neph_gpu_scene_list_media(scene, media) : 0;
+    if (shortcuts->grid_texture && neph_scene_has_constant_cells(scene))
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "grid_sampling=texture is trilinear, and a grid has interpolation: "
+                         "constant; grid_sampling=buffer reads its cells");
     enum neph_status status = create_empty_texture(vulkan, &gpu->no_texture, diag);
     for (uint32_t m = 0; m < count && !status; m++)
         if (media[m]->kind == NEPH_MEDIUM_GRID)

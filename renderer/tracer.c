@@ -11,10 +11,12 @@
 #include "renderer/lattice.h"
 #include "renderer/light_projection.h"
 #include "renderer/media/kind.h"
+#include "renderer/relative.h"
 #include "renderer/tracer_parts.h"
 #include "renderer/tracer_sums.h"
 #include "scenes/emission.h"
 #include "scenes/media.h"
+#include "scenes/motion.h"
 #include "scenes/sources.h"
 #include "scenes/surfaces.h"
 #include "scenes/trapped_light.h"
@@ -210,6 +212,7 @@ enum binding {
     BINDING_SUN,
     BINDING_CHECKS,
     BINDING_LAMPS,
+    BINDING_RAYS,
     BINDING_COUNT,
 };
 
@@ -398,6 +401,9 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
          "tracer sun checks"},
         {&render->buffers[BINDING_LAMPS], NEPH_BUFFER_DEVICE,
          NEPH_SCENE_LIGHTS_MAX * sizeof(struct neph_gpu_lamp_sight), "tracer lamps"},
+        {&render->buffers[BINDING_RAYS], NEPH_BUFFER_DEVICE,
+         (render->params->rays ? render->pixel_count : 1) * sizeof(struct neph_gpu_own_ray),
+         "tracer rays"},
         {&render->buffers[BINDING_QUEUES], NEPH_BUFFER_DEVICE, queues * sizeof(uint32_t),
          "tracer queues"},
         {&render->buffers[BINDING_PROGRESS], NEPH_BUFFER_DEVICE, sizeof(struct neph_gpu_progress),
@@ -570,6 +576,30 @@ static enum neph_status upload_lamp_sights(struct render *render, const struct n
                                     (size_t)scene->light_count * sizeof(sights[0]), diag);
 }
 
+/* Upload the caller's rays. */
+static enum neph_status upload_rays(const struct render *render, const struct neph_scene *scene,
+                                    struct neph_diag *diag)
+{
+    const double *from = render->params->rays;
+    const struct neph_vec3 camera_m = neph_scene_camera(scene, render->params->frame).position_m;
+    if (!from)
+        return NEPH_OK;
+    struct neph_gpu_own_ray *rays = calloc(render->pixel_count, sizeof(*rays));
+    if (!rays)
+        return neph_fail_memory(diag);
+    for (size_t i = 0; i < render->pixel_count; i++, from += 6) {
+        neph_relative_position(rays[i].origin_m, (struct neph_vec3){from[0], from[1], from[2]},
+                               camera_m);
+        for (int axis = 0; axis < 3; axis++)
+            rays[i].direction[axis] = (float)from[3 + axis];
+    }
+    const enum neph_status status = neph_buffer_upload(render->vulkan,
+                                                       &render->buffers[BINDING_RAYS], 0, rays,
+                                                       render->pixel_count * sizeof(*rays), diag);
+    free(rays);
+    return status;
+}
+
 static enum neph_status prepare(struct render *render, const struct neph_scene *scene,
                                 struct neph_diag *diag)
 {
@@ -591,12 +621,16 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
     }
     if (!status && scene->scattering == NEPH_SCATTERING_NONE)
         scatter_nothing(render->scene.frame);
+    if (render->params->rays)
+        render->scene.constants[1] |= NEPH_GPU_OWN_RAYS;
     if (!status)
         status = get_kernels(render, scene, diag);
     if (!status)
         status = create_buffers(render, diag);
     if (!status)
         status = upload_lamp_sights(render, scene, diag);
+    if (!status)
+        status = upload_rays(render, scene, diag);
     if (!status)
         status = create_sums(render, scene, diag);
     return status;

@@ -61,6 +61,10 @@
 struct neph_tracer_params {
     int width_px, height_px; /* 1..NEPH_TRACER_SIDE_MAX_PX */
     double frame;            /* of the scene; may be fractional */
+    /* Six numbers a pixel, row by row: origin [m] and unit direction of a ray in place of the
+     * camera's, which is orthographic; its position is the origin of the coordinates in float32. Z
+     * has no meaning then. NULL: the camera's rays. */
+    const double *rays;
     uint64_t seed;
     bool sobol;          /* low-discrepancy numbers for the first decisions of each sample */
     int sun_nodes;       /* of the sunlight table, at most; 0: a sun ray at each event. No effect on

@@ -19,7 +19,7 @@ static const double thinnest_of_densest = 1e-5;
 
 bool neph_medium_is_whole_grid(const struct neph_medium *medium)
 {
-    if (!medium->grid)
+    if (!medium->grid || medium->grid->is_constant) /* voxel files are trilinear */
         return false;
     const struct neph_bounds support = neph_grid_support(medium->grid), *bounds = &medium->bounds;
     return bounds->min_m.x <= support.min_m.x && bounds->max_m.x >= support.max_m.x &&

@@ -6,7 +6,8 @@
  * Along an endless axis the lattice repeats: indices of cells do not wrap, indices of values do.
  *
  * The density is continuous, so a ray along a face, or a place that rounding moves into the
- * neighbouring cell, needs no special case.
+ * neighbouring cell, needs no special case. Constant cells: cell i spans [i - 1/2, i + 1/2], and a
+ * ray along a face, an event of probability 0 for random rays, belongs to the upper cell.
  */
 #include "scenes/grid.h"
 
@@ -142,6 +143,8 @@ static enum neph_status hash_grid(const struct neph_grid *grid, char hash[NEPH_H
     if (neph_grid_is_endless(grid))
         length += snprintf(text + length, sizeof(text) - (size_t)length, " %d %d %d", endless[0],
                            endless[1], endless[2]);
+    if (grid->is_constant)
+        length += snprintf(text + length, sizeof(text) - (size_t)length, " constant");
     return neph_hash(text, (size_t)length, hash, diag);
 }
 
@@ -186,9 +189,11 @@ static void extend_endless_axis(bool is_endless, double *low_m, double *high_m)
 struct neph_bounds neph_grid_support(const struct neph_grid *grid)
 {
     const struct neph_vec3 o = grid->origin_m, s = grid->spacing_m;
-    struct neph_bounds support = {
-        neph_vec3_sub(o, s),
-        {o.x + s.x * grid->size[0], o.y + s.y * grid->size[1], o.z + s.z * grid->size[2]}};
+    const double beyond = grid->is_constant ? 0.5 : 1.0; /* the outermost nodes */
+    struct neph_bounds support = {neph_vec3_sub(o, neph_vec3_scale(s, beyond)),
+                                  {o.x + s.x * (grid->size[0] - 1 + beyond),
+                                   o.y + s.y * (grid->size[1] - 1 + beyond),
+                                   o.z + s.z * (grid->size[2] - 1 + beyond)}};
     extend_endless_axis(grid->is_endless[0], &support.min_m.x, &support.max_m.x);
     extend_endless_axis(grid->is_endless[1], &support.min_m.y, &support.max_m.y);
     extend_endless_axis(grid->is_endless[2], &support.min_m.z, &support.max_m.z);
@@ -213,7 +218,7 @@ static double node_value(const struct neph_grid *grid, int i, int j, int k)
                      (size_t)i];
 }
 
-/* The eight corners of a cell, x fastest. */
+/* The eight corners of a cell, x fastest; constant cells have only an index. */
 struct cell {
     int index[3];
     double corner[8];
@@ -268,9 +273,24 @@ static double cell_density(const struct cell *cell, const double u[3])
                mix(mix(c[4], c[5], f[0]), mix(c[6], c[7], f[0]), f[1]), f[2]);
 }
 
+/* The density of constant cells; 0 outside, and for NaN. */
+static double nearest_density(const struct neph_grid *grid, const double u[3])
+{
+    int node[3];
+    for (int axis = 0; axis < 3; axis++) {
+        const bool is_inside = u[axis] >= -0.5 && u[axis] < grid->size[axis] - 0.5;
+        if (!is_inside && !(grid->is_endless[axis] && isfinite(u[axis])))
+            return 0.0;
+        node[axis] = (int)floor(u[axis] + 0.5);
+    }
+    return node_value(grid, node[0], node[1], node[2]);
+}
+
 static double lattice_density(const struct neph_grid *grid, const double u[3])
 {
     struct cell cell;
+    if (grid->is_constant)
+        return nearest_density(grid, u);
     for (int axis = 0; axis < 3; axis++) {
         const bool is_inside = u[axis] > -1.0 && u[axis] < grid->size[axis];
         if (!is_inside && !(grid->is_endless[axis] && isfinite(u[axis]))) /* NaN is outside, too */
@@ -308,10 +328,11 @@ static void start_walk(struct walk *walk, const struct neph_grid *grid, struct n
     const struct lattice_point start = to_lattice(grid, from_m);
     const double step[3] = {direction.x / grid->spacing_m.x, direction.y / grid->spacing_m.y,
                             direction.z / grid->spacing_m.z};
+    const double shift = grid->is_constant ? 0.5 : 0.0; /* cell i then spans [i, i + 1] */
     for (int axis = 0; axis < 3; axis++) {
-        walk->start[axis] = start.u[axis];
+        walk->start[axis] = start.u[axis] + shift;
         walk->step[axis] = step[axis];
-        const double last = grid->size[axis] - 1, cell = floor(start.u[axis]);
+        const double last = grid->size[axis] - 1, cell = floor(walk->start[axis]);
         walk->cell.index[axis] = (int)(grid->is_endless[axis] ? cell
                                                               : fmin(last, fmax(-1.0, cell)));
         find_next_face(walk, axis);
@@ -352,9 +373,51 @@ static double cell_integral(const struct walk *walk, double t0, double t1)
     return half * sum;
 }
 
+/* Follows constant cells until the integral from t0_m reaches `target_m`. `*at_m` receives that
+ * distance, +inf without one; returns the integral up to there. */
+static double cross_constant_cells(const struct neph_grid *grid, struct neph_vec3 origin_m,
+                                   struct neph_vec3 direction, double t0_m, double t1_m,
+                                   double target_m, double *at_m)
+{
+    const struct neph_bounds support = neph_grid_support(grid);
+    *at_m = INFINITY;
+    if (!neph_bounds_clip(&support, origin_m, direction, &t0_m, &t1_m))
+        return 0.0;
+    struct walk walk;
+    start_walk(&walk, grid, neph_vec3_along(origin_m, direction, t0_m), direction);
+    const double end = t1_m - t0_m;
+    double t = 0.0, sum_m = 0.0;
+    do {
+        const double next = walk.next_t[nearest_axis(&walk)], face = next < end ? next : end;
+        if (face <= t)
+            continue; /* a corner, or a start in a face */
+        const int *cell = walk.cell.index;
+        const double density = node_value(grid, cell[0], cell[1], cell[2]);
+        if (density * (face - t) >= target_m - sum_m && density > 0.0) {
+            *at_m = t0_m + fmin(face, t + (target_m - sum_m) / density);
+            return target_m;
+        }
+        sum_m += density * (face - t);
+        t = face;
+    } while (t < end && advance(&walk, grid));
+    return sum_m;
+}
+
+double neph_grid_free_path_m(const struct neph_grid *grid, struct neph_vec3 origin_m,
+                             struct neph_vec3 direction, double t0_m, double t1_m,
+                             double integral_m)
+{
+    double at_m;
+    cross_constant_cells(grid, origin_m, direction, t0_m, t1_m, integral_m, &at_m);
+    return at_m;
+}
+
 double neph_grid_integral_m(const struct neph_grid *grid, struct neph_vec3 origin_m,
                             struct neph_vec3 direction, double t0_m, double t1_m)
 {
+    double at_m;
+    if (grid->is_constant)
+        return cross_constant_cells(grid, origin_m, direction, t0_m, t1_m, INFINITY, &at_m);
     const struct neph_bounds support = neph_grid_support(grid);
     if (!neph_bounds_clip(&support, origin_m, direction, &t0_m, &t1_m))
         return 0.0;
@@ -420,6 +483,8 @@ static double row_maximum(const struct neph_grid *grid, const struct stretch *x,
  * box. */
 double neph_grid_maximum_in(const struct neph_grid *grid, const struct neph_bounds *box)
 {
+    if (grid->is_constant) /* at most a cell more than the box */
+        return neph_grid_node_maximum_in(grid, box);
     const struct lattice_point low = to_lattice(grid, box->min_m);
     const struct lattice_point high = to_lattice(grid, box->max_m);
     struct stretch stretch[3];

@@ -2,7 +2,9 @@
  *
  * A voxel grid of density. The density is trilinear between the nodes; beyond the outermost nodes
  * it falls to 0 within one cell, as if the lattice continued with zeros (like OpenVDB's trilinear
- * sampler with a background of 0, and like Cycles and POV-Ray with a padded grid).
+ * sampler with a background of 0, and like Cycles and POV-Ray with a padded grid). A grid of
+ * constant cells has the density of the nearest node along each axis, and ends half a cell beyond
+ * the outermost nodes: the clouds of radiation codes are tables of such cells.
  */
 #ifndef NEPH_SCENES_GRID_H
 #define NEPH_SCENES_GRID_H
@@ -25,6 +27,7 @@ struct neph_grid {
     struct neph_vec3 origin_m;  /* of node (0, 0, 0) */
     struct neph_vec3 spacing_m; /* between nodes, > 0 */
     bool is_endless[3];         /* along x, y, z: the nodes repeat periodically */
+    bool is_constant;           /* in a cell around each node; else trilinear between nodes */
     float *values;              /* owned; x fastest, then y, then z; finite, >= 0; dimensionless */
     float maximum;              /* of values */
     char hash[NEPH_HASH_HEX_SIZE]; /* of size and values; set by neph_grid_seal */
@@ -48,8 +51,8 @@ enum neph_status neph_grid_place(struct neph_grid *grid, struct neph_vec3 origin
 /* NULL is fine. */
 void neph_grid_destroy(struct neph_grid *grid);
 
-/* The box in which the density may be above 0: one cell beyond the outermost nodes, or the extent
- * of an endless grid. */
+/* The box in which the density may be above 0: one cell beyond the outermost nodes (half a cell, if
+ * cells are constant), or the extent of an endless grid. */
 struct neph_bounds neph_grid_support(const struct neph_grid *grid);
 
 /* Whether the grid is endless along any axis. */
@@ -58,7 +61,7 @@ bool neph_grid_is_endless(const struct neph_grid *grid);
 /* The node with the value of any node number, along an endless axis. */
 int neph_grid_wrapped(const struct neph_grid *grid, int axis, int node);
 
-/* Trilinear density at a point. */
+/* Density at a point. */
 double neph_grid_density(const struct neph_grid *grid, struct neph_vec3 point_m);
 
 /* The integral of the density along origin + t direction over [t0_m, t1_m] [m]. Exact: within a
@@ -66,6 +69,12 @@ double neph_grid_density(const struct neph_grid *grid, struct neph_vec3 point_m)
  * are traversed as in Amanatides and Woo (1987). */
 double neph_grid_integral_m(const struct neph_grid *grid, struct neph_vec3 origin_m,
                             struct neph_vec3 direction, double t0_m, double t1_m);
+
+/* The distance in [t0_m, t1_m] at which the integral from t0_m reaches `integral_m`, by exact
+ * inversion; +inf if it does not. Only for constant cells. */
+double neph_grid_free_path_m(const struct neph_grid *grid, struct neph_vec3 origin_m,
+                             struct neph_vec3 direction, double t0_m, double t1_m,
+                             double integral_m);
 
 /* The largest density in a box (up to rounding), sides included; sides may be infinite. Tighter
  * than the largest node around the box, which is a quarter larger in cells of 4 nodes of a cloud:

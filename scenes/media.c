@@ -183,6 +183,25 @@ bool neph_scene_is_endless(const struct neph_scene *scene)
     return false;
 }
 
+static int count_grids(const struct neph_scene *scene, bool is_constant)
+{
+    int count = 0;
+    for (int m = 0; m < scene->medium_count; m++)
+        count += scene->media[m].kind == NEPH_MEDIUM_GRID &&
+                 scene->media[m].grid->is_constant == is_constant;
+    return count;
+}
+
+bool neph_scene_has_constant_cells(const struct neph_scene *scene)
+{
+    return count_grids(scene, true) > 0;
+}
+
+bool neph_scene_mixes_cells(const struct neph_scene *scene)
+{
+    return neph_scene_has_constant_cells(scene) && count_grids(scene, false) > 0;
+}
+
 /* --- all media of a scene -------------------------------------------------------------------- */
 
 struct neph_rgb neph_scene_optical_depth(const struct neph_scene *scene, struct neph_vec3 origin_m,

@@ -73,6 +73,10 @@ bool neph_medium_is_endless(const struct neph_medium *medium);
 bool neph_scene_is_endless(const struct neph_scene *scene); /* some medium of it is */
 extern const char neph_endless_reason[]; /* reason for other engines to refuse it */
 
+/* Whether grids of the scene have constant cells, and whether others are trilinear beside them. */
+bool neph_scene_has_constant_cells(const struct neph_scene *scene);
+bool neph_scene_mixes_cells(const struct neph_scene *scene);
+
 /* The finite box that contains the medium: its bounds, narrowed to the support of its density
  * (grids) or to the region where extinction is at least 1e-12 of its largest (Gaussian). Sides stay
  * infinite where there is no such end (height fog, homogeneous, shell). Minimum = maximum on an

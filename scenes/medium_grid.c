@@ -127,7 +127,7 @@ struct faces {
 
 static struct faces faces_on(const struct neph_grid *grid, int axis, double near, double far)
 {
-    const struct faces own = {-1, grid->size[axis]}, /* `near` and `far` in nodes */
+    const struct faces own = {-1, grid->size[axis]}, /* `near` and `far` in cells */
         met = {(int)floor(fmin(near, far)), (int)ceil(fmax(near, far))};
     return grid->is_endless[axis] ? met : own;
 }
@@ -145,12 +145,13 @@ static void cut_kinks(struct neph_cuts *cuts, const struct neph_medium *medium)
     if (!neph_cuts_clip(cuts, &support, &near_m, &far_m))
         return;
     for (int axis = 0; axis < 3; axis++) {
-        const double start = (origin[axis] - first[axis]) / spacing[axis],
+        const double face_m = first[axis] - (grid->is_constant ? 0.5 * spacing[axis] : 0.0),
+                     start = (origin[axis] - face_m) / spacing[axis],
                      per_m = view[axis] / spacing[axis];
         const struct faces faces = faces_on(grid, axis, start + near_m * per_m,
                                             start + far_m * per_m);
         for (int i = faces.first; i <= faces.last && view[axis] != 0.0; i++) {
-            const double t_m = (first[axis] + i * spacing[axis] - origin[axis]) / view[axis];
+            const double t_m = (face_m + i * spacing[axis] - origin[axis]) / view[axis];
             if (t_m >= near_m && t_m <= far_m)
                 neph_cuts_add(cuts, t_m);
         }
@@ -191,9 +192,12 @@ struct written_grid {
     int size[3];
     struct neph_vec3 origin_m, spacing_m;
     int repeat[3];
+    int interpolation; /* 0 trilinear, 1 constant */
     int value_count;
     double values[VALUES_MAX];
 };
+
+static const char *const interpolations[] = {"trilinear", "constant", NULL};
 
 static const struct neph_field grid_fields[] = {
     {"size", NEPH_WHOLES, GRID(size), "nodes", 1, NEPH_GRID_SIDE_MAX, .note = "along x, y, z"},
@@ -206,6 +210,9 @@ static const struct neph_field grid_fields[] = {
      .note = "number of copies side by side along x, y, z, the last node beside the first of the "
              "next; 0: without end, over the whole world",
      .standard = "[1, 1, 1]"},
+    {"interpolation", NEPH_WORD, GRID(interpolation), .words = interpolations,
+     .note = "constant: each node's value in the cell around it, as in tables of radiation codes",
+     .standard = "trilinear"},
     {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at value 1",
      .standard = NEPH_OR_ANOTHER_DENSITY},
     {"bounds", NEPH_RECORD, AT(bounds), .record = &neph_bounds_record, .standard = "unbounded"},
@@ -251,6 +258,7 @@ static enum neph_status finish_grid(struct neph_reader *reader, const yaml_node_
     fill_copies(grid, medium->grid);
     for (int axis = 0; axis < 3; axis++)
         medium->grid->is_endless[axis] = grid->repeat[axis] == 0;
+    medium->grid->is_constant = grid->interpolation == 1;
     return neph_grid_seal(medium->grid, reader->diag);
 }
 

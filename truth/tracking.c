@@ -6,6 +6,8 @@
  */
 #include "truth/tracking.h"
 
+#include "scenes/bounds.h"
+#include "scenes/grid.h"
 #include "scenes/majorant.h"
 #include "scenes/media.h"
 #include "truth/segments.h"
@@ -13,11 +15,14 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* A new kind breaks the build here until this file handles it. */
+_Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
+
 struct tracked {
     const struct neph_medium *medium;
-    bool inverted; /* collisions by the inverse of each fog layer, else by candidates of a
-                    * majorant */
-    struct neph_majorants *majorants; /* owned; NULL for shells and fogs */
+    bool inverted; /* collisions by the inverse of each fog layer, or of constant cells; else by
+                    * candidates of a majorant */
+    struct neph_majorants *majorants; /* owned; NULL for shells and if `inverted` */
     double color[3], color_max;       /* extinction_color */
     bool grey;
     bool exact; /* has a closed form */
@@ -32,6 +37,12 @@ struct neph_tracker {
 
 /* ---- set-up ---- */
 
+/* Free paths through these are inverted cell by cell. */
+static bool has_constant_cells(const struct neph_medium *medium)
+{
+    return medium->kind == NEPH_MEDIUM_GRID && medium->grid->is_constant;
+}
+
 static enum neph_status prepare(struct tracked *tracked, const struct neph_medium *medium,
                                 struct neph_diag *diag)
 {
@@ -39,13 +50,13 @@ static enum neph_status prepare(struct tracked *tracked, const struct neph_mediu
     const struct neph_rgb color = medium->extinction_color;
     *tracked = (struct tracked){
         .medium = medium,
-        .inverted = facts->is_fog,
+        .inverted = facts->is_fog || has_constant_cells(medium),
         .color = {color.r, color.g, color.b},
         .color_max = fmax(color.r, fmax(color.g, color.b)),
         .grey = color.r == color.g && color.g == color.b,
         .exact = facts->has_closed_form,
     };
-    if (!facts->needs_majorants)
+    if (!facts->needs_majorants || tracked->inverted)
         return NEPH_OK;
     const struct neph_bounds box = neph_medium_support(medium);
     if (!(box.min_m.x < box.max_m.x && box.min_m.y < box.max_m.y && box.min_m.z < box.max_m.z)) {
@@ -96,16 +107,37 @@ static double exponential(struct neph_random *random)
     return -log(neph_random_uniform(random));
 }
 
-/* ---- fog ---- */
+/* ---- fog and constant cells ---- */
 
-/* Find the nearest collision with a fog before `collision`. */
-static void collide_fog(const struct tracked *tracked, int index, const struct neph_ray *ray,
-                        int channel, struct neph_random *random, struct neph_collision *collision)
+static void collide_cells(const struct tracked *tracked, int index, const struct neph_ray *ray,
+                          int channel, double t0_m, double t1_m, struct neph_random *random,
+                          struct neph_collision *collision)
+{
+    const struct neph_medium *medium = tracked->medium;
+    const double per_density = medium->extinction_per_m * tracked->color[channel];
+    if (!(per_density > 0.0))
+        return;
+    const double t_m = neph_grid_free_path_m(medium->grid, ray->origin_m, ray->direction, t0_m,
+                                             t1_m, exponential(random) / per_density);
+    if (t_m < t1_m) {
+        collision->t_m = t_m;
+        collision->medium = index;
+    }
+}
+
+/* Find the nearest collision with an inverted medium before `collision`. */
+static void collide_inverted(const struct tracked *tracked, int index, const struct neph_ray *ray,
+                             int channel, struct neph_random *random,
+                             struct neph_collision *collision)
 {
     const struct neph_medium *medium = tracked->medium;
     double t0_m = 0.0, t1_m = collision->t_m;
     if (!neph_bounds_clip(&medium->bounds, ray->origin_m, ray->direction, &t0_m, &t1_m))
         return;
+    if (has_constant_cells(medium)) {
+        collide_cells(tracked, index, ray, channel, t0_m, t1_m, random, collision);
+        return;
+    }
     const double y_m = ray->origin_m.y + t0_m * ray->direction.y;
     for (int l = 0; l < medium->layer_count; l++) {
         const struct neph_fog_layer *layer = &medium->layers[l];
@@ -259,7 +291,7 @@ struct neph_collision neph_tracker_collide(const struct neph_tracker *tracker,
     struct neph_collision collision = {ray->end_m, -1, {1.0, 1.0, 1.0}};
     for (int m = 0; m < tracker->count; m++)
         if (tracker->media[m].inverted && tracker->media[m].color[channel] > 0.0)
-            collide_fog(&tracker->media[m], m, ray, channel, random, &collision);
+            collide_inverted(&tracker->media[m], m, ray, channel, random, &collision);
     collide_candidates(tracker, ray, channel, random, &collision, cost);
     if (!tracker->grey)
         multiply_channel_ratios(tracker, ray, channel, &collision);

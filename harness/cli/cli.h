@@ -21,6 +21,7 @@ neph_verb neph_cli_fly;
 neph_verb neph_cli_export;
 neph_verb neph_cli_bake;
 neph_verb neph_cli_droplets;
+neph_verb neph_cli_fluxes;
 neph_verb neph_cli_benchmark;
 neph_verb neph_cli_compare;
 neph_verb neph_cli_flicker;

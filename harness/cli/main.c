@@ -35,6 +35,8 @@ static const struct {
     {"bake", neph_cli_bake, NULL, "a medium of a scene as a volume file, with its error"},
     {"droplets", neph_cli_droplets, NULL,
      "extinction, albedo and phase function of cloud droplets from their sizes"},
+    {"fluxes", neph_cli_fluxes, NULL,
+     "sunlight that columns of a scene reflect, transmit and absorb, with errors"},
     {"benchmark", neph_cli_benchmark, NULL, "how long engines take for the same noise"},
     {"sweep", NULL, &neph_experiment_sweep,
      "speed against accuracy of engines and settings over a scene"},

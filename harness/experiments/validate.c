@@ -89,16 +89,21 @@ static const struct neph_cli_option options[] = {
     {"suite", 0, "NAME",
      "catalog: the same as --tier full; physics: every engine against truth that needs no "
      "renderer; "
+     "i3rc: fluxes of clouds against the consensus of radiation codes, whose files are in the "
+     "folder NEPH_I3RC_DATA; "
      "stress: presets of realtime where such methods fail, and engines in fog, with limits (tiers "
      "quick, full)",
      NEPH_CLI_WORD, .at = offsetof(struct neph_validate_request, suite)},
     {"samples", 0, "N",
-     "Of the physics suite: paths per pixel and seed of our tracers (default: 256)",
+     "Of the physics suite: paths per pixel and seed of our tracers (default: 256). Of i3rc: as of "
+     "`neph fluxes` (default: 16000, 4000 and 512 in case 1, 2 and 3)",
+
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, samples), .minimum = 2,
      .maximum = 1000000},
     {"only", 0, NULL,
-     "Of the stress tests: only these scenarios, whatever their tier. Of the physics suite: only "
-     "checks with one of these texts in their name or group",
+     "Of the stress tests: only these scenarios, whatever their tier. Of the physics suite and of "
+     "i3rc: only checks with one of these texts in their name or group",
+
      NEPH_CLI_NAMES, .at = offsetof(struct neph_validate_request, only)},
     {"preset", 0, NULL,
      "Of the stress tests: only these presets, or PRESET+KEY=VALUE; without it, the full tier has "
@@ -165,6 +170,7 @@ static const struct {
     const struct neph_experiment *experiment;
 } suites[] = {{"catalog", &neph_experiment_catalog},
               {"physics", &neph_experiment_physics},
+              {"i3rc", &neph_experiment_i3rc},
               {"stress", &neph_experiment_stress},
               {"failure", &neph_experiment_stress_by_old_name}};
 
@@ -181,6 +187,11 @@ static const struct neph_experiment *choose(const void *request_)
 static bool is_physics(const struct neph_validate_request *request)
 {
     return choose(request) == &neph_experiment_physics;
+}
+
+static bool is_i3rc(const struct neph_validate_request *request)
+{
+    return choose(request) == &neph_experiment_i3rc;
 }
 
 static bool is_stress(const struct neph_validate_request *request)
@@ -218,12 +229,16 @@ static void check(const void *request_, const struct argp_state *state)
     const struct neph_validate_request *request = request_;
     const struct neph_cli_shared *shared = &request->shared;
     if (!choose(request))
-        argp_error(state, "there is no suite '%s'; there are catalog, physics and stress",
+        argp_error(state, "there is no suite '%s'; there are catalog, physics, i3rc and stress",
                    request->suite);
     check_stress(request, state);
     if (request->only_engine && request->engines.count == 0)
         argp_error(state, "--only-engine needs -e, which names the engines that it is about");
-    if (request->only_engine && (is_physics(request) || is_stress(request)))
+    const bool has_scenes = !is_physics(request) && !is_stress(request) && !is_i3rc(request);
+    if (is_i3rc(request) &&
+        (shared->operand_count > 0 || shared->settings.count > 0 || request->engines.count > 1))
+        argp_error(state, "the I3RC suite has its own scenes, no --set, and one engine");
+    if (request->only_engine && !has_scenes)
         argp_error(state, "--only-engine is of scenes: the suites render the engines of -e and no "
                           "others");
     if (request->tier && !find_tier(request->tier))
@@ -233,12 +248,12 @@ static void check(const void *request_, const struct argp_state *state)
             argp_error(state, "--only needs a part of a name");
     if (is_physics(request) && shared->settings.count > 0)
         argp_error(state, "the physics suite chooses its engines' settings itself: no --set");
-    if (request->seed > 0 && (is_physics(request) || is_stress(request)))
+    if (request->seed > 0 && !has_scenes)
         argp_error(state, "--seed is of scenes; the suites have their own");
-    if (!is_physics(request) && request->samples >= 0)
-        argp_error(state, "--samples belongs to --suite physics");
-    if (!is_physics(request) && !is_stress(request) && request->only.count > 0)
-        argp_error(state, "--only chooses among the tests of --suite physics and --suite stress");
+    if (!is_physics(request) && !is_i3rc(request) && request->samples >= 0)
+        argp_error(state, "--samples belongs to --suite physics and --suite i3rc");
+    if (has_scenes && request->only.count > 0)
+        argp_error(state, "--only chooses among the tests of --suite physics, i3rc and stress");
     if (request->suite && request->tier && !is_stress(request))
         argp_error(state, "either --suite or --tier: the catalogue is --tier full");
     if (is_physics(request) && shared->operand_count > 0)
@@ -272,6 +287,7 @@ static const struct neph_cli_syntax syntax = {
         "  neph validate my_fog.yaml -e exact,march -s march:steps=256 -o /tmp/fog\n"
         "  neph validate --suite physics --jobs 4 -o out/physics\n"
         "  neph validate --suite physics --only slab -e oracle,tracer --samples 4096\n"
+        "  neph validate --suite i3rc --only case1_exp1 --samples 2000 -o out/i3rc\n"
         "  neph validate --suite stress --only fence_tiles --preset fixed+override=parallel\n"
         "  neph validate --suite stress --only fog_seam -e povray --pictures all",
 };

@@ -33,13 +33,16 @@
 #define NEPH_GPU_SHADED 32u      // a solid may shadow a medium
 #define NEPH_GPU_ENDLESS 64u     // a voxel grid repeats without end along an axis
 #define NEPH_GPU_PAIRS 128u      // grid values are stored in pairs, too
-#define NEPH_GPU_PHASE_TABLES 4096u // a phase function is a table; between the two next fields
 // The upper bits of the same constant describe the media, when there are at most KNOWN_MEDIA_MAX:
 // their number from bit MEDIA_SHIFT on, and from bit KINDS_SHIFT on four bits per medium, which are
 // its kind and, in the highest bit, whether the fog has two layers. With more media these bits are
 // 0, and the kernel reads the media from the frame.
 #define NEPH_GPU_KNOWN_MEDIA_MAX 4
 #define NEPH_GPU_MEDIA_SHIFT 8u
+// Three more between these:
+#define NEPH_GPU_CONSTANT_CELLS 4096u // voxel grids are constant in their cells
+#define NEPH_GPU_OWN_RAYS 8192u       // the tracer's view rays are in a buffer
+#define NEPH_GPU_PHASE_TABLES 16384u  // a phase function is a table
 #define NEPH_GPU_KINDS_SHIFT 16u
 
 // Consecutive steps of a view ray that share one optical depth, at most.

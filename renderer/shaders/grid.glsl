@@ -14,6 +14,8 @@
 //
 // Along an endless axis this layer contains the nodes of the opposite side instead: cells 1 to
 // `period` are one period, and every other cell is wrapped into it.
+//
+// If cells are constant, cell i is the box around node i, and places are shifted by half a cell.
 #ifndef NEPH_GRID_GLSL
 #define NEPH_GRID_GLSL
 
@@ -31,7 +33,18 @@ struct Grid {
 };
 
 const bool ENDLESS = (TRAITS & NEPH_GPU_ENDLESS) != 0u; // a grid is endless along an axis
+const bool CONSTANT_CELLS = (TRAITS & NEPH_GPU_CONSTANT_CELLS) != 0u;
 const float CELLS_AWAY = 1e9; // bound for cells of endless axes: more than a ray crosses
+
+// The place of a point in cells: cell i spans i to i + 1.
+vec3 grid_place(Grid grid, vec3 point_m)
+{
+    vec3 at = (point_m - grid.origin_m) * grid.nodes_per_m;
+    return CONSTANT_CELLS ? at + 0.5 : at;
+}
+
+// Number of cells along each axis.
+vec3 grid_cell_count(Grid grid) { return vec3(CONSTANT_CELLS ? grid.size : grid.size - 1); }
 
 // The stored place or cell that an unwrapped one repeats.
 vec3 grid_wrapped(Grid grid, vec3 at)
@@ -49,7 +62,7 @@ vec3 first_cell(Grid grid)
 
 vec3 last_cell(Grid grid)
 {
-    vec3 last = vec3(grid.size - 1) - 1.0;
+    vec3 last = grid_cell_count(grid) - 1.0;
     return ENDLESS ? mix(last, vec3(CELLS_AWAY), greaterThan(grid.period, vec3(0.0))) : last;
 }
 
@@ -74,6 +87,8 @@ Cell grid_cell(Grid grid, uvec3 cell)
 {
     uint x = 1, y = grid.size.x, z = grid.size.x * grid.size.y;
     uint at = grid.first + cell.x + cell.y * y + cell.z * z;
+    if (CONSTANT_CELLS)
+        return Cell(vec4(grid_values[at]), vec4(grid_values[at]));
 #ifdef SEES_GRID_TEXELS
     return Cell(vec4(grid_pair(at), grid_pair(at + y)),
                 vec4(grid_pair(at + z), grid_pair(at + y + z)));
@@ -102,8 +117,10 @@ float cell_density(Cell cell, vec3 at)
 float grid_density(Grid grid, vec3 point_m)
 {
     precise vec3 unwrapped = (point_m - grid.origin_m) * grid.nodes_per_m;
+    if (CONSTANT_CELLS)
+        unwrapped += 0.5;
     precise vec3 at = grid_wrapped(grid, unwrapped);
-    vec3 last = vec3(grid.size - 1);
+    vec3 last = grid_cell_count(grid);
     bool is_within = all(greaterThanEqual(at, vec3(0.0))) && all(lessThanEqual(at, last));
     vec3 cell = clamp(floor(at), vec3(0.0), last - 1.0);
     precise vec3 in_cell = at - cell;
@@ -118,7 +135,7 @@ float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, floa
 {
     const float gauss = 0.288675134594813; // 1 / sqrt(12)
     vec3 slope = direction * grid.nodes_per_m; // nodes per metre of the ray
-    vec3 start = (origin_m - grid.origin_m) * grid.nodes_per_m;
+    vec3 start = grid_place(grid, origin_m);
     vec3 first = first_cell(grid), last = last_cell(grid);
     bvec3 falls = lessThan(slope, vec3(0.0));
     bvec3 level = lessThan(abs(slope), vec3(1e-20));
@@ -186,8 +203,8 @@ float grid_free_path_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, flo
 {
     const float gauss = 0.288675134594813; // 1 / sqrt(12)
     vec3 slope = direction * grid.nodes_per_m;
-    vec3 start = (origin_m - grid.origin_m) * grid.nodes_per_m;
-    vec3 last = vec3(grid.size - 2);
+    vec3 start = grid_place(grid, origin_m);
+    vec3 last = grid_cell_count(grid) - 1.0;
     vec3 side = vec3(greaterThanEqual(slope, vec3(0.0)));
     bvec3 level = lessThan(abs(slope), vec3(1e-20));
     vec3 per_slope = mix(1.0 / slope, vec3(0.0), level);
@@ -221,12 +238,13 @@ float grid_free_path_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, flo
 
 // One of the eight nodes around a point, chosen with its trilinear weight as probability. Its
 // expectation is the trilinear density, and so is the expectation of every linear function of it:
-// the collision probability, the factor of ratio tracking. One load replaces eight.
+// the collision probability, the factor of ratio tracking. One load replaces eight. Constant cells:
+// the node of the cell.
 float grid_random_node(Grid grid, vec3 point_m, uvec2 bits)
 {
     // 21 random bits per axis.
     uvec3 thirds = uvec3(bits >> 11, (bits.x & 0x7ffu) << 10 | bits.y & 0x3ffu);
-    vec3 u = vec3(thirds) * exp2(-21.0);
+    vec3 u = CONSTANT_CELLS ? vec3(0.5) : vec3(thirds) * exp2(-21.0);
     vec3 at = clamp(grid_wrapped(grid, (point_m - grid.origin_m) * grid.nodes_per_m), vec3(0.0),
                     vec3(grid.size - 1) * 0.9999999);
     uvec3 node = min(uvec3(at + u), grid.size - 1); // the sum may round up

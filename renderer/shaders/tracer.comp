@@ -186,7 +186,7 @@ uint item_place() { return queue() * queue_items() + path.item; }
 ViewRay start_path()
 {
     uint pixel = run.first_pixel + item_pixel();
-    ViewRay ray = camera_ray(camera, pixel % camera.width_px, pixel / camera.width_px);
+    ViewRay ray = pixel_ray(camera, pixel);
     path.origin_m = ray.origin_m;
     path.direction = ray.direction;
     path.throughput = vec3(1.0);

@@ -240,9 +240,27 @@ vec3 other_media_depth(uint but_medium, uint but_layer, ViewRay ray, float lengt
     return sum;
 }
 
-ViewRay pixel_ray(uint pixel)
+// View rays of the caller, in place of the camera's.
+const bool OWN_RAYS = (TRAITS & NEPH_GPU_OWN_RAYS) != 0u;
+
+struct OwnRay {
+    vec3 origin_m; // from the camera's position
+    float padding0;
+    vec3 direction; // unit
+    float padding1;
+};
+
+layout(std430, binding = 18) readonly buffer OwnRays {
+    OwnRay own_rays[];
+};
+
+ViewRay pixel_ray(Camera camera, uint pixel)
 {
-    return camera_ray(pixel % frame.width_px, pixel / frame.width_px);
+    if (OWN_RAYS)
+        return ViewRay(own_rays[pixel].origin_m, own_rays[pixel].direction);
+    return camera_ray(camera, pixel % camera.width_px, pixel / camera.width_px);
 }
+
+ViewRay pixel_ray(uint pixel) { return pixel_ray(frame_camera(), pixel); }
 
 #endif

@@ -24,6 +24,7 @@ STUDY = f"{SIZE} --steps 4"
 RULES = [
     (r"validate .*--suite physics --only", "--samples 2 -q", {0, 1}, False),
     (r"validate .*--suite physics", "--only furnace_box_4 -e exact -q", {0, 1}, True),
+    (r"validate .*--suite i3rc", "--samples 20 -q", {1}, True),
     (r"validate .*--suite stress.* povray", "-q", {0, 1}, False),
     (r"validate .*--suite stress", "-q", {0, 1}, False),
     (r"validate .*-e ", f"--no-charts {SIZE} -q", {0, 1}, True),
@@ -77,6 +78,8 @@ RULES = [
     (r"baseline .*--night", "", {0, 65, 66}, False),  # a run that does not exist
     (r"baseline", "", {0, 66}, True),
     (r"droplets", "--effective-radius 1", {0}, True),
+    (r"fluxes .*tracer", "--samples 16 -q", {0, 69}, True),
+    (r"fluxes", "--samples 16 -q", {0}, True),
     (r"serve", "-o missing", {66}, True),  # else it runs until Ctrl-C
     (r"store", "", {0, 66}, True),
     (r"scenes .*--new", "--force", {0}, True),

@@ -181,4 +181,95 @@ static void test_paths_see_no_end(void **state)
     }
 }
 
+/* ---- constant cells -------------------------------------------------------------------------- */
+
+/* Cells of `columns`, cut off half a node beyond them, or endless. */
+static struct neph_grid *make_cells(bool is_endless)
+{
+    struct neph_grid *grid = make_columns(columns, 8, 50.0, 100.0, is_endless ? 0 : 3);
+    struct neph_diag diag = {0};
+    grid->is_constant = true;
+    neph_assert_ok(neph_grid_seal(grid, &diag), &diag);
+    return grid;
+}
+
+/* The ray marcher's exact integrals in float32 against those in double precision, with and without
+ * an end. */
+static void test_constant_cells_are_those_of_the_truth(void **state)
+{
+    for (int is_endless = 0; is_endless < 2; is_endless++) {
+        struct test_scene test;
+        OWNED(grid) struct neph_grid *grid = make_cells(is_endless);
+        set_stage(&test, grid, 150.0);
+        test.scene.media[0].bounds.min_m.y = -50.0;
+        OWNED(image) struct neph_image *image = march(*state, &test.scene, NEPH_MARCH_EXACT);
+        const float *through = neph_image_channel(image, "transmittance.G");
+        for (int i = 0; i < PIXELS; i += neph_test_by_day(17, 3)) {
+            const struct neph_ray_light truth = test_exact_ray(&test.scene, WIDTH, HEIGHT, i);
+            neph_assert_close((double)through[i], truth.transmittance.g, 0.0, 2e-4);
+        }
+    }
+}
+
+/* Light on the device and by the oracle's inversion cell by cell: means within four standard
+ * errors, which are below 5 %. */
+static void compare_paths(struct neph_vulkan *vulkan, bool is_endless)
+{
+    const int samples = neph_test_by_day(128, 4096);
+    struct test_scene test;
+    OWNED(grid) struct neph_grid *grid = make_cells(is_endless);
+    set_stage(&test, grid, 150.0);
+    test.scene.media[0].bounds.min_m.y = -50.0;
+    test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    const struct neph_tracer_params params = test_samples(8, 6, 3, samples);
+    OWNED(image)
+    struct neph_image *image = test_trace(vulkan, &test.scene, &params, NULL),
+                      *truth = test_oracle(&test.scene, 8, 6, 3, samples);
+    const float *a = neph_image_channel(image, "G"), *b = neph_image_channel(truth, "G"),
+                *va = neph_image_channel(image, "variance.G"),
+                *vb = neph_image_channel(truth, "variance.G");
+    double off = 0.0, variance = 0.0, sum = 0.0;
+    for (int i = 0; i < 48; i++) {
+        off += (double)a[i] - (double)b[i];
+        variance += (double)va[i] + (double)vb[i];
+        sum += (double)b[i];
+    }
+    print_message("mean %.4f, off by %.2g, standard error %.2g\n", sum / 48, off / 48,
+                  sqrt(variance) / 48);
+    assert_true(fabs(off) < 4.0 * sqrt(variance));
+    assert_true(sqrt(variance) < 0.05 * sum);
+}
+
+static void test_paths_through_constant_cells(void **state)
+{
+    compare_paths(*state, true);
+    compare_paths(*state, false); /* walks the view ray first (shaders/tracer_way.glsl) */
+}
+
+/* A view of the caller's rays that are the camera's is the camera's view. */
+static void test_own_rays_replace_the_camera(void **state)
+{
+    struct test_scene test;
+    OWNED(grid) struct neph_grid *grid = make_cells(true);
+    set_stage(&test, grid, 150.0);
+    test.scene.vertical_fov_rad = 0.0;
+    test.scene.orthographic_height_m = 300.0;
+    test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    struct neph_tracer_params params = test_samples(8, 6, 5, 16);
+    OWNED(image) struct neph_image *seen = test_trace(*state, &test.scene, &params, NULL);
+    const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
+    double rays[48][6];
+    for (int i = 0; i < 48; i++) {
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, 8, 6, i % 8, i / 8);
+        const double own[6] = {ray.origin_m.x,  ray.origin_m.y,  ray.origin_m.z,
+                               ray.direction.x, ray.direction.y, ray.direction.z};
+        memcpy(rays[i], own, sizeof(own));
+    }
+    params.rays = rays[0];
+    OWNED(image) struct neph_image *own = test_trace(*state, &test.scene, &params, NULL);
+    assert_true(test_distance(seen, own, "transmittance.G") < 1e-4);
+    /* The same random numbers, from origins that differ by rounding. */
+    assert_true(test_distance(seen, own, "G") < 0.05);
+}
+
 #include "tests/renderer/main.h"

@@ -6,6 +6,7 @@
 #include "tests/scene_builders.h"
 
 #include "base/sort.h"
+#include "scenes/bounds.h"
 #include "scenes/grid.h"
 
 #include <float.h>
@@ -447,6 +448,99 @@ static void assert_refused(int nx, int ny, int nz, struct neph_vec3 origin_m,
     if (!strstr(diag.message, words))
         print_error("'%s' is not in '%s'\n", words, diag.message);
     assert_non_null(strstr(diag.message, words));
+}
+
+/* ---- constant cells ------------------------------------------------------------------------- */
+
+/* The integral over a ray by the overlap of the ray with every cell. */
+static double overlap_integral(const struct neph_grid *grid, struct neph_vec3 o, struct neph_vec3 d,
+                               double t0, double t1)
+{
+    const struct neph_vec3 s = grid->spacing_m;
+    double sum = 0.0;
+    for (int n = 0; n < grid->size[0] * grid->size[1] * grid->size[2]; n++) {
+        const int i = n % grid->size[0], j = n / grid->size[0] % grid->size[1],
+                  k = n / grid->size[0] / grid->size[1];
+        const struct neph_vec3 middle_m = {grid->origin_m.x + i * s.x, grid->origin_m.y + j * s.y,
+                                           grid->origin_m.z + k * s.z};
+        const struct neph_bounds cell = {neph_vec3_along(middle_m, s, -0.5),
+                                         neph_vec3_along(middle_m, s, 0.5)};
+        double from = t0, to = t1;
+        if (neph_bounds_clip(&cell, o, d, &from, &to))
+            sum += (to - from) * (double)grid->values[n];
+    }
+    return sum;
+}
+
+static void test_constant_cells_against_their_overlaps(void **state)
+{
+    for (uint64_t trial = 0; trial < 1500; trial++) {
+        uint64_t seed = 500 + trial;
+        struct neph_grid *grid = random_grid(&seed);
+        grid->is_constant = true;
+        const struct neph_vec3 o = random_place(&seed, grid), d = random_direction(&seed);
+        const double t0 = neph_test_uniform(&seed, -20, 20);
+        const double t1 = t0 + neph_test_uniform(&seed, 0, 90);
+        const double whole_m = neph_grid_integral_m(grid, o, d, t0, t1);
+        if (!(fabs(whole_m - overlap_integral(grid, o, d, t0, t1)) <= integral_absolute_m))
+            print_error("seed %llu\n", (unsigned long long)(500 + trial));
+        neph_assert_close(whole_m, overlap_integral(grid, o, d, t0, t1), 0.0, integral_absolute_m);
+        const double part_m = whole_m * neph_test_uniform(&seed, 0.01, 0.99);
+        const double at_m = neph_grid_free_path_m(grid, o, d, t0, t1, part_m);
+        if (whole_m > 0.0) /* the inverse */
+            neph_assert_close(neph_grid_integral_m(grid, o, d, t0, at_m), part_m, 0.0,
+                              integral_absolute_m);
+        assert_true(isinf(neph_grid_free_path_m(grid, o, d, t0, t1, 1.001 * whole_m + 1e-9)));
+        neph_grid_destroy(grid);
+    }
+}
+
+static void test_constant_cells_end_halfway_and_repeat(void **state)
+{
+    struct neph_grid *grid = make_grid((const int[3]){2, 1, 1}, (struct neph_vec3){10, 0, 0},
+                                       (struct neph_vec3){2, 4, 6});
+    grid->values[0] = 3.0f;
+    grid->values[1] = 5.0f;
+    grid->is_constant = true;
+    char trilinear[NEPH_HASH_HEX_SIZE];
+    seal(grid);
+    const struct neph_bounds support = neph_grid_support(grid);
+    assert_true(support.min_m.x == 9.0 && support.max_m.x == 13.0 && support.min_m.y == -2.0 &&
+                support.max_m.z == 3.0);
+    static const struct {
+        double x_m, density;
+    } points[] = {{8.9, 0}, {9.1, 3}, {10.9, 3}, {11.1, 5}, {12.9, 5}, {13.1, 0}};
+    for (size_t i = 0; i < COUNT(points); i++)
+        assert_true(neph_grid_density(grid, (struct neph_vec3){points[i].x_m, 1.9, -2.9}) ==
+                    points[i].density);
+    const struct neph_bounds left = {{9.5, -1, -1}, {10.5, 1, 1}};
+    assert_true(neph_grid_maximum_in(grid, &left) >= 3.0);
+    grid->is_endless[0] = true; /* a period of 4 m: mean density 4 */
+    neph_assert_close(neph_grid_integral_m(grid, (struct neph_vec3){-100.3, 0, 0},
+                                           (struct neph_vec3){1, 0, 0}, 0.0, 400.0),
+                      1600.0, 1e-12, 0.0);
+    memcpy(trilinear, grid->hash, sizeof(trilinear));
+    grid->is_endless[0] = grid->is_constant = false;
+    seal(grid);
+    assert_string_not_equal(grid->hash, trilinear);
+    neph_grid_destroy(grid);
+}
+
+/* A bound of constant cells holds at each place in the box. */
+static void test_constant_maximum_is_valid_in_any_box(void **state)
+{
+    for (uint64_t seed = 700; seed < 900; seed++) {
+        uint64_t state_ = seed;
+        struct neph_grid *grid = random_grid(&state_);
+        grid->is_constant = true;
+        const struct neph_vec3 a = random_place(&state_, grid), b = random_place(&state_, grid);
+        const struct neph_bounds box = {{fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)},
+                                        {fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)}};
+        const double bound = neph_grid_maximum_in(grid, &box);
+        for (int i = 0; i < 50; i++)
+            assert_true(neph_grid_density(grid, random_place_in(&box, &state_)) <= bound);
+        neph_grid_destroy(grid);
+    }
 }
 
 static void test_bad_sizes_and_places_are_refused(void **state)

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT */
+#include "truth/flux_sums.h"
+
+#include "scenes/media.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static bool is_coloured(struct neph_rgb rgb)
+{
+    return rgb.r != rgb.g || rgb.g != rgb.b;
+}
+
+static bool is_scene_coloured(const struct neph_scene *scene)
+{
+    for (int m = 0; m < scene->medium_count; m++)
+        if (is_coloured(scene->media[m].albedo) || neph_medium_is_coloured(&scene->media[m]))
+            return true;
+    for (int i = 0; i < scene->solid_count; i++)
+        if (is_coloured(scene->solids[i].albedo))
+            return true;
+    return false;
+}
+
+enum neph_status neph_fluxes_create(const struct neph_scene *scene,
+                                    const struct neph_flux_domain *domain,
+                                    struct neph_fluxes *fluxes, struct neph_diag *diag)
+{
+    const int channels = is_scene_coloured(scene) ? 3 : 1;
+    const size_t columns = (size_t)domain->columns_x * (size_t)domain->columns_z;
+    struct neph_fluxes made = {.domain = *domain, .channel_count = channels};
+    made.sums = calloc(NEPH_FLUX_COUNT * columns * (size_t)channels, sizeof(*made.sums));
+    made.domain_sums = calloc(NEPH_FLUX_COUNT * (size_t)channels, sizeof(*made.domain_sums));
+    if (!made.sums || !made.domain_sums) {
+        neph_fluxes_finish(&made);
+        return neph_fail_memory(diag);
+    }
+    *fluxes = made;
+    return NEPH_OK;
+}
+
+static int column_count(const struct neph_fluxes *fluxes)
+{
+    return fluxes->domain.columns_x * fluxes->domain.columns_z;
+}
+
+static size_t find_place(const struct neph_fluxes *fluxes, int flux, int column, int channel)
+{
+    return ((size_t)flux * (size_t)column_count(fluxes) + (size_t)column) *
+               (size_t)fluxes->channel_count +
+           (size_t)channel;
+}
+
+static void add_value(struct neph_flux_sum *sum, double value)
+{
+    sum->first = sum->count > 0.0 ? sum->first : value;
+    const double off = value - sum->first;
+    sum->count += 1.0;
+    sum->powers[0] += off;
+    sum->powers[1] += off * off;
+    sum->powers[2] += off * off * off;
+    sum->powers[3] += off * off * off * off;
+}
+
+/* What does not leave through the levels and is not absorbed leaves through the sides. */
+static void fill_horizontal(const struct neph_fluxes *fluxes, double *values)
+{
+    for (int column = 0; column < column_count(fluxes); column++)
+        for (int c = 0; c < fluxes->channel_count; c++)
+            values[find_place(fluxes, NEPH_FLUX_HORIZONTAL, column, c)] =
+                1.0 - values[find_place(fluxes, NEPH_FLUX_REFLECTED, column, c)] -
+                values[find_place(fluxes, NEPH_FLUX_TRANSMITTED, column, c)] +
+                values[find_place(fluxes, NEPH_FLUX_UPWARD, column, c)] -
+                values[find_place(fluxes, NEPH_FLUX_ABSORBED, column, c)];
+}
+
+void neph_fluxes_add_batch(struct neph_fluxes *fluxes, double *values)
+{
+    const int columns = column_count(fluxes);
+    fill_horizontal(fluxes, values);
+    for (int flux = 0; flux < NEPH_FLUX_COUNT; flux++)
+        for (int c = 0; c < fluxes->channel_count; c++) {
+            double mean = 0.0;
+            for (int column = 0; column < columns; column++) {
+                const size_t place = find_place(fluxes, flux, column, c);
+                add_value(&fluxes->sums[place], values[place]);
+                mean += values[place] / columns;
+            }
+            add_value(&fluxes->domain_sums[flux * fluxes->channel_count + c], mean);
+        }
+}
+
+static struct neph_flux_estimate estimate(const struct neph_flux_sum *sum)
+{
+    const double n = sum->count;
+    if (n < 2.0)
+        return (struct neph_flux_estimate){n > 0.0 ? sum->first : NAN, NAN, NAN};
+    const double m = sum->powers[0] / n, p2 = sum->powers[1] / n, p3 = sum->powers[2] / n,
+                 p4 = sum->powers[3] / n;
+    /* Values that differ by rounding have no variance. */
+    const double least = 1e-26 * sum->first * sum->first;
+    const double second = p2 - m * m > least ? p2 - m * m : 0.0,
+                 fourth = fmax(second * second,
+                               p4 - 4.0 * m * p3 + 6.0 * m * m * p2 - 3.0 * m * m * m * m);
+    /* At least that of as many normal numbers. */
+    const double least_doubt = 2.0 / (n - 1.0);
+    const double doubt = second > 0.0 ? fmax(least_doubt, (fourth / (second * second) - 1.0) / n)
+                                      : 0.0;
+    return (struct neph_flux_estimate){sum->first + m, sqrt(second / (n - 1.0)), doubt};
+}
+
+struct neph_flux_estimate neph_flux_of_column(const struct neph_fluxes *fluxes, enum neph_flux flux,
+                                              int column, int channel)
+{
+    return estimate(&fluxes->sums[find_place(fluxes, (int)flux, column, channel)]);
+}
+
+struct neph_flux_estimate neph_flux_of_domain(const struct neph_fluxes *fluxes, enum neph_flux flux,
+                                              int channel)
+{
+    return estimate(&fluxes->domain_sums[(int)flux * fluxes->channel_count + channel]);
+}
+
+int neph_flux_doubtful_columns(const struct neph_fluxes *fluxes, enum neph_flux flux, int channel)
+{
+    int count = 0;
+    for (int column = 0; column < column_count(fluxes); column++)
+        count += neph_flux_of_column(fluxes, flux, column, channel).doubt > NEPH_FLUX_DOUBTFUL;
+    return count;
+}
+
+void neph_fluxes_finish(struct neph_fluxes *fluxes)
+{
+    free(fluxes->sums);
+    free(fluxes->domain_sums);
+    fluxes->sums = fluxes->domain_sums = NULL;
+}
