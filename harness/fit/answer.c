@@ -176,8 +176,9 @@ static double own_value(const struct neph_scene *scene, enum neph_fit_unknown un
     case NEPH_FIT_ALBEDO:
         return own_albedo(scene);
     case NEPH_FIT_ASYMMETRY:
-        return neph_phase_row(scene->media[0].phase.kind)->has_asymmetry ? scene->media[0].phase.g
-                                                                         : NAN;
+        return neph_phase_has(scene->media[0].phase.kind, NEPH_PHASE_PARAMETER_G)
+                   ? scene->media[0].phase.g
+                   : NAN;
     case NEPH_FIT_FALLOFF:
         return own_falloff(scene);
     case NEPH_FIT_UNKNOWN_COUNT:

@@ -110,9 +110,9 @@ static const char *asymmetry_obstacle(const struct neph_scene *scene)
         return obstacle;
     for (int m = 0; m < scene->medium_count; m++) {
         const struct neph_phase *phase = &scene->media[m].phase;
-        if (!neph_phase_row(phase->kind)->has_asymmetry)
+        if (!neph_phase_has(phase->kind, NEPH_PHASE_PARAMETER_G))
             return "a phase function has none";
-        if (phase->kind != first->kind || phase->g != first->g)
+        if (!neph_phase_is_same(phase, first))
             return "the media have different phase functions";
     }
     return scene->light_count > 0 ? "point lights are scattered by many angles along a ray" : NULL;
