@@ -465,7 +465,7 @@ static struct neph_spelling find_spelling(const yaml_node_t *key, const struct n
 static enum neph_status refuse_unknown(const struct neph_reader *reader, const yaml_node_t *key,
                                        const struct neph_field *fields)
 {
-    char quote[NEPH_QUOTE_SIZE], known[512] = "";
+    char quote[NEPH_QUOTE_SIZE], known[768] = "";
     const struct neph_spelling spelling = find_spelling(key, fields);
     describe_keys(fields, known, sizeof(known));
     neph_fail(reader->diag, NEPH_ERR_INPUT, "unknown key '%s' in %s; known keys: %s",

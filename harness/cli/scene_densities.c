@@ -37,7 +37,7 @@ struct density {
 
 static struct density measure(const struct neph_medium *medium, int index, int layer)
 {
-    const bool has_layers = medium->layer_count > 0;
+    const bool has_layers = neph_medium_is_fog(medium);
     const struct neph_medium one = has_layers ? neph_medium_of_layer(medium, layer) : *medium;
     const struct neph_droplet_radii given = one.droplets[0];
     struct density density = {.medium = index,
@@ -136,6 +136,15 @@ static const char *find_note(const struct neph_medium *medium)
     return medium->kind == NEPH_MEDIUM_GRID ? medium->grid->note : "";
 }
 
+static void print_values(const struct neph_medium *medium, int index)
+{
+    if (medium->kind != NEPH_MEDIUM_GRID)
+        return;
+    printf("  medium %d: values up to %.4g\n", index, (double)medium->grid->maximum);
+    if (*find_note(medium))
+        printf("  medium %d: %s\n", index, find_note(medium));
+}
+
 static int count_densities(const struct neph_medium *medium)
 {
     return medium->kind == NEPH_MEDIUM_HEIGHT_FOG ? medium->layer_count : 1;
@@ -155,8 +164,7 @@ void neph_print_densities(const struct neph_scene *scene)
             print_density(&density);
         }
     for (int m = 0; m < scene->medium_count; m++)
-        if (*find_note(&scene->media[m]))
-            printf("  medium %d: %s\n", m, find_note(&scene->media[m]));
+        print_values(&scene->media[m], m);
     printf("  *: assumed, the scene has none\n");
     for (int i = 0; i < ASSUMPTIONS; i++)
         printf("  %s\n", assumptions[i]);
@@ -201,6 +209,9 @@ static json_t *density_json(const struct neph_medium *medium, const struct densi
     neph_json_set(&json, "effective_variance_assumed", json_boolean(!density->is_variance_given));
     neph_json_set(&json, "extinction_efficiency",
                   neph_json_number(neph_droplet_extinction_efficiency(density->radii)));
+    neph_json_set(&json, "largest_value",
+                  medium->kind == NEPH_MEDIUM_GRID ? json_real((double)medium->grid->maximum)
+                                                   : json_null());
     neph_json_set(&json, "note", neph_json_cleaned(find_note(medium)));
     neph_json_set(&json, "untranslated", untranslated_json(medium));
     return json;

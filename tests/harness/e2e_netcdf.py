@@ -155,6 +155,7 @@ class NetCDF(neph_case.NephCase):
                          r"thickness changed by -?[0-9.]+e-(0[7-9]|1[0-9])|changed by 0.0e\+00")
         [medium] = self.json("scenes", "les.yaml")["densities"]["media"]
         self.assertIn("uneven places", medium["note"])
+        self.assertAlmostEqual(medium["largest_value"], max(WATER), 4)
         # Heights in km that descend are the same voxels.
         turned = simulation(heights=[0.55, 0.25, 0.15, 0.05], unit="km",
                             values=[WATER[((Z - 1 - k) * Y + j) * X + i]
@@ -235,6 +236,11 @@ class NetCDF(neph_case.NephCase):
         self.neph("scenes", "other.yaml", code=65, silent=True,
                   said=("volume.axes: only a .nc has it", "leave the key out"))
         self.scene(keys, whole)
+        for fake in ('printf x > "$2"', 'yes | head -c 9000 > "$2"', "true"):
+            self.put_program("neph-netcdf", f"#!/bin/sh\n{fake}\n")
+            self.neph("scenes", "les.yaml", code=65, silent=True,
+                      NEPH_NETCDF=str(self.folder / "bin/neph-netcdf"),
+                      said="damaged: NetCDF read nonsense from it")
         self.neph("scenes", "les.yaml", code=69, NEPH_NETCDF="/nowhere/neph-netcdf", silent=True,
                   said=("/nowhere/neph-netcdf", "libnetcdf-dev"))
 
