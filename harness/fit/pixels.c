@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind breaks the build here until this file handles it. */
+_Static_assert(NEPH_FIT_QUANTITY_COUNT == 2, "a new quantity");
+
 enum { PIXELS_MIN = 16 };
 
 /* Depths that differ by less are of the same surface. */
@@ -246,11 +249,12 @@ static double mean_weight(const struct neph_fit_pixels *pixels, int q)
     return sum / pixels->count;
 }
 
-/* A quantity that is 0 everywhere is left out. */
+/* Radiance that is 0 everywhere is left out; a transmittance says that the medium is opaque. */
 static void finish_weights(struct neph_fit_pixels *pixels)
 {
+    static const double least[NEPH_FIT_QUANTITY_COUNT] = {[NEPH_FIT_TRANSMITTANCE] = 1e-3};
     for (int q = 0; q < NEPH_FIT_QUANTITY_COUNT; q++) {
-        const double mean = mean_weight(pixels, q);
+        const double mean = mean_weight(pixels, q) + least[q];
         pixels->has[q] = pixels->has[q] && mean > 0.0;
         for (int i = 0; i < pixels->count; i++)
             for (int c = 0; c < 3; c++) {
