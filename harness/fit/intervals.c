@@ -150,7 +150,7 @@ static double find_model_variance(const struct neph_fit *fit, const struct error
             shift += factors[k] * errors->shifts[k][i];
         moved[pixel->tile][neph_fit_quantity_at(i)] +=
             shift * fit->weights[i] *
-            neph_fit_sensitivity(pixel->values[0][i % VALUES], neph_fit_quantity_at(i));
+            neph_fit_sensitivity(pixel->values[i % VALUES], neph_fit_quantity_at(i));
     }
     for (int q = 0; q < NEPH_FIT_QUANTITY_COUNT; q++) {
         double all = 0.0;

@@ -282,16 +282,6 @@ static bool is_other(const struct neph_fit_estimate *found, double own, double t
            (own < found->low || own > found->high);
 }
 
-/* Whether no other transfer that was tried explains radiance nearly as well. */
-static bool is_transfer_sure(const struct neph_fit *fit)
-{
-    for (int t = 0; t < NEPH_FIT_TRANSFER_COUNT; t++)
-        if (t != (int)fit->transfer &&
-            fit->transfer_rms[t] < 1.1 * fit->transfer_rms[fit->transfer])
-            return false;
-    return true;
-}
-
 /* Compare with the scene, with each mistake and the scene's other values, with the scene's
  * extinction and albedo, and with each mistake: the first that explains the frame is enough. */
 static enum neph_status compare(struct neph_fit *fit, struct neph_fit_verdict *verdict,
@@ -317,7 +307,7 @@ enum neph_status neph_fit_judge(struct neph_fit *fit, struct neph_fit_verdict *v
 {
     const double g = neph_fit_scene_point(fit->scene).x[NEPH_FIT_ASYMMETRY];
     bool is_scene = false;
-    *verdict = (struct neph_fit_verdict){.is_transfer_sure = is_transfer_sure(fit)};
+    *verdict = (struct neph_fit_verdict){.agrees = false};
     const enum neph_status status = compare(fit, verdict, &is_scene, diag);
     verdict->agrees = is_scene && fit->transfer == NEPH_FIT_LINEAR;
     const bool may_differ = !is_scene && !verdict->is_alone;

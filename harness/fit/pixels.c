@@ -126,7 +126,7 @@ static bool has_edge(const struct work *work, struct neph_hit hit, int x, int y)
 }
 
 /* Until finish_weights(), weights are means of pixels, and -1 where there is no value. */
-static const double no_weights[NEPH_FIT_QUANTITY_COUNT][3] = {{-1, -1, -1}, {-1, -1, -1}};
+static const double no_weights[NEPH_FIT_VALUES] = {-1, -1, -1, -1, -1, -1};
 
 static void add_pixel(struct work *work, int x, int y)
 {
@@ -147,8 +147,8 @@ static void add_pixel(struct work *work, int x, int y)
         for (int c = 0; c < 3 && work->channels.samples[q][c]; c++) {
             if (q == NEPH_FIT_TRANSMITTANCE && work->channels.is_alpha && hit.solid)
                 continue; /* alpha of a solid is 1 */
-            pixel->values[q][c] = read_value(work, (enum neph_fit_quantity)q, c, at);
-            pixel->weights[q][c] = blur(work, (enum neph_fit_quantity)q, c, x, y);
+            pixel->values[3 * q + c] = read_value(work, (enum neph_fit_quantity)q, c, at);
+            pixel->weights[3 * q + c] = blur(work, (enum neph_fit_quantity)q, c, x, y);
             pixels->has[q] = true;
         }
     work->hit_m[pixels->count] = hit.t_m;
@@ -245,7 +245,7 @@ static double mean_weight(const struct neph_fit_pixels *pixels, int q)
     double sum = 0.0;
     for (int i = 0; i < pixels->count; i++)
         for (int c = 0; c < 3; c++)
-            sum += fmax(pixels->list[i].weights[q][c], 0.0) / 3.0;
+            sum += fmax(pixels->list[i].weights[3 * q + c], 0.0) / 3.0;
     return sum / pixels->count;
 }
 
@@ -258,7 +258,7 @@ static void finish_weights(struct neph_fit_pixels *pixels)
         pixels->has[q] = pixels->has[q] && mean > 0.0;
         for (int i = 0; i < pixels->count; i++)
             for (int c = 0; c < 3; c++) {
-                double *weight = &pixels->list[i].weights[q][c];
+                double *weight = &pixels->list[i].weights[3 * q + c];
                 *weight = pixels->has[q] && *weight >= 0.0 ? 1.0 / (*weight + mean) : 0.0;
             }
     }
@@ -269,7 +269,7 @@ static enum neph_status check_transmittance(const struct work *work, struct neph
     const struct neph_fit_pixels *pixels = work->pixels;
     double sum = 0.0;
     for (int i = 0; i < pixels->count; i++)
-        sum += pixels->list[i].values[NEPH_FIT_TRANSMITTANCE][1];
+        sum += pixels->list[i].values[3 * NEPH_FIT_TRANSMITTANCE + 1];
     if (!pixels->has[NEPH_FIT_TRANSMITTANCE] || sum <= 1.01 * pixels->count)
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' is no transmittance: its mean is %.3g, allowed 0 to 1",
