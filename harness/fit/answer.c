@@ -136,7 +136,7 @@ void neph_fit_sentence(const struct neph_fit_answer *answer, char *text, size_t 
         add_differences(answer, text, size);
     else if (!is_any_determined(fit))
         add(text, size, ", but determines nothing of its medium");
-    if (!answer->verdict->is_transfer_sure)
+    if (!fit->is_transfer_sure)
         add(text, size, " (it does not tell whether R G B are linear light)");
 }
 
@@ -383,10 +383,10 @@ static json_t *pixels_json(const struct neph_fit *fit)
                      "depth_factor", neph_json_number(pixels->depth_factor));
 }
 
-static json_t *transfer_json(const struct neph_fit *fit, const struct neph_fit_verdict *verdict)
+static json_t *transfer_json(const struct neph_fit *fit)
 {
     json_t *json = json_pack("{s:s, s:b}", "name", transfer_keys[fit->transfer], "sure",
-                             verdict->is_transfer_sure);
+                             fit->is_transfer_sure);
     for (int t = 0; t < NEPH_FIT_TRANSFER_COUNT; t++)
         neph_json_set(&json, transfer_keys[t], neph_json_number(fit->transfer_rms[t]));
     return json;
@@ -402,8 +402,8 @@ json_t *neph_fit_json(const struct neph_fit_answer *answer)
     return json_pack(
         "{s:s, s:b, s:o, s:s?, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "sentence", text, "agrees",
         verdict->agrees, "mistakes", mistakes_json(fit, verdict), "falloff_mistake",
-        verdict->falloff, "transfer", transfer_json(fit, verdict), "extinction",
-        extinction_json(fit), "albedo", unknown_json(fit, NEPH_FIT_ALBEDO), "asymmetry",
+        verdict->falloff, "transfer", transfer_json(fit), "extinction", extinction_json(fit),
+        "albedo", unknown_json(fit, NEPH_FIT_ALBEDO), "asymmetry",
         unknown_json(fit, NEPH_FIT_ASYMMETRY), "falloff", unknown_json(fit, NEPH_FIT_FALLOFF),
         "extinction_times_albedo", estimate_json(&fit->best.scattering), "rms",
         json_pack("{s:o, s:o}", "radiance", neph_json_number(has[0] ? fit->rms[0] : NAN),

@@ -22,8 +22,8 @@ static void find_floors(struct neph_fit *fit)
     double sums[NEPH_FIT_QUANTITY_COUNT] = {0.0};
     for (int i = 0; i < neph_fit_count_values(fit); i++) {
         const struct neph_fit_pixel *pixel = &fit->pixels->list[i / VALUES];
-        const double error = pixel->weights[0][i % VALUES] *
-                             neph_fit_sensitivity(pixel->values[0][i % VALUES],
+        const double error = pixel->weights[i % VALUES] *
+                             neph_fit_sensitivity(pixel->values[i % VALUES],
                                                   neph_fit_quantity_at(i));
         sums[neph_fit_quantity_at(i)] += error * error;
     }
@@ -38,7 +38,7 @@ static void scale_weights(struct neph_fit *fit)
 {
     for (int i = 0; i < neph_fit_count_values(fit); i++)
         if (fit->weights[i] != 0.0)
-            fit->weights[i] = fit->pixels->list[i / VALUES].weights[0][i % VALUES] /
+            fit->weights[i] = fit->pixels->list[i / VALUES].weights[i % VALUES] /
                               fmax(fit->rms[neph_fit_quantity_at(i)],
                                    fit->floors[neph_fit_quantity_at(i)]);
 }
@@ -47,7 +47,7 @@ static void start_weights(struct neph_fit *fit)
 {
     for (int i = 0; i < neph_fit_count_values(fit); i++)
         fit->weights[i] = i / VALUES % fit->stride == 0
-                              ? fit->pixels->list[i / VALUES].weights[0][i % VALUES]
+                              ? fit->pixels->list[i / VALUES].weights[i % VALUES]
                               : 0.0;
 }
 
@@ -63,7 +63,7 @@ static enum neph_status measure(struct neph_fit *fit, const struct neph_fit_poin
     for (int i = 0; i < neph_fit_count_values(fit) && !status; i++) {
         const double scale = fit->weights[i] == 0.0
                                  ? 0.0
-                                 : fit->pixels->list[i / VALUES].weights[0][i % VALUES] /
+                                 : fit->pixels->list[i / VALUES].weights[i % VALUES] /
                                        fit->weights[i];
         counts[neph_fit_quantity_at(i)] += fit->weights[i] != 0.0;
         sums[neph_fit_quantity_at(i)] += scale * scale * residuals[i] * residuals[i];
@@ -96,7 +96,7 @@ static double find_albedo(const struct scan *scan)
     const struct neph_fit *fit = scan->fit;
     double above = 0.0, below = 0.0;
     for (int i = 0; i < neph_fit_count_values(fit); i++) {
-        const double frame = fit->pixels->list[i / VALUES].values[0][i % VALUES];
+        const double frame = fit->pixels->list[i / VALUES].values[i % VALUES];
         const double slope = fit->weights[i] * (scan->lit[i] - scan->dark[i]);
         const double value = neph_fit_quantity_at(i) == NEPH_FIT_RADIANCE
                                  ? neph_fit_transfer_invert(fit->transfer, frame)
@@ -244,13 +244,31 @@ static enum neph_status fit_transfer(struct neph_fit *fit, double *residuals,
     return status ? status : rescale(fit, residuals, diag);
 }
 
-/* Minus twice the logarithm of the likelihood, per value, for errors of unknown variances. */
+/* Minus twice the logarithm of the likelihood, for errors of unknown variances and one independent
+ * error a pixel. */
 static double find_misfit(const struct neph_fit *fit)
 {
+    const int count = (fit->pixels->count + fit->stride - 1) / fit->stride;
     double sum = 0.0;
     for (int q = 0; q < NEPH_FIT_QUANTITY_COUNT; q++)
-        sum += fit->pixels->has[q] ? 2.0 * log(fmax(fit->rms[q], 1e-6)) : 0.0;
+        sum += fit->pixels->has[q] ? 2.0 * count * log(fmax(fit->rms[q], 1e-6)) : 0.0;
     return sum;
+}
+
+/* The transfer of the least misfit, or linear light if that is hardly worse; and whether all others
+ * are clearly worse. */
+static enum neph_fit_transfer choose_transfer(const double misfits[NEPH_FIT_TRANSFER_COUNT],
+                                              bool *is_sure)
+{
+    const double clear = 10.0; /* odds of 150 to 1 */
+    int best = NEPH_FIT_LINEAR;
+    for (int t = 0; t < NEPH_FIT_TRANSFER_COUNT; t++)
+        if (misfits[t] < misfits[best] && misfits[t] < misfits[NEPH_FIT_LINEAR] - clear)
+            best = t;
+    *is_sure = true;
+    for (int t = 0; t < NEPH_FIT_TRANSFER_COUNT; t++)
+        *is_sure &= t == best || misfits[t] > misfits[best] + clear;
+    return (enum neph_fit_transfer)best;
 }
 
 /* Fit all transfers, unless linear light explains the frame already. The result is that of the best
@@ -259,27 +277,22 @@ static enum neph_status fit_transfers(struct neph_fit *fit, double *residuals,
                                       struct neph_diag *diag)
 {
     const double enough = 3.0 * NEPH_FIT_MODEL_ERROR;
-    double least = INFINITY;
-    enum neph_fit_transfer best = NEPH_FIT_LINEAR;
+    double misfits[NEPH_FIT_TRANSFER_COUNT];
     enum neph_status status = NEPH_OK;
     int last = 0;
     for (int t = 0; t < NEPH_FIT_TRANSFER_COUNT && !status; t++) {
         fit->transfer_rms[t] = NAN;
+        misfits[t] = INFINITY;
         if (t > 0 && (!fit->pixels->has[NEPH_FIT_RADIANCE] || fit->transfer_rms[0] < enough))
             continue;
         fit->transfer = (enum neph_fit_transfer)t;
         status = fit_transfer(fit, residuals, diag);
         fit->transfer_rms[t] = fit->rms[NEPH_FIT_RADIANCE];
+        misfits[t] = find_misfit(fit);
         last = t;
-        if (find_misfit(fit) < least) {
-            least = find_misfit(fit);
-            best = fit->transfer;
-        }
     }
-    if (status || last == (int)best)
-        return status;
-    fit->transfer = best;
-    return fit_transfer(fit, residuals, diag);
+    fit->transfer = choose_transfer(misfits, &fit->is_transfer_sure);
+    return status || last == (int)fit->transfer ? status : fit_transfer(fit, residuals, diag);
 }
 
 /* ---- outliers -------------------------------------------------------------------------------- */

@@ -125,6 +125,18 @@ static bool is_far(const struct neph_fit_estimate *found, double factor)
            (factor * tolerance < found->low || factor > found->high * tolerance);
 }
 
+/* Whether a base has the same factors for all channels and media, as the unknowns have. */
+static bool is_uniform(const struct neph_scene *scene, const struct neph_fit_base *base)
+{
+    for (int m = 0; m < scene->medium_count; m++) {
+        const struct neph_rgb e = base->extinction[m], a = base->albedo[m];
+        if (e.r != e.g || e.g != e.b || a.r != a.g || a.g != a.b || e.r != base->extinction[0].r ||
+            a.r != base->albedo[0].r)
+            return false;
+    }
+    return true;
+}
+
 static bool is_excluded(const struct neph_fit_estimates *found,
                         const struct neph_fit_mistake *mistake)
 {
@@ -152,15 +164,17 @@ static enum neph_status try_mistake(struct neph_fit *fit, const struct neph_fit_
     const double limit = neph_fit_limit(fit, 2);
     struct neph_fit_range range = neph_fit_whole_range(fit);
     struct neph_fit_point point = is_alone ? fit->held.point : fit->best.point;
-    double squares;
+    double squares = INFINITY;
     point.x[NEPH_FIT_EXTINCTION] -= log(mistake->extinction);
     point.x[NEPH_FIT_ALBEDO] -= log(mistake->albedo);
     narrow(&range, NEPH_FIT_EXTINCTION);
     narrow(&range, NEPH_FIT_ALBEDO);
     if (is_alone)
         narrow_others(fit, &range);
-    const enum neph_status status = neph_fit_minimise(fit, base, &range, limit, &point, &squares,
+    const double enough = is_uniform(fit->scene, base) ? limit : 0.0;
+    const enum neph_status status = neph_fit_minimise(fit, base, &range, enough, &point, &squares,
                                                       diag);
+    mistake->squares = squares;
     *explains = !status && squares <= limit;
     mistake->found[0] = mistake->extinction * exp(point.x[NEPH_FIT_EXTINCTION]);
     mistake->found[1] = mistake->albedo * exp(point.x[NEPH_FIT_ALBEDO]);
@@ -169,14 +183,6 @@ static enum neph_status try_mistake(struct neph_fit *fit, const struct neph_fit_
 
 /* ---- all ------------------------------------------------------------------------------------- */
 
-static bool is_found(const struct neph_fit_verdict *verdict, const char *name)
-{
-    for (int i = 0; i < verdict->count; i++)
-        if (strcmp(verdict->list[i].name, name) == 0)
-            return true;
-    return false;
-}
-
 static bool is_one(double factor)
 {
     return fabs(log(factor)) <= log(1.0 + NEPH_FIT_TOLERANCE);
@@ -184,12 +190,14 @@ static bool is_one(double factor)
 
 /* Whether a mistake may be tried: it changes what is free, and not to factors that are far from
  * those that were found. */
-static bool can_explain(const struct neph_fit *fit, const struct neph_fit_mistake *mistake)
+static bool can_explain(const struct neph_fit *fit, const struct neph_fit_base *base,
+                        const struct neph_fit_mistake *mistake)
 {
     const bool has_extinction = !is_one(mistake->extinction), has_albedo = !is_one(mistake->albedo);
     return (has_extinction || has_albedo) &&
            (fit->is_free[NEPH_FIT_EXTINCTION] || !has_extinction) &&
-           (fit->is_free[NEPH_FIT_ALBEDO] || !has_albedo) && !is_excluded(&fit->best, mistake);
+           (fit->is_free[NEPH_FIT_ALBEDO] || !has_albedo) &&
+           !(is_uniform(fit->scene, base) && is_excluded(&fit->best, mistake));
 }
 
 /* How far the factors that were found are from those of a mistake. */
@@ -199,13 +207,44 @@ static double find_distance(const struct neph_fit_mistake *mistake)
                  log(mistake->found[1] / mistake->albedo));
 }
 
-/* Add a mistake, the nearest first. */
+static void remove_at(struct neph_fit_verdict *verdict, int at)
+{
+    verdict->count--;
+    for (int i = at; i < verdict->count; i++)
+        verdict->list[i] = verdict->list[i + 1];
+}
+
+/* Add a mistake, the nearest first; of variants of one name only the nearest. */
 static void insert(struct neph_fit_verdict *verdict, struct neph_fit_mistake mistake)
 {
+    for (int i = 0; i < verdict->count; i++)
+        if (strcmp(verdict->list[i].name, mistake.name) == 0) {
+            if (find_distance(&verdict->list[i]) <= find_distance(&mistake))
+                return;
+            remove_at(verdict, i);
+        }
+    if (verdict->count == NEPH_FIT_FOUND_MAX)
+        return;
     int at = verdict->count++;
     for (; at > 0 && find_distance(&mistake) < find_distance(&verdict->list[at - 1]); at--)
         verdict->list[at] = verdict->list[at - 1];
     verdict->list[at] = mistake;
+}
+
+/* Factors that differ between channels may explain a frame better than the fit, which has one of each:
+ * then mistakes that only do as well as the fit are removed. */
+static void remove_worse(const struct neph_fit *fit, struct neph_fit_verdict *verdict)
+{
+    double least = fit->best.squares;
+    int kept = 0;
+    for (int i = 0; i < verdict->count; i++)
+        least = fmin(least, verdict->list[i].squares);
+    const double limit = least + fmax(least / fit->best.squares, 1e-6) *
+                                     (neph_fit_limit(fit, 2) - fit->best.squares);
+    for (int i = 0; i < verdict->count; i++)
+        if (verdict->list[i].squares <= limit || least == fit->best.squares)
+            verdict->list[kept++] = verdict->list[i];
+    verdict->count = kept;
 }
 
 static enum neph_status find_mistakes(struct neph_fit *fit, bool is_alone,
@@ -217,13 +256,13 @@ static enum neph_status find_mistakes(struct neph_fit *fit, bool is_alone,
          i++) {
         const struct neph_fit_base base = make_base(fit->scene, i);
         bool explains = false;
-        if (verdict->count == NEPH_FIT_FOUND_MAX || is_found(verdict, mistake.name) ||
-            !can_explain(fit, &mistake))
+        if (!can_explain(fit, &base, &mistake))
             continue;
         status = try_mistake(fit, &base, is_alone, &mistake, &explains, diag);
         if (explains)
             insert(verdict, mistake);
     }
+    remove_worse(fit, verdict);
     return status;
 }
 
@@ -243,16 +282,6 @@ static bool is_other(const struct neph_fit_estimate *found, double own, double t
            (own < found->low || own > found->high);
 }
 
-/* Whether no other transfer that was tried explains radiance nearly as well. */
-static bool is_transfer_sure(const struct neph_fit *fit)
-{
-    for (int t = 0; t < NEPH_FIT_TRANSFER_COUNT; t++)
-        if (t != (int)fit->transfer &&
-            fit->transfer_rms[t] < 1.1 * fit->transfer_rms[fit->transfer])
-            return false;
-    return true;
-}
-
 /* Compare with the scene, with each mistake and the scene's other values, with the scene's
  * extinction and albedo, and with each mistake: the first that explains the frame is enough. */
 static enum neph_status compare(struct neph_fit *fit, struct neph_fit_verdict *verdict,
@@ -265,6 +294,7 @@ static enum neph_status compare(struct neph_fit *fit, struct neph_fit_verdict *v
     if (status || *is_scene)
         return status;
     status = find_mistakes(fit, true, verdict, diag);
+    verdict->is_alone = verdict->count > 0;
     if (!status && verdict->count == 0)
         status = try_mistake(fit, &base, false, &none, &verdict->factors_agree, diag);
     if (!status && verdict->count == 0 && !verdict->factors_agree)
@@ -277,13 +307,14 @@ enum neph_status neph_fit_judge(struct neph_fit *fit, struct neph_fit_verdict *v
 {
     const double g = neph_fit_scene_point(fit->scene).x[NEPH_FIT_ASYMMETRY];
     bool is_scene = false;
-    *verdict = (struct neph_fit_verdict){.is_transfer_sure = is_transfer_sure(fit)};
+    *verdict = (struct neph_fit_verdict){.agrees = false};
     const enum neph_status status = compare(fit, verdict, &is_scene, diag);
     verdict->agrees = is_scene && fit->transfer == NEPH_FIT_LINEAR;
-    verdict->is_asymmetry_other = !is_scene && is_other(&fit->best.list[NEPH_FIT_ASYMMETRY], g,
-                                                        NEPH_FIT_TOLERANCE);
-    verdict->is_falloff_other = !is_scene && is_other(&fit->best.list[NEPH_FIT_FALLOFF], 1.0,
-                                                      NEPH_FIT_TOLERANCE);
+    const bool may_differ = !is_scene && !verdict->is_alone;
+    verdict->is_asymmetry_other = may_differ && is_other(&fit->best.list[NEPH_FIT_ASYMMETRY], g,
+                                                         NEPH_FIT_TOLERANCE);
+    verdict->is_falloff_other = may_differ && is_other(&fit->best.list[NEPH_FIT_FALLOFF], 1.0,
+                                                       NEPH_FIT_TOLERANCE);
     if (verdict->is_falloff_other)
         verdict->falloff = find_name(&fit->best.list[NEPH_FIT_FALLOFF]);
     return status;

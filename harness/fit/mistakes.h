@@ -16,6 +16,7 @@ struct neph_fit_mistake {
     const char *name, *detail; /* detail: a variant, or "" */
     double extinction, albedo; /* the factors; of a variant by albedo, for the first medium's red */
     double found[2];           /* what explains the frame best within the tolerance */
+    double squares;            /* sum of the squared residuals of that */
 };
 
 enum { NEPH_FIT_FOUND_MAX = 8 };
@@ -24,8 +25,8 @@ struct neph_fit_verdict {
     bool agrees;                               /* the scene's own medium explains the frame */
     bool factors_agree;                        /* its extinction and albedo do */
     bool is_asymmetry_other, is_falloff_other; /* from the scene's; false: not determined */
-    bool is_transfer_sure; /* the residuals of the other transfers are larger by a tenth */
-    int count;             /* of mistakes that explain it, if extinction or albedo do not agree */
+    int count;     /* of mistakes that explain it, if extinction or albedo do not agree */
+    bool is_alone; /* they do with the scene's asymmetry and falloff */
     struct neph_fit_mistake list[NEPH_FIT_FOUND_MAX];
     const char *falloff; /* the mistake that explains the falloff's factor; NULL: none */
 };

@@ -34,7 +34,7 @@ struct slot {
     struct light *lights; /* of all pixels */
 };
 
-enum { SLOTS = 96, PREDICTED = NEPH_FIT_QUANTITY_COUNT * 3 };
+enum { SLOTS = 96, PREDICTED = NEPH_FIT_VALUES };
 
 struct neph_fit_model {
     const struct neph_scene *scene;

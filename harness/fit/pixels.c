@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A new kind breaks the build here until this file handles it. */
+_Static_assert(NEPH_FIT_QUANTITY_COUNT == 2, "a new quantity");
+
 enum { PIXELS_MIN = 16 };
 
 /* Depths that differ by less are of the same surface. */
@@ -123,7 +126,7 @@ static bool has_edge(const struct work *work, struct neph_hit hit, int x, int y)
 }
 
 /* Until finish_weights(), weights are means of pixels, and -1 where there is no value. */
-static const double no_weights[NEPH_FIT_QUANTITY_COUNT][3] = {{-1, -1, -1}, {-1, -1, -1}};
+static const double no_weights[NEPH_FIT_VALUES] = {-1, -1, -1, -1, -1, -1};
 
 static void add_pixel(struct work *work, int x, int y)
 {
@@ -144,8 +147,8 @@ static void add_pixel(struct work *work, int x, int y)
         for (int c = 0; c < 3 && work->channels.samples[q][c]; c++) {
             if (q == NEPH_FIT_TRANSMITTANCE && work->channels.is_alpha && hit.solid)
                 continue; /* alpha of a solid is 1 */
-            pixel->values[q][c] = read_value(work, (enum neph_fit_quantity)q, c, at);
-            pixel->weights[q][c] = blur(work, (enum neph_fit_quantity)q, c, x, y);
+            pixel->values[3 * q + c] = read_value(work, (enum neph_fit_quantity)q, c, at);
+            pixel->weights[3 * q + c] = blur(work, (enum neph_fit_quantity)q, c, x, y);
             pixels->has[q] = true;
         }
     work->hit_m[pixels->count] = hit.t_m;
@@ -242,19 +245,20 @@ static double mean_weight(const struct neph_fit_pixels *pixels, int q)
     double sum = 0.0;
     for (int i = 0; i < pixels->count; i++)
         for (int c = 0; c < 3; c++)
-            sum += fmax(pixels->list[i].weights[q][c], 0.0) / 3.0;
+            sum += fmax(pixels->list[i].weights[3 * q + c], 0.0) / 3.0;
     return sum / pixels->count;
 }
 
-/* A quantity that is 0 everywhere is left out. */
+/* Radiance that is 0 everywhere is left out; a transmittance says that the medium is opaque. */
 static void finish_weights(struct neph_fit_pixels *pixels)
 {
+    static const double least[NEPH_FIT_QUANTITY_COUNT] = {[NEPH_FIT_TRANSMITTANCE] = 1e-3};
     for (int q = 0; q < NEPH_FIT_QUANTITY_COUNT; q++) {
-        const double mean = mean_weight(pixels, q);
+        const double mean = mean_weight(pixels, q) + least[q];
         pixels->has[q] = pixels->has[q] && mean > 0.0;
         for (int i = 0; i < pixels->count; i++)
             for (int c = 0; c < 3; c++) {
-                double *weight = &pixels->list[i].weights[q][c];
+                double *weight = &pixels->list[i].weights[3 * q + c];
                 *weight = pixels->has[q] && *weight >= 0.0 ? 1.0 / (*weight + mean) : 0.0;
             }
     }
@@ -265,7 +269,7 @@ static enum neph_status check_transmittance(const struct work *work, struct neph
     const struct neph_fit_pixels *pixels = work->pixels;
     double sum = 0.0;
     for (int i = 0; i < pixels->count; i++)
-        sum += pixels->list[i].values[NEPH_FIT_TRANSMITTANCE][1];
+        sum += pixels->list[i].values[3 * NEPH_FIT_TRANSMITTANCE + 1];
     if (!pixels->has[NEPH_FIT_TRANSMITTANCE] || sum <= 1.01 * pixels->count)
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' is no transmittance: its mean is %.3g, allowed 0 to 1",

@@ -15,6 +15,9 @@ enum neph_fit_quantity {
     NEPH_FIT_QUANTITY_COUNT,
 };
 
+/* Values of a pixel: three channels of each quantity. */
+enum { NEPH_FIT_VALUES = NEPH_FIT_QUANTITY_COUNT * 3 };
+
 /* Errors are estimated from tiles of the frame: the residuals of neighbours are not independent. */
 enum { NEPH_FIT_TILES = 8, NEPH_FIT_TILE_COUNT = NEPH_FIT_TILES * NEPH_FIT_TILES };
 
@@ -23,7 +26,7 @@ struct neph_fit_pixel {
     int tile;
     /* Per quantity and channel: the value, and 1 / (mean of 5 x 5 pixels + mean of the frame); 0
      * where there is no value. */
-    double values[NEPH_FIT_QUANTITY_COUNT][3], weights[NEPH_FIT_QUANTITY_COUNT][3];
+    double values[NEPH_FIT_VALUES], weights[NEPH_FIT_VALUES];
 };
 
 /* What to take of the frame. */

@@ -19,7 +19,7 @@ static const double widest[UNKNOWNS] = {
 static const double asymmetry_max = 0.98;
 
 /* Quantiles of chi squared of 1 and 2 degrees of freedom. */
-static const double chi_squared_95[] = {3.841, 5.991};
+static const double chi_squared_99[] = {6.635, 9.210};
 
 int neph_fit_count_values(const struct neph_fit *fit)
 {
@@ -55,7 +55,7 @@ enum neph_status neph_fit_find_residuals(void *context, const double *x, double 
     const enum neph_status status = neph_fit_predict(fit->model, problem->base, &point,
                                                      fit->transfer, fit->predicted, diag);
     for (int i = 0; i < neph_fit_count_values(fit) && !status; i++) {
-        const double *values = &fit->pixels->list[i / VALUES].values[0][0];
+        const double *values = fit->pixels->list[i / VALUES].values;
         residuals[i] = fit->weights[i] == 0.0
                            ? 0.0
                            : fit->weights[i] * (fit->predicted[i] - values[i % VALUES]);
@@ -141,5 +141,5 @@ enum neph_status neph_fit_minimise(struct neph_fit *fit, const struct neph_fit_b
 
 double neph_fit_limit(const struct neph_fit *fit, int restricted)
 {
-    return fit->best.squares + chi_squared_95[restricted - 1] * fmax(fit->best.noise, 1.0);
+    return fit->best.squares + chi_squared_99[restricted - 1] * fmax(fit->best.noise, 1.0);
 }

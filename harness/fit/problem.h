@@ -41,6 +41,7 @@ struct neph_fit {
     struct neph_fit_model *model; /* owned */
     bool is_free[NEPH_FIT_UNKNOWN_COUNT];
     enum neph_fit_transfer transfer;              /* that explains the frame best */
+    bool is_transfer_sure;                        /* no other does nearly as well */
     double transfer_rms[NEPH_FIT_TRANSFER_COUNT]; /* of radiance; NaN: not tried */
     struct neph_fit_estimates best;
     /* If that does not determine some unknowns: the best with those of them held at the scene's
@@ -56,9 +57,6 @@ struct neph_fit {
     int stride;                             /* one of so many pixels has weight */
     double floors[NEPH_FIT_QUANTITY_COUNT]; /* smallest scales: the rms of NEPH_FIT_MODEL_ERROR */
 };
-
-/* Values of a pixel. */
-enum { NEPH_FIT_VALUES = NEPH_FIT_QUANTITY_COUNT * 3 };
 
 /* Standard deviation of a weak prior: what the data do not tell stays near the scene's value, in g
  * and in the logarithms of factors. Extinction has none: of a pair that is not determined, it takes
