@@ -34,7 +34,8 @@ struct neph_slab_params {
     const double *view_cosines;
     int node_count; /* quadrature nodes per hemisphere, 2..512; 0: enough for 8 digits */
     /* Also radiances with a peak that the nodes do not resolve: delta-M moves its light straight
-     * ahead, so that the light scattered more than once lacks it within a few degrees of the sun. */
+     * ahead, so that the light scattered more than once lacks it within a few degrees of the sun.
+     */
     bool with_any_peak;
 };
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph study phase`: the radiance that a renderer loses or gains by drawing droplets with a simpler
- * phase function, without noise: plane clouds by doubling.
- */
+ * `neph study phase`: the radiance that a renderer loses or gains by drawing droplets with a
+ * simpler phase function, without noise: plane clouds by doubling. */
 #include "harness/experiments/experiments.h"
 
 #include "harness/document/table.h"

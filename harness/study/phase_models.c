@@ -50,7 +50,8 @@ static struct neph_phase_model fit_two_lobes(const struct neph_phase *droplets)
     return model;
 }
 
-/* Alpha follows from the mean cosine, g (1 + alpha (3 + 2 g^2) / 5) / (1 + alpha (1 + 2 g^2) / 3). */
+/* Alpha follows from the mean cosine, g (1 + alpha (3 + 2 g^2) / 5) / (1 + alpha (1 + 2 g^2) / 3).
+ */
 static struct neph_phase_model fit_draine(const struct neph_phase *droplets)
 {
     struct neph_phase_model model = {.name = "Draine", .log_error = INFINITY};

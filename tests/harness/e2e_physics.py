@@ -91,7 +91,7 @@ class OtherRuns(StudyCase):
         return document["physics"]
 
     def test_a_check_of_several_views_shows_them_all(self):
-        physics = self.suite("-e", "oracle", "--only", "reciprocity")
+        physics = self.suite("-e", "oracle", "--only", "reciprocity_4")
         self.assertEqual([len(check["views"]) for check in physics["checks"]], [2])
         self.assertEqual([len(row["pictures"]) for row in physics["rows"]], [2])
         self.assertEqual(len(set(physics["rows"][0]["pictures"])), 2)

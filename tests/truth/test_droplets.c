@@ -137,9 +137,9 @@ static void test_the_water_cloud_of_iprt(void **state)
     neph_assert_close(1.0 - optics.albedo, 1.0 - 0.999979, 0.1, 0.0);
 }
 
-/* The phase function of that cloud at each angle of the published file. Its scattering angles of the
- * rainbow fit an index of 1.326, 0.0026 less than that of water; with this index the values agree
- * to 1 %. */
+/* The phase function of that cloud at each angle of the published file. Its scattering angles of
+ * the rainbow fit an index of 1.326, 0.0026 less than that of water; with this index the values
+ * agree to 1 %. */
 static void test_the_phase_function_of_iprt(void **state)
 {
     static struct iprt_phase rows;
