@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fits of media: the model against the transport that it is made of, the coverage of intervals under
- * noise, what is not determined, and the factors of mistakes.
+ * Fits of media: the model against the transport that it is made of, the coverage of intervals
+ * under noise, what is not determined, and the factors of mistakes.
  */
 #include "tests/scene_builders.h"
 
@@ -160,9 +160,9 @@ static void test_the_model_is_the_transport(void **state)
     neph_image_destroy(image);
 }
 
-/* Of n intervals of 95 % at least as many hold the truth as in 99.9 % of such experiments (normal
- * approximation of the binomial, 3.1 standard deviations), and they are no wider than needed by more
- * than a half. Residuals that are shared within tiles are as good as their number of tiles. */
+/* Intervals of 95 % hold the truth at least as often as in 99.9 % of such experiments (normal
+ * approximation of the binomial: 3.1 standard deviations). They are at most half as wide again as
+ * the spread of the values needs. */
 static void test_coverage(void **state)
 {
     const int count = neph_test_paths(90);
