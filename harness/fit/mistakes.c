@@ -231,8 +231,8 @@ static void insert(struct neph_fit_verdict *verdict, struct neph_fit_mistake mis
     verdict->list[at] = mistake;
 }
 
-/* Factors that differ between channels may explain a frame better than the fit, which has one of each:
- * then mistakes that only do as well as the fit are removed. */
+/* Factors that differ between channels may explain a frame better than the fit, which has one of
+ * each: then mistakes that only do as well as the fit are removed. */
 static void remove_worse(const struct neph_fit *fit, struct neph_fit_verdict *verdict)
 {
     double least = fit->best.squares;

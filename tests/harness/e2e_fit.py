@@ -269,8 +269,9 @@ class Channels(FitCase):
             z * math.hypot(1, half * (2 * (at % SIZE[0]) + 1 - SIZE[0]),
                            half * (2 * (at // SIZE[0]) + 1 - SIZE[1]))
             for at, z in enumerate(channels["Z"])]}
-        self.assertIn("depth_is_distance", self.found(self.write(rays, ("Z",)), scene,
-                                                      code=0)["pixels"])
+        found = self.found(self.write(rays, ("Z",)), scene, code=0)["pixels"]
+        self.assertTrue(found["depth_is_distance"])
+        self.assertEqual(found["depth_factor"], 1)
 
     def test_transmittance_of_another_name(self):
         channels, scene = self.render("slab", extinction=0.8 / 1000), self.scene("slab")
