@@ -2,6 +2,7 @@
 #include "truth/fluxes.h"
 
 #include "base/clock.h"
+#include "base/interrupt.h"
 #include "base/threads.h"
 #include "truth/oracle.h"
 #include "truth/path.h"
@@ -48,7 +49,7 @@ static void trace_column(const struct work *work, int column, int side, struct n
     const struct neph_vec3 direction = {0.0, side, 0.0};
     const double y_m = side < 0 ? box->max_m.y : neph_flux_bottom_m(domain);
     struct neph_rgb sum = {0, 0, 0};
-    for (int i = 0; i < work->paths; i++) {
+    for (int i = 0; i < work->paths && !(i % 64 == 0 && neph_interrupted()); i++) {
         const double x = column % domain->columns_x + neph_random_uniform(random),
                      z = column / domain->columns_x + neph_random_uniform(random);
         const struct neph_vec3 from_m = {
@@ -102,6 +103,8 @@ static enum neph_status trace_waves(struct work *work, int wave, struct neph_flu
     for (work->first = 0; work->first < work->batches && !status; work->first += wave) {
         const int left = work->batches - work->first, count = left < wave ? left : wave;
         status = neph_parallel_rows(count, trace_batch, work, diag);
+        if (!status && neph_interrupted()) /* in the last batches, which are then incomplete */
+            status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
         for (int i = 0; i < count && !status; i++)
             neph_fluxes_add_batch(fluxes, work->values + (size_t)i * work->numbers);
         if (!status && params->progress)

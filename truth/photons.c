@@ -5,6 +5,7 @@
  */
 #include "truth/photons.h"
 
+#include "base/interrupt.h"
 #include "scenes/solids.h"
 #include "scenes/surfaces.h"
 #include "truth/directions.h"
@@ -259,7 +260,7 @@ void neph_photons_trace(const struct neph_photons *photons, uint64_t seed, int b
     for (int z = photons->launch_low[1]; z < photons->launch_high[1]; z++)
         for (int x = photons->launch_low[0]; x < photons->launch_high[0]; x++) {
             struct neph_random random = neph_random_stream(seed, column++, (uint64_t)batch);
-            for (int i = 0; i < paths; i++)
+            for (int i = 0; i < paths && !(i % 64 == 0 && neph_interrupted()); i++)
                 launch(photons, x, z, 1.0 / paths, &random, values);
         }
 }

@@ -25,7 +25,8 @@ enum neph_status neph_photons_init(struct neph_photons *photons, const struct ne
                                    const struct neph_flux_domain *domain, int channel_count,
                                    struct neph_diag *diag);
 
-/* Trace `paths` photons from each column; adds their parts to `values`, [flux][column][channel]. */
+/* Trace `paths` photons from each column; adds their parts to `values`, [flux][column][channel].
+ * Stops early when interrupted. */
 void neph_photons_trace(const struct neph_photons *photons, uint64_t seed, int batch, int paths,
                         double *values);
 

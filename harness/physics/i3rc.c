@@ -174,6 +174,18 @@ static enum neph_status fill_number(const struct neph_i3rc_params *params,
     return status;
 }
 
+static double find_balance(const struct neph_i3rc_row *row)
+{
+    const struct neph_i3rc_number *reflected = &row->numbers[0], *transmitted = &row->numbers[1],
+                                  *absorbed = &row->numbers[2];
+    const bool absorbs = row->experiment->albedo < 1.0;
+    if (!reflected->has_consensus || !transmitted->has_consensus ||
+        (absorbs && !absorbed->has_consensus))
+        return NAN;
+    return reflected->consensus + (absorbs ? absorbed->consensus : 0.0) +
+           (1.0 - row->experiment->ground_albedo) * transmitted->consensus;
+}
+
 static enum neph_status measure_row(const struct neph_i3rc_params *params,
                                     const struct neph_i3rc_scene *scene, struct neph_i3rc *suite,
                                     struct neph_i3rc_row *row, struct neph_diag *diag)
@@ -187,6 +199,7 @@ static enum neph_status measure_row(const struct neph_i3rc_params *params,
         suite->compared += !status && number->has_consensus;
         suite->failed += !status && number->has_consensus && !number->agrees;
     }
+    row->consensus_balance = find_balance(row);
     if (!status) {
         row->paths = stages[NEPH_I3RC_STAGES - 1].paths;
         for (int s = 0; s < NEPH_I3RC_STAGES; s++)

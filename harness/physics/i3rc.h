@@ -55,6 +55,9 @@ struct neph_i3rc_row {
     const struct neph_i3rc_experiment *experiment;
     const char *missing; /* why there are no numbers; NULL: there are. Owned by the arena. */
     double optical_depth;
+    /* Reflected, absorbed by media and by the ground, of the consensus: 1 without errors. NaN: not
+     * all of it is here. */
+    double consensus_balance;
     int paths;
     double wall_s;
     struct neph_i3rc_number numbers[NEPH_I3RC_QUANTITIES];

@@ -12,8 +12,8 @@
  * Fluxes count at the top of the highest cell with a cloud and at the bottom of the lowest. In case
  * 2 the transmittance of the consensus is there: 630 m lower, at the bottom of the table, light has
  * spread over ten columns, and the differences of neighbours are correlated. The ground of
- * experiment 5 is at the bottom of the table, where its transmittance agrees best. Layers of case 3 are
- * 20 m, as in the driver of the code by R. Pincus and F. Evans (i3rc-monte-carlo-model). That
+ * experiment 5 is at the bottom of the table, where its transmittance agrees best. Layers of case 3
+ * are 20 m, as in the driver of the code by R. Pincus and F. Evans (i3rc-monte-carlo-model). That
  * driver rounds each thickness to whole layers; here the topmost layer of a column has its part of
  * the optical depth.
  */

@@ -10,14 +10,15 @@
 
 /* A row of the tables; NaN: no number. */
 struct line {
-    double optical_depth, paths, seconds;
+    double optical_depth, paths, seconds, balance;
     double mean, error, doubt, doubtful_columns;
     double consensus, consensus_error, difference;
     double rms[NEPH_I3RC_STAGES], noise, constant, correlation_x, correlation_z, correlation_error;
     double worst_x, worst_z, worst, worst_error, worst_consensus;
 };
 
-static const struct line no_numbers = {.optical_depth = NAN,
+static const struct line no_numbers = {.balance = NAN,
+                                       .optical_depth = NAN,
                                        .paths = NAN,
                                        .seconds = NAN,
                                        .mean = NAN,
@@ -65,6 +66,7 @@ static const struct neph_field column_fields[] = {
 };
 static const struct neph_field more_fields[] = {
     {{.key = "optical_depth"}, LINE(optical_depth)},
+    {{.key = "consensus_balance"}, LINE(balance)},
     {{.key = "paths"}, LINE(paths)},
     {{.key = "seconds"}, LINE(seconds)},
     {{.key = "doubt"}, LINE(doubt)},
@@ -80,6 +82,7 @@ static struct line make_line(const struct neph_i3rc_row *row, int quantity)
     if (row->missing)
         return line;
     line.optical_depth = row->optical_depth;
+    line.balance = row->consensus_balance;
     line.paths = row->paths;
     line.seconds = row->wall_s;
     line.mean = number->ours.mean;
@@ -194,6 +197,11 @@ static void print_columns(const struct neph_i3rc *suite, FILE *out)
           out);
     neph_table_print_aligned(&table, out);
     neph_table_finish(&table);
+    for (int r = 0; r < suite->row_count; r++)
+        if (!suite->rows[r].missing && isfinite(suite->rows[r].consensus_balance))
+            fprintf(out, "case%d_exp%d: the light of the consensus adds up to %.4f\n",
+                    suite->rows[r].experiment->case_number, suite->rows[r].experiment->number,
+                    suite->rows[r].consensus_balance);
 }
 
 void neph_i3rc_print(const struct neph_i3rc *suite, FILE *out)

@@ -5,10 +5,13 @@ the I3RC suite from the command line."""
 import csv
 import math
 import os
+import signal
+import subprocess
+import time
 import unittest
 import xml.etree.ElementTree
 
-from neph_case import NephCase
+from neph_case import NEPH, NephCase
 
 # Conservative slab, Henyey-Greenstein 0.85, cosine of the sun 0.7: reflectance by optical depth,
 # from adding-doubling, which cdisort with 128 streams confirms to 7 digits.
@@ -118,7 +121,16 @@ class Fluxes(NephCase):
         self.assertEqual(again["fluxes"], found["fluxes"])
 
     def test_doubtful_errors_are_told(self):
-        self.neph("fluxes", self.slab(4), "--samples", 16, "-q", said=("not to be trusted", "above"))
+        self.neph("fluxes", self.slab(4), "--samples", 16, "-q", said="not to be trusted")
+
+    def test_an_interruption_ends_it(self):
+        """Each batch would take minutes."""
+        with subprocess.Popen([NEPH, "fluxes", self.slab(4), "--samples", "100000000", "-q"],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+            time.sleep(1)
+            running.send_signal(signal.SIGINT)
+            self.assertEqual(running.communicate(timeout=60)[0], b"")
+            self.assertEqual(running.returncode, 130)
 
     def test_refusals(self):
         slab = self.slab(1)

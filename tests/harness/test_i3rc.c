@@ -125,6 +125,7 @@ static void test_a_slab_as_case_2(void **state)
     assert_true(reflected->has_consensus && transmitted->has_consensus);
     assert_false(row->numbers[2].has_consensus);
     assert_true(transmitted->agrees);
+    neph_assert_close(row->consensus_balance, 1.0, 0.0, 0.02); /* noise of 0.05, 640 columns */
     assert_int_equal(suite.compared, 2);
     assert_int_equal(reflected->columns.worst_x, 77);
     /* The rms falls to the planted noise: that of T exactly, that of R with its wrong column. */

@@ -78,9 +78,9 @@ static bool moves_hash(struct probe *probe, const yaml_node_t *node, const char 
  * scene. */
 static bool change(struct probe *probe, const yaml_node_t *node, const char *path)
 {
-    static const char *const words[] = {"true",    "false", "x",        "z",
-                                        "checker", "noise", "streaks",  "even",
-                                        "single",  "none",  "rayleigh", "henyey_greenstein"};
+    static const char *const words[] = {
+        "true", "false",  "x",    "z",        "checker",           "noise",   "streaks",
+        "even", "single", "none", "rayleigh", "henyey_greenstein", "constant"};
     char *end;
     const char *old = neph_document_text(node);
     const double number = strtod(old, &end);
