@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/physics/i3rc_case.h"
 
+#include "base/path.h"
 #include "harness/physics/i3rc_files.h"
+#include "scenes/phase_table.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -217,10 +219,22 @@ static enum neph_status fill_scene(struct neph_i3rc_scene *made,
         .bounds = {{-far_m, -far_m, -far_m}, {far_m, far_m, far_m}},
         .extinction_color = {1, 1, 1},
         .albedo = {albedo, albedo, albedo},
-        .phase = {NEPH_PHASE_HENYEY_GREENSTEIN, asymmetry_g},
+        .phase = made->phase,
         .extinction_per_m = 1.0,
         .grid = made->grid};
     return neph_scene_hash(scene, diag);
+}
+
+static enum neph_status read_phase(const struct neph_i3rc_experiment *experiment,
+                                   const char *folder, struct neph_i3rc_scene *made,
+                                   struct neph_diag *diag)
+{
+    made->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, asymmetry_g};
+    if (!experiment->has_c1)
+        return NEPH_OK;
+    made->phase = (struct neph_phase){.kind = NEPH_PHASE_TABLE};
+    return neph_phase_table_read(neph_path_format("%s/C.1_PF", folder).text, &made->arena,
+                                 &made->phase.table, diag);
 }
 
 enum neph_status neph_i3rc_scene_create(const struct neph_i3rc_experiment *experiment,
@@ -228,14 +242,12 @@ enum neph_status neph_i3rc_scene_create(const struct neph_i3rc_experiment *exper
                                         struct neph_diag *diag)
 {
     const int index = experiment->case_number - 1;
-    if (experiment->has_c1)
-        return neph_fail(
-            diag, NEPH_ERR_UNSUPPORTED,
-            "the phase function of cloud C.1 is a table, which scenes do not have yet");
     struct neph_i3rc_scene *made = calloc(1, sizeof(*made));
     if (!made)
         return neph_fail_memory(diag);
-    enum neph_status status = clouds[index](&lattices[index], folder, &made->grid, diag);
+    enum neph_status status = read_phase(experiment, folder, made, diag);
+    if (!status)
+        status = clouds[index](&lattices[index], folder, &made->grid, diag);
     if (!status)
         status = neph_grid_seal(made->grid, diag);
     if (!status)
@@ -256,5 +268,6 @@ void neph_i3rc_scene_destroy(struct neph_i3rc_scene *scene)
     if (!scene)
         return;
     neph_grid_destroy(scene->grid);
+    neph_arena_finish(&scene->arena);
     free(scene);
 }
