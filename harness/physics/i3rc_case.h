@@ -27,7 +27,8 @@ struct neph_i3rc_experiment {
     int case_number, number;
     double sun_zenith_deg, albedo, ground_albedo;
     bool
-        has_c1; /* the phase function of cloud C.1, the file C.1_PF of the folder; else Henyey-Greenstein, g = 0.85 */
+        has_c1; /* the phase function of cloud C.1, the file C.1_PF of the folder; else Henyey-Greenstein, g = 0.85
+  */
 };
 
 extern const struct neph_i3rc_experiment neph_i3rc_experiments[];
@@ -46,9 +47,10 @@ struct neph_i3rc_scene {
     double optical_depth; /* mean over the columns */
 };
 
-/* Read the cloud and the phase function of an experiment from the folder and build its scene; case 1 needs no folder. Free
- * with neph_i3rc_scene_destroy(). Errors as of neph_i3rc_file_read(); NEPH_ERR_INPUT also for
- * columns of case 3 with an optical depth but no thickness, or the reverse. */
+/* Read the cloud and the phase function of an experiment from the folder and build its scene; case
+ * 1 needs no folder. Free with neph_i3rc_scene_destroy(). Errors as of neph_i3rc_file_read();
+ * NEPH_ERR_INPUT also for columns of case 3 with an optical depth but no thickness, or the reverse.
+ */
 enum neph_status neph_i3rc_scene_create(const struct neph_i3rc_experiment *experiment,
                                         const char *folder, struct neph_i3rc_scene **scene,
                                         struct neph_diag *diag);

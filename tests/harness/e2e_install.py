@@ -97,7 +97,8 @@ class Install(unittest.TestCase):
                     'echo "${COMPREPLY[@]}"')
         for words, expected in (
                 ("neph fli", "flicker"),
-                ("neph study ", "steps flicker attribution light sky fog screen convergence phase post"),
+                ("neph study ",
+                 "steps flicker attribution light sky fog screen convergence phase post"),
                 ("neph study flicker --see", "--seed --seeds"), ("neph bake --me", "--medium"),
                 ("neph render white", "white_furnace"), ("neph fly white", "white_furnace"),
                 ("neph render -e po", "povray"),

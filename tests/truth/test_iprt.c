@@ -48,7 +48,7 @@ static void read_views(struct almucantar *all)
     fclose(file);
 }
 
-/* Of the camera below, azimuth 0 is towards the sun; of the one above, its horizontal part is. */
+/* Azimuth 0 is that of the sun, for the camera below and for the one above. */
 static struct neph_vec3 line_of_sight(const struct view *view)
 {
     const double angle_rad = 50.0 * rad_per_deg, azimuth_rad = view->azimuth_deg * rad_per_deg;
