@@ -26,9 +26,9 @@
 struct neph_i3rc_experiment {
     int case_number, number;
     double sun_zenith_deg, albedo, ground_albedo;
-    bool
-        has_c1; /* the phase function of cloud C.1, the file C.1_PF of the folder; else Henyey-Greenstein, g = 0.85
-  */
+    /* The phase function of cloud C.1, the file C.1_PF of the folder; else Henyey-Greenstein with
+     * g = 0.85. */
+    bool has_c1;
 };
 
 extern const struct neph_i3rc_experiment neph_i3rc_experiments[];
