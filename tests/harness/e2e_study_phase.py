@@ -86,6 +86,18 @@ class StudyPhase(unittest.TestCase):
                 # march: its steps; tracer: none in single scattering by the first collision
                 self.assertLess(error, 0.02, engine)
 
+    def test_the_table_is_in_the_hash(self):
+        """The values are, and the file's name is not."""
+        hashes = []
+        for name, values in (("a", "0 1\n180 1\n"), ("b", "0 1\n180 1\n"),
+                             ("c", "0 1.5\n180 0.5\n")):
+            (self.folder / f"{name}.txt").write_text(values)
+            shown = run("scenes", self.write(name, TABLE.format(f"{name}.txt")), "--json")
+            self.assertEqual(shown.returncode, 0, shown.stderr)
+            hashes.append(json.loads(shown.stdout)["hash"])
+        self.assertEqual(hashes[0], hashes[1])
+        self.assertNotEqual(hashes[0], hashes[2])
+
     def test_tables_that_are_none(self):
         for text, words in ((b"0 1\n90 2\n180 1\n", "is 18.8"), (b"0 1\n90 x\n", "line 2"),
                             (b"0 1\n100 1\n90 1\n180 1\n", "not in order"),

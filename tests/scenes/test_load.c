@@ -476,6 +476,20 @@ static char *with_fewer_voxels(char *text)
     return edited_text;
 }
 
+/* The text of a scene with the absolute path of its phase function's table. */
+static char *with_table_of(char *text, const char *scene_path)
+{
+    char *value = strstr(text, "phase_table: ");
+    if (!value)
+        return text;
+    value += strlen("phase_table: ");
+    const int folder_length = (int)(strrchr(scene_path, '/') + 1 - scene_path);
+    char *edited_text = neph_format("%.*s%.*s%s", (int)(value - text), text, folder_length,
+                                    scene_path, value);
+    free(text);
+    return edited_text;
+}
+
 /* A copy of a scene file in another folder. NULL if a similar one was loaded: procedural clouds
  * differ only in numbers, and each generates the same noise for seconds. */
 static char *copy_scene(const char *path, const char *folder, int *cloud_count)
@@ -483,7 +497,7 @@ static char *copy_scene(const char *path, const char *folder, int *cloud_count)
     char *text, *copy = neph_path_join(folder, strrchr(path, '/') + 1);
     size_t size;
     neph_assert_ok(neph_file_read(path, 1 << 20, &text, &size, NULL), NULL);
-    text = with_fewer_voxels(text);
+    text = with_table_of(with_fewer_voxels(text), path);
     if (strstr(text, "horizon:") && (*cloud_count)++ > 0) {
         free(copy);
         copy = NULL;
