@@ -465,7 +465,7 @@ class Words(NephCase):
             (64, "failed, changed, all", ("--suite", "stress", "--pictures", "some")),
             (64, "page-limit", ("--suite", "stress", "--page-limit", "0")),
             (64, "--suite stress", ("--page-limit", "3")),
-            (64, "--suite stress", ("--only", "fence_tiles")),
+            (64, "--suite physics, i3rc and stress", ("--only", "fence_tiles")),
             (64, "--suite stress", ("--on-device",)),
             (64, "jobs", ("--suite", "stress", "--jobs", "0")),
             before=("validate", "-q", "-o", self.folder))
