@@ -27,7 +27,7 @@ struct extent {
     bool is_open;
 };
 
-static struct extent axis_of(const struct neph_bounds *bounds, int axis)
+static struct extent find_extent(const struct neph_bounds *bounds, int axis)
 {
     const double low[3] = {bounds->min_m.x, bounds->min_m.y, bounds->min_m.z};
     const double high[3] = {bounds->max_m.x, bounds->max_m.y, bounds->max_m.z};
@@ -63,7 +63,7 @@ static enum neph_status find_side(const struct neph_scene *scene, int axis, stru
     int endless = 0, ends = 0;
     for (int m = 0; m < scene->medium_count; m++) {
         const struct neph_bounds support = neph_medium_support(&scene->media[m]);
-        struct extent own = axis_of(&support, axis);
+        struct extent own = find_extent(&support, axis);
         if (is_endless_along(&scene->media[m], axis)) {
             own = find_period(scene->media[m].grid, axis);
             if (endless++ > 0 && !is_same_period(found, own))

@@ -477,7 +477,7 @@ static char *with_fewer_voxels(char *text)
 }
 
 /* The text of a scene with the absolute path of its phase function's table. */
-static char *with_table_of(char *text, const char *scene_path)
+static char *move_table_path(char *text, const char *scene_path)
 {
     char *value = strstr(text, "phase_table: ");
     if (!value)
@@ -497,7 +497,7 @@ static char *copy_scene(const char *path, const char *folder, int *cloud_count)
     char *text, *copy = neph_path_join(folder, strrchr(path, '/') + 1);
     size_t size;
     neph_assert_ok(neph_file_read(path, 1 << 20, &text, &size, NULL), NULL);
-    text = with_table_of(with_fewer_voxels(text), path);
+    text = move_table_path(with_fewer_voxels(text), path);
     if (strstr(text, "horizon:") && (*cloud_count)++ > 0) {
         free(copy);
         copy = NULL;
