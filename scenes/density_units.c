@@ -6,7 +6,6 @@
 /* A new unit does not compile before this file was looked through for it. */
 _Static_assert(NEPH_DENSITY_UNIT_COUNT == 6, "a new unit");
 
-#define WATER_DENSITY_KG_PER_M3 998.2 /* at 20 degrees Celsius */
 #define WAVELENGTH_M 550e-9
 #define EDGE_TERM 1.9923861
 
@@ -46,7 +45,7 @@ double neph_droplet_extinction_efficiency(struct neph_droplet_radii radii)
 static double per_water(struct neph_droplet_radii radii)
 {
     return 1e-3 * 3.0 * neph_droplet_extinction_efficiency(radii) /
-           (4.0 * WATER_DENSITY_KG_PER_M3 * 1e-6 * radii.effective_radius_um);
+           (4.0 * NEPH_WATER_DENSITY_KG_PER_M3 * 1e-6 * radii.effective_radius_um);
 }
 
 static double per_droplet(struct neph_droplet_radii radii)

@@ -34,6 +34,8 @@ enum neph_density_unit {
     NEPH_DENSITY_UNIT_COUNT,
 };
 
+#define NEPH_WATER_DENSITY_KG_PER_M3 998.2 /* at 20 degrees Celsius */
+
 /* Range of effective radii, where Q is a good approximation, and of effective variances. */
 #define NEPH_DROPLET_RADIUS_MIN_UM 2.0
 #define NEPH_DROPLET_RADIUS_MAX_UM 1000.0

@@ -64,6 +64,7 @@ extern const char *const neph_phase_words[];
 bool neph_phase_has(enum neph_phase_kind kind, enum neph_phase_parameter parameter);
 /* Whether it has a file in renderer/shaders/; all others reach the device as tables. */
 bool neph_phase_is_in_shaders(enum neph_phase_kind kind);
+/* Whether kind, parameters and the rows of a table are equal. */
 bool neph_phase_is_same(const struct neph_phase *a, const struct neph_phase *b);
 
 /* Its word and parameters: "draine g 0.5 alpha 2". */
@@ -73,6 +74,7 @@ void neph_phase_describe(const struct neph_phase *phase, char *text, size_t size
 double neph_phase_per_sr(const struct neph_phase *phase, double cosine);
 double neph_phase_versine(const struct neph_phase *phase, double u);
 double neph_phase_mean_cosine(const struct neph_phase *phase);
-double neph_phase_moment(const struct neph_phase *phase, int degree); /* >= 0 */
+/* `degree` >= 0; of a table at most NEPH_TABULATED_MOMENTS, else NaN. */
+double neph_phase_moment(const struct neph_phase *phase, int degree);
 
 #endif

@@ -183,7 +183,7 @@ enum neph_status neph_phase_table_make(int count, const double *angles_deg, cons
 
 /* --- a file --- */
 
-enum { FILE_BYTES_MAX = 16 << 20, LINE_MAX_BYTES = 256 };
+enum { FILE_BYTES_MAX = 16 << 20 };
 
 /* The numbers of a line; 0 for a line without a row, -1 for anything else. */
 static int read_line(const char *line, double numbers[3])
@@ -277,6 +277,14 @@ enum neph_status neph_phase_table_read(const char *path, struct neph_arena *aren
     return status;
 }
 
+bool neph_phase_table_is_same(const struct neph_phase_table *a, const struct neph_phase_table *b)
+{
+    if (a == b || !a || !b)
+        return a == b;
+    return a->count == b->count &&
+           memcmp(a->nodes, b->nodes, (size_t)a->count * sizeof(*a->nodes)) == 0;
+}
+
 void neph_phase_table_hash(const struct neph_phase_table *table, FILE *text)
 {
     for (int i = 0; i < table->count; i++)
@@ -297,7 +305,7 @@ static double versine(const struct neph_phase *phase, double u)
 
 static double moment(const struct neph_phase *phase, int degree)
 {
-    return phase->table->moments[degree < NEPH_TABULATED_MOMENTS ? degree : NEPH_TABULATED_MOMENTS];
+    return degree <= NEPH_TABULATED_MOMENTS ? phase->table->moments[degree] : NAN;
 }
 
 static double mean_cosine(const struct neph_phase *phase)

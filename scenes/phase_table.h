@@ -9,6 +9,7 @@
 #include "base/arena.h"
 #include "base/status.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 
 enum {
@@ -47,6 +48,9 @@ enum neph_status neph_phase_table_read(const char *path, struct neph_arena *aren
 double neph_phase_table_per_sr(const struct neph_phase_table *table, double versine);
 /* The versine for a uniform number u in (0, 1); u = 1 is straight ahead. */
 double neph_phase_table_versine(const struct neph_phase_table *table, double u);
+
+/* Whether all rows are equal; NULL is only equal to NULL. */
+bool neph_phase_table_is_same(const struct neph_phase_table *a, const struct neph_phase_table *b);
 
 /* Writes its rows for the hash of a scene. */
 void neph_phase_table_hash(const struct neph_phase_table *table, FILE *text);

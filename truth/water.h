@@ -6,12 +6,12 @@
 #define NEPH_TRUTH_WATER_H
 
 #include "base/status.h"
+#include "scenes/density_units.h" /* NEPH_WATER_DENSITY_KG_PER_M3 */
 
 #include <complex.h>
 
 #define NEPH_WATER_WAVELENGTH_MIN_M 0.3e-6
 #define NEPH_WATER_WAVELENGTH_MAX_M 1.0e-6
-#define NEPH_WATER_DENSITY_KG_PER_M3 998.2
 
 /* n + i k at a wavelength in vacuum. n: IAPWS R9-97 (1997), equation 1, whose error is below 1e-4.
  * k: G. M. Hale, M. R. Querry, Appl. Opt. 12, 555 (1973), table 1, its logarithm interpolated.

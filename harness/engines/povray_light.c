@@ -258,7 +258,7 @@ static struct sources scattering_sources(const struct neph_povray_session *sessi
     struct sources sources = {.count = 0};
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
-        if (!session->world.containers[i].used || !neph_povray_same_phase(phase, &medium->phase))
+        if (!session->world.containers[i].used || !neph_phase_is_same(phase, &medium->phase))
             continue;
         if (scene->sun.present)
             add_source(&sources, neph_rgb_mul(medium->albedo, scene->sun.irradiance_w_per_m2));
@@ -274,7 +274,7 @@ static bool is_repeated(const struct neph_povray_session *session, int medium)
     const struct neph_scene *scene = session->shot.scene;
     for (int i = 0; i < medium; i++) {
         if (session->world.containers[i].used &&
-            neph_povray_same_phase(&scene->media[i].phase, &scene->media[medium].phase))
+            neph_phase_is_same(&scene->media[i].phase, &scene->media[medium].phase))
             return true;
     }
     return false;

@@ -89,11 +89,6 @@ double neph_povray_phase_excess(enum neph_phase_kind kind)
     return povray_phase(kind)->excess;
 }
 
-bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase *b)
-{
-    return a->kind == b->kind && a->g == b->g;
-}
-
 /* Radiosity sample points are found before the final render, down to single pixels, and none is
  * added during it: later points would depend on the order of the threads. */
 static void write_radiosity(struct neph_povray_writer *writer)
@@ -439,7 +434,7 @@ static void write_scattering(struct neph_povray_writer *writer, const struct nep
                     writer->world->scene->scattering == NEPH_SCATTERING_NONE))
         return;
     const struct neph_phase *phase = volume ? &pass->phase : &medium->phase;
-    bool scatters = neph_povray_same_phase(phase, &medium->phase);
+    bool scatters = neph_phase_is_same(phase, &medium->phase);
     const struct povray_phase *own = povray_phase(phase->kind);
     double scale = extinction_per_unit / (4.0 * own->excess);
     neph_povray_write_text(writer, "    scattering { %i, %m", own->type,

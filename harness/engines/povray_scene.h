@@ -31,9 +31,6 @@ void neph_povray_grid_name(int index, char name[NEPH_POVRAY_FILE_NAME_MAX]);
  * to 0. The result shares the values of `grid`. */
 struct neph_grid neph_povray_grid(const struct neph_grid *grid);
 
-/* Whether two phase functions have the same shape. */
-bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase *b);
-
 /* Whether POV-Ray has a phase function. */
 bool neph_povray_has_phase(enum neph_phase_kind kind);
 

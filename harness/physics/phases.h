@@ -23,7 +23,7 @@ struct neph_phase_finding {
 struct neph_phase_finding neph_phase_check(const struct neph_phase *phase);
 
 /* Check all kinds with the trials in their rows, kinds without g first. Returns the number of
- * findings; stops at NEPH_PHASES_MAX, which a test has more of than there are trials. */
+ * findings, which stop at NEPH_PHASES_MAX; a test checks that there are fewer. */
 enum { NEPH_PHASES_MAX = 64 };
 int neph_phases_check(struct neph_phase_finding found[NEPH_PHASES_MAX]);
 

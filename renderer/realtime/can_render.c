@@ -6,6 +6,7 @@
 #include "renderer/realtime/march_settings.h"
 #include "renderer/realtime/pipeline.h"
 #include "scenes/emission.h"
+#include "scenes/fog_translation.h"
 #include "scenes/injection.h"
 #include "scenes/media.h"
 
@@ -32,10 +33,19 @@ static bool can_upsample(const struct neph_scene *scene, const struct neph_rt_se
     return false;
 }
 
-/* Fog that is a medium as well is marched in froxels. */
+/* Fog that is a medium as well is marched in froxels. Its phase function has no table there, because
+ * tables are those of the media that are marched. */
 static bool can_march_near_fog(const struct neph_scene *scene, struct neph_march_veils veils,
                                enum neph_march_lighting lighting, char *reason, size_t reason_size)
 {
+    const struct neph_medium *fog = neph_fog_look_find_medium(scene);
+    if (fog && !neph_phase_is_in_shaders(fog->phase.kind)) {
+        snprintf(reason, reason_size,
+                 "the phase function %s of fog in froxels, which need isotropic, "
+                 "henyey_greenstein or rayleigh: set froxels=off",
+                 neph_phase_words[fog->phase.kind]);
+        return false;
+    }
     veils.fog.is_look = false;
     return neph_march_can_render_with(scene, veils, lighting, reason, reason_size);
 }

@@ -4,11 +4,13 @@ import csv
 import json
 import os
 import pathlib
+import re
 import subprocess
 import tempfile
 import unittest
 
 NEPH = os.environ["NEPH"]
+ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 
 
 def run(*words, **options):
@@ -73,18 +75,31 @@ class StudyPhase(unittest.TestCase):
         for towards in (-1, 1):
             scene = self.write(f"fog{towards + 1}", TABLE.format("droplets.csv"), towards)
             frames = {}
-            for engine in ("exact", "march", "tracer"):
+            for engine in ("exact", "march", "tracer", "realtime"):
                 made = run("render", scene, "-e", engine, "--size", "32x18", "-q", "-o",
-                           self.folder / "out")
+                           self.folder / "out", *(("-p", "off") if engine == "realtime" else ()))
                 self.assertEqual(made.returncode, 0, made.stderr)
                 frames[engine] = made.stdout.split()[-1]
-            for engine in ("march", "tracer"):
+            for engine in ("march", "tracer", "realtime"):
                 compared = run("compare", frames["exact"], frames[engine], "--json")
                 document = json.loads(compared.stdout)
                 error = [item["value"] for item in document["measurements"]
                          if item["metric"] == "rel_rmse" and item["quantity"] == "radiance"][0]
                 # march: its steps; tracer: none in single scattering by the first collision
                 self.assertLess(error, 0.02, engine)
+
+    def test_fog_in_froxels_needs_a_phase_function_of_shaders(self):
+        text = (ROOT / "scenes/catalog/fog_hand_over.yaml").read_text()
+        for phase, words in (("phase: povray_mie_hazy", "povray_mie_hazy of fog in froxels"),
+                             ("phase: rayleigh", None)):
+            changed = self.folder / "fog_hand_over.yaml"
+            changed.write_text(re.sub(r"^( *)phase: .*(\n *asymmetry_g: .*)?", rf"\1{phase}", text,
+                                      count=1, flags=re.MULTILINE))
+            self.assertIn(phase, changed.read_text())
+            made = run("render", changed, "-e", "realtime", "-p", "ours", "-s", "fog=unreal", "-s",
+                       "froxels=on", "--size", "32x18", "-q", "-o", self.folder / "out")
+            self.assertEqual(made.returncode == 0, words is None, made.stderr)
+            self.assertIn(words or "", made.stderr)
 
     def test_the_table_is_in_the_hash(self):
         """The values are, and the file's name is not."""

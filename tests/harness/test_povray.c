@@ -765,6 +765,8 @@ static void test_single_scattering_slabs(void **state)
     check_slab((struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.85});
     check_slab((struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, -0.3});
     check_slab((struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0});
+    check_slab((struct neph_phase){.kind = NEPH_PHASE_POVRAY_MIE_HAZY});
+    check_slab((struct neph_phase){.kind = NEPH_PHASE_POVRAY_MIE_MURKY});
 }
 
 static void check_light(const struct test_scene *stage, const struct neph_image *frame)
