@@ -33,8 +33,8 @@ static bool can_upsample(const struct neph_scene *scene, const struct neph_rt_se
     return false;
 }
 
-/* Fog that is a medium as well is marched in froxels. Its phase function has no table there, because
- * tables are those of the media that are marched. */
+/* Fog that is a medium as well is marched in froxels. Its phase function has no table there,
+ * because tables are those of the media that are marched. */
 static bool can_march_near_fog(const struct neph_scene *scene, struct neph_march_veils veils,
                                enum neph_march_lighting lighting, char *reason, size_t reason_size)
 {
