@@ -12,6 +12,7 @@
 #include "scenes/fog_translation.h"
 #include "scenes/lights.h"
 #include "scenes/media.h"
+#include "scenes/phase_same.h"
 #include "scenes/surfaces.h"
 
 #include <math.h>

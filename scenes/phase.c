@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/phase.h"
 
-#include "scenes/phase_table.h"
-
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -29,14 +27,6 @@ bool neph_phase_has(enum neph_phase_kind kind, enum neph_phase_parameter paramet
 bool neph_phase_is_in_shaders(enum neph_phase_kind kind)
 {
     return (int)kind < NEPH_PHASES_IN_SHADERS(NEPH_PHASE_ONE);
-}
-
-bool neph_phase_is_same(const struct neph_phase *a, const struct neph_phase *b)
-{
-    return a->kind == b->kind && a->g == b->g && a->second_g == b->second_g &&
-           a->first_share == b->first_share && a->draine_alpha == b->draine_alpha &&
-           a->droplet_diameter_um == b->droplet_diameter_um &&
-           neph_phase_table_is_same(a->table, b->table);
 }
 
 void neph_phase_describe(const struct neph_phase *phase, char *text, size_t size)

@@ -64,8 +64,6 @@ extern const char *const neph_phase_words[];
 bool neph_phase_has(enum neph_phase_kind kind, enum neph_phase_parameter parameter);
 /* Whether it has a file in renderer/shaders/; all others reach the device as tables. */
 bool neph_phase_is_in_shaders(enum neph_phase_kind kind);
-/* Whether kind, parameters and the rows of a table are equal. */
-bool neph_phase_is_same(const struct neph_phase *a, const struct neph_phase *b);
 
 /* Its word and parameters: "draine g 0.5 alpha 2". */
 void neph_phase_describe(const struct neph_phase *phase, char *text, size_t size);

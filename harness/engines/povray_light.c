@@ -3,6 +3,7 @@
 
 #include "scenes/emission.h"
 #include "scenes/media.h"
+#include "scenes/phase_same.h"
 #include "scenes/solids.h"
 #include "scenes/surfaces.h"
 

@@ -32,6 +32,7 @@
 #include "scenes/emission.h"
 #include "scenes/lights.h"
 #include "scenes/media.h"
+#include "scenes/phase_same.h"
 #include "scenes/solids.h"
 
 #include <math.h>

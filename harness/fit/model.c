@@ -11,6 +11,7 @@
 #include "base/threads.h"
 #include "scenes/emission.h"
 #include "scenes/media.h"
+#include "scenes/phase_same.h"
 #include "truth/transport.h"
 
 #include <math.h>
