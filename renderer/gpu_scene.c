@@ -10,6 +10,7 @@
 #include "scenes/grid.h"
 #include "scenes/majorant.h"
 #include "scenes/media.h"
+#include "scenes/phase_colour.h"
 #include "scenes/solids.h"
 
 #include <math.h>
@@ -422,7 +423,8 @@ static struct neph_gpu_medium *add_medium(const struct neph_medium *medium,
     *made = pack_medium(medium, camera_m, first);
     gpu->frame->emits |= !is_black(made->glow);
     gpu->constants[0] |= 1u << medium->kind;
-    gpu->constants[1] |= neph_medium_is_coloured(medium) ? NEPH_GPU_COLOURED : 0u;
+    if (neph_medium_is_coloured(medium) || neph_phase_is_coloured(&medium->phase))
+        gpu->constants[1] |= NEPH_GPU_COLOURED;
     if (medium->kind == NEPH_MEDIUM_GRID && neph_grid_is_endless(medium->grid))
         gpu->constants[1] |= NEPH_GPU_ENDLESS;
     if (medium->kind == NEPH_MEDIUM_GRID && medium->grid->is_constant)

@@ -12,6 +12,7 @@
 #include "scenes/fog_translation.h"
 #include "scenes/lights.h"
 #include "scenes/media.h"
+#include "scenes/phase_colour.h"
 #include "scenes/phase_same.h"
 #include "scenes/surfaces.h"
 
@@ -75,6 +76,10 @@ static const char *find_obstacle_to_diffused(const struct neph_scene *scene)
         if (neph_medium_is_coloured(&scene->media[i]))
             return "extinction that differs between the channels: diffusion is solved once for all "
                    "channels";
+        if (neph_phase_is_coloured(&scene->media[i].phase))
+            return "a phase function that differs between the channels: diffusion is solved once "
+                   "for "
+                   "all channels";
         if (albedo.r != albedo.g || albedo.g != albedo.b)
             return "an albedo that differs between the channels: diffusion is solved once for all "
                    "channels";

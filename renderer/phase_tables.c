@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/phase_tables.h"
 
+#include "scenes/phase_colour.h"
 #include "scenes/phase_table.h"
 
 #include <math.h>
 
-enum { HEAD = 2, ROW = 3, FORMULA_ROWS = NEPH_TABULATED_ROWS_MAX - 1 };
+enum { HEAD = 3, ROW = 3, FORMULA_ROWS = NEPH_TABULATED_ROWS_MAX - 1 };
 
 /* The device's list of kinds ends with the table. */
 #define IN_SHADERS(number, NAME, name) +1
@@ -19,7 +20,10 @@ static int count_rows(const struct neph_phase *phase)
 
 size_t neph_gpu_phase_table_size(const struct neph_phase *phase)
 {
-    return neph_phase_is_in_shaders(phase->kind) ? 0 : HEAD + ROW * (size_t)count_rows(phase);
+    const size_t one = HEAD + ROW * (size_t)count_rows(phase);
+    return neph_phase_is_in_shaders(phase->kind) ? 0
+           : neph_phase_is_coloured(phase)       ? 4 * one
+                                                 : one;
 }
 
 /* From 0 to 1 in FORMULA_ROWS / 2 steps: to 0.05 in steps in proportion to the value, for the peak,
@@ -79,12 +83,24 @@ static void write_formula(const struct neph_phase *phase, float *values)
     }
 }
 
-void neph_gpu_phase_table_write(const struct neph_phase *phase, float *values)
+static void write_one(const struct neph_phase *phase, float next, float *values)
 {
     values[0] = (float)count_rows(phase);
     values[1] = (float)neph_phase_mean_cosine(phase);
+    values[2] = next;
     if (phase->table)
         write_table(phase->table, values + HEAD);
     else
         write_formula(phase, values + HEAD);
+}
+
+void neph_gpu_phase_table_write(const struct neph_phase *phase, float *values)
+{
+    const bool is_coloured = neph_phase_is_coloured(phase);
+    const size_t one = HEAD + ROW * (size_t)count_rows(phase);
+    write_one(phase, is_coloured ? (float)one : 0.0f, values);
+    for (int channel = 0; channel < 3 && is_coloured; channel++) {
+        const struct neph_phase own = neph_phase_channel(phase, channel);
+        write_one(&own, 0.0f, values + (size_t)(1 + channel) * one);
+    }
 }

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * Phase functions as tables for shaders/phase_table.glsl: all kinds that have no file of their own
- * there. A table has its number of rows, its mean cosine, and per row the versine 1 - cos, the
- * phase function [1/sr] and the light within that angle, 0..1. Private to renderer/.
+ * there. A table has its number of rows, its mean cosine, the distance to the next one, and per row
+ * the versine 1 - cos, the phase function [1/sr] and the light within that angle, 0..1. Where the
+ * channels differ, the table of their mean is in front of theirs; else the distance is 0. All
+ * tables of a phase function have equal angles. Private to renderer/.
  */
 #ifndef NEPH_RENDERER_PHASE_TABLES_H
 #define NEPH_RENDERER_PHASE_TABLES_H

@@ -50,8 +50,8 @@ static const struct neph_field common_fields[] = {
      .note = "the approximation was fitted to these", .standard = "needed by `jendersie_deon`",
      .hashing = NEPH_HASHED_IF_SET},
     {"phase_table", NEPH_TEXT, offsetof(struct neph_written_medium, phase_table),
-     .note = "a file of scattering angles in degrees and values, such as `neph droplets --csv` "
-             "prints; a path as `file` of a volume",
+     .note = "a file of scattering angles in degrees and values, one or three (red, green, blue), "
+             "such as `neph droplets --csv` prints; a path as `file` of a volume",
      .standard = "needed by `table`", .least = 1, .most = 4096, .hashing = NEPH_HASHED_AS_MADE},
     {"voxels", NEPH_WHOLE, offsetof(struct neph_written_medium, voxels), "nodes",
      NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX,

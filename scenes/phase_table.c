@@ -90,13 +90,18 @@ static void find_moments(const struct neph_phase_table *table, double *moments)
 
 /* --- making a table --- */
 
-static enum neph_status check_rows(int count, const double *angles_deg, const double *values,
-                                   struct neph_diag *diag)
+static enum neph_status check_count(int count, struct neph_diag *diag)
 {
-    const bool falls = count > 1 && angles_deg[1] < angles_deg[0];
     if (count < 2 || count > NEPH_TABULATED_ROWS_MAX)
         return neph_fail(diag, NEPH_ERR_INPUT, "a phase function of %d rows, not 2 to %d", count,
                          NEPH_TABULATED_ROWS_MAX);
+    return NEPH_OK;
+}
+
+static enum neph_status check_rows(int count, const double *angles_deg, const double *values,
+                                   struct neph_diag *diag)
+{
+    const bool falls = angles_deg[1] < angles_deg[0];
     for (int i = 0; i < count; i++) {
         if (!(values[i] >= 0.0 && values[i] <= 1e12))
             return neph_fail(diag, NEPH_ERR_INPUT,
@@ -152,7 +157,9 @@ enum neph_status neph_phase_table_make(int count, const double *angles_deg, cons
                                        const struct neph_phase_table **table,
                                        struct neph_diag *diag)
 {
-    enum neph_status status = check_rows(count, angles_deg, values, diag);
+    enum neph_status status = check_count(count, diag);
+    if (!status)
+        status = check_rows(count, angles_deg, values, diag);
     if (status)
         return status;
     struct neph_phase_table *made = neph_arena_allocate(arena, 1, sizeof(*made));
@@ -181,16 +188,68 @@ enum neph_status neph_phase_table_make(int count, const double *angles_deg, cons
     return NEPH_OK;
 }
 
+/* The values of a channel, or with channel 3 the mean of the three normalised channels. */
+static enum neph_status make_channel(int count, const double *angles_deg, const double *values,
+                                     const double integrals[3], int channel,
+                                     struct neph_arena *arena,
+                                     const struct neph_phase_table **table, struct neph_diag *diag)
+{
+    static const char *const names[] = {"red", "green", "blue", "the mean"};
+    double *own = malloc((size_t)count * sizeof(*own));
+    if (!own)
+        return neph_fail_memory(diag);
+    for (int i = 0; i < count; i++) {
+        own[i] = channel < 3 ? values[3 * i + channel] : 0.0;
+        for (int j = 0; j < 3 && channel == 3; j++)
+            own[i] += values[3 * i + j] / integrals[j] / 3.0;
+    }
+    const enum neph_status status = neph_phase_table_make(count, angles_deg, own, arena, table,
+                                                          diag);
+    free(own);
+    if (status)
+        neph_prefix(diag, "%s: ", names[channel]);
+    return status;
+}
+
+enum neph_status neph_phase_table_make_coloured(int count, const double *angles_deg,
+                                                const double *values, struct neph_arena *arena,
+                                                const struct neph_phase_table **table,
+                                                struct neph_diag *diag)
+{
+    const struct neph_phase_table *made[4];
+    double integrals[3];
+    enum neph_status status = check_count(count, diag);
+    for (int channel = 0; channel < 4 && !status; channel++) {
+        status = make_channel(count, angles_deg, values, integrals, channel, arena, &made[channel],
+                              diag);
+        if (!status && channel < 3)
+            integrals[channel] = made[channel]->given_integral;
+    }
+    struct neph_phase_table *mean = status ? NULL : neph_arena_allocate(arena, 1, sizeof(*mean));
+    if (!status && !mean)
+        status = neph_fail_memory(diag);
+    if (status)
+        return status;
+    *mean = *made[3];
+    for (int j = 0; j < 3; j++)
+        mean->channels[j] = made[j];
+    *table = mean;
+    return NEPH_OK;
+}
+
 /* --- a file --- */
 
 enum { FILE_BYTES_MAX = 16 << 20 };
 
-/* The numbers of a line; 0 for a line without a row, -1 for anything else. */
-static int read_line(const char *line, double numbers[3])
+enum { NUMBERS_MAX = 4 }; /* an angle and three channels */
+
+/* The numbers of a line, one more than there may be at most; 0 for a line without a row, -1 for
+ * anything else. */
+static int read_line(const char *line, double numbers[NUMBERS_MAX + 1])
 {
     int count = 0;
     char *end;
-    while (count < 3) {
+    while (count <= NUMBERS_MAX) {
         line += strspn(line, " \t\r,;");
         if (*line == '\0' || *line == '#')
             return count;
@@ -205,7 +264,9 @@ static int read_line(const char *line, double numbers[3])
 
 struct rows {
     int count, line;
-    double angles_deg[NEPH_TABULATED_ROWS_MAX], values[NEPH_TABULATED_ROWS_MAX];
+    int channels; /* 1 or 3; 0: not known yet */
+    double angles_deg[NEPH_TABULATED_ROWS_MAX];
+    double values[3 * NEPH_TABULATED_ROWS_MAX]; /* the channels of a row together */
 };
 
 /* "angle_deg,value" */
@@ -216,19 +277,25 @@ static bool is_heading(const char *line)
 
 static enum neph_status add_line(const char *line, struct rows *rows, struct neph_diag *diag)
 {
-    double numbers[3];
-    const int count = read_line(line, numbers);
+    double numbers[NUMBERS_MAX + 1];
+    const int channels = read_line(line, numbers) - 1;
     rows->line++;
-    if (count == 0 || (rows->line == 1 && is_heading(line)))
+    if (channels == -1 || (rows->line == 1 && is_heading(line)))
         return NEPH_OK;
-    if (count != 2)
+    if (channels != 1 && channels != 3)
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "'%.60s' is not an angle in degrees and a value of the phase function",
+                         "'%.60s' is not an angle in degrees and a value of the phase function, or "
+                         "three values: red, green, blue",
                          line);
+    if (rows->channels > 0 && rows->channels != channels)
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "'%.60s' has %d values after an angle, the rows before it %d", line,
+                         channels, rows->channels);
     if (rows->count == NEPH_TABULATED_ROWS_MAX)
         return neph_fail(diag, NEPH_ERR_INPUT, "more than %d rows", NEPH_TABULATED_ROWS_MAX);
+    rows->channels = channels;
     rows->angles_deg[rows->count] = numbers[0];
-    rows->values[rows->count] = numbers[1];
+    memcpy(rows->values + channels * rows->count, numbers + 1, (size_t)channels * sizeof(*numbers));
     rows->count++;
     return NEPH_OK;
 }
@@ -266,8 +333,8 @@ enum neph_status neph_phase_table_read(const char *path, struct neph_arena *aren
     if (status && rows)
         line = rows->line;
     if (!status)
-        status = neph_phase_table_make(rows->count, rows->angles_deg, rows->values, arena, table,
-                                       diag);
+        status = (rows->channels == 3 ? neph_phase_table_make_coloured : neph_phase_table_make)(
+            rows->count, rows->angles_deg, rows->values, arena, table, diag);
     free(rows);
     free(text);
     if (status && line > 0)
@@ -281,14 +348,19 @@ bool neph_phase_table_is_same(const struct neph_phase_table *a, const struct nep
 {
     if (a == b || !a || !b)
         return a == b;
-    return a->count == b->count &&
-           memcmp(a->nodes, b->nodes, (size_t)a->count * sizeof(*a->nodes)) == 0;
+    bool is_same = a->count == b->count &&
+                   memcmp(a->nodes, b->nodes, (size_t)a->count * sizeof(*a->nodes)) == 0;
+    for (int j = 0; j < 3; j++)
+        is_same = is_same && neph_phase_table_is_same(a->channels[j], b->channels[j]);
+    return is_same;
 }
 
 void neph_phase_table_hash(const struct neph_phase_table *table, FILE *text)
 {
     for (int i = 0; i < table->count; i++)
         neph_put_three(text, "phase_row", table->nodes[i].versine, table->nodes[i].per_sr, 0.0);
+    for (int j = 0; j < 3 && table->channels[j]; j++)
+        neph_phase_table_hash(table->channels[j], text);
 }
 
 /* --- the kind --- */

@@ -28,6 +28,8 @@ struct neph_phase_table {
     struct neph_phase_node *nodes; /* from versine 0 to 2, ascending */
     double *moments;               /* by degree, 0..NEPH_TABULATED_MOMENTS */
     double given_integral;         /* of the values over the sphere, before they were normalised */
+    /* Tables of red, green and blue, whose mean this table is; NULL where they do not differ. */
+    const struct neph_phase_table *channels[3];
 };
 
 /* A table from scattering angles [degrees], 0 to 180 or 180 to 0 in order, and values >= 0; it is
@@ -38,9 +40,15 @@ enum neph_status neph_phase_table_make(int count, const double *angles_deg, cons
                                        const struct neph_phase_table **table,
                                        struct neph_diag *diag);
 
-/* The same from a text file: one row a line, an angle and a value, separated by white space or a
- * comma; empty lines and what follows a # are left out, and so is a first line of words. Errors
- * name file and line. */
+/* A table of three channels; `values` has the three of each row together. */
+enum neph_status neph_phase_table_make_coloured(int count, const double *angles_deg,
+                                                const double *values, struct neph_arena *arena,
+                                                const struct neph_phase_table **table,
+                                                struct neph_diag *diag);
+
+/* The same from a text file: one row a line, an angle and a value, or an angle and the values of
+ * red, green and blue, separated by white space or a comma; empty lines and what follows a # are
+ * left out, and so is a first line of words. Errors name file and line. */
 enum neph_status neph_phase_table_read(const char *path, struct neph_arena *arena,
                                        const struct neph_phase_table **table,
                                        struct neph_diag *diag);

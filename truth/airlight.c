@@ -3,6 +3,7 @@
 
 #include "scenes/lights.h"
 #include "scenes/media.h"
+#include "scenes/phase_colour.h"
 #include "scenes/solids.h"
 #include "truth/cuts.h"
 #include "truth/lamp_peak.h"
@@ -55,10 +56,10 @@ static struct neph_rgb scattered_per_m_sr(const struct neph_scene *scene, struct
     struct neph_rgb sum = {0, 0, 0};
     for (int m = 0; m < scene->medium_count; m++) {
         const struct neph_medium *medium = &scene->media[m];
-        const double per_m = neph_medium_extinction_per_m(medium, point_m) *
-                             neph_phase_per_sr(&medium->phase, cosine);
+        const struct neph_rgb per_m = neph_rgb_scale(neph_phase_rgb_per_sr(&medium->phase, cosine),
+                                                     neph_medium_extinction_per_m(medium, point_m));
         sum = neph_rgb_add(
-            sum, neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color), per_m));
+            sum, neph_rgb_mul(neph_rgb_mul(medium->albedo, medium->extinction_color), per_m));
     }
     return sum;
 }

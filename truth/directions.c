@@ -34,6 +34,13 @@ struct neph_vec3 neph_phase_sample(const struct neph_phase *phase, struct neph_v
                   random);
 }
 
+void neph_direction_ratios(struct neph_rgb drawn_per_sr, int channel, double ratio[3])
+{
+    const double drawn[3] = {drawn_per_sr.r, drawn_per_sr.g, drawn_per_sr.b};
+    for (int j = 0; j < 3; j++)
+        ratio[j] = drawn[channel] > 0.0 ? drawn[j] / drawn[channel] : 1.0;
+}
+
 struct neph_vec3 neph_cosine_sample(struct neph_vec3 normal, struct neph_random *random)
 {
     const double u = neph_random_uniform(random); /* the square of the sine is uniform */

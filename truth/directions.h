@@ -12,6 +12,10 @@
 struct neph_vec3 neph_phase_sample(const struct neph_phase *phase, struct neph_vec3 direction,
                                    struct neph_random *random);
 
+/* By channel, the density with which it would have drawn a direction, over that of the channel that
+ * drew it. All 1 where the latter is 0, as rounding at the edge of a table can make it. */
+void neph_direction_ratios(struct neph_rgb drawn_per_sr, int channel, double ratio[3]);
+
 /* Sample a reflected direction of a Lambertian surface: density cos / pi on the side of the unit
  * normal. Unit. */
 struct neph_vec3 neph_cosine_sample(struct neph_vec3 normal, struct neph_random *random);

@@ -2,6 +2,7 @@
 #include "truth/flux_sums.h"
 
 #include "scenes/media.h"
+#include "scenes/phase_colour.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,7 +15,8 @@ static bool is_coloured(struct neph_rgb rgb)
 static bool is_scene_coloured(const struct neph_scene *scene)
 {
     for (int m = 0; m < scene->medium_count; m++)
-        if (is_coloured(scene->media[m].albedo) || neph_medium_is_coloured(&scene->media[m]))
+        if (is_coloured(scene->media[m].albedo) || neph_medium_is_coloured(&scene->media[m]) ||
+            neph_phase_is_coloured(&scene->media[m].phase))
             return true;
     for (int i = 0; i < scene->solid_count; i++)
         if (is_coloured(scene->solids[i].albedo))

@@ -10,6 +10,7 @@
 #include "scenes/emission.h"
 #include "scenes/lights.h"
 #include "scenes/media.h"
+#include "scenes/phase_colour.h"
 #include "scenes/surfaces.h"
 #include "truth/airlight.h"
 #include "truth/directions.h"
@@ -103,14 +104,15 @@ static struct neph_rgb transmittance(const struct path *path, struct neph_vec3 d
 }
 
 /* Sunlight of the path if the point scatters `per_sr` of it towards the camera. */
-static struct neph_rgb sunlight(const struct path *path, double per_sr)
+static struct neph_rgb sunlight(const struct path *path, struct neph_rgb per_sr)
 {
     const struct neph_sun *sun = &path->scene->sun;
-    if (!sun->present || per_sr == 0.0 || !neph_scene_is_sun_visible(path->scene, path->at_m))
+    if (!sun->present || (per_sr.r == 0.0 && per_sr.g == 0.0 && per_sr.b == 0.0) ||
+        !neph_scene_is_sun_visible(path->scene, path->at_m))
         return black;
     const struct neph_rgb light = neph_rgb_mul(
         sun->irradiance_w_per_m2, transmittance(path, sun->direction, path->sun_depth));
-    return neph_rgb_scale(neph_rgb_mul(path_value(path), light), per_sr);
+    return neph_rgb_mul(neph_rgb_mul(path_value(path), light), per_sr);
 }
 
 /* A part of an extinction, which may be infinite far down in a fog without ground. */
@@ -126,11 +128,12 @@ static struct neph_rgb scattered_per_m_sr(const struct neph_scene *scene, struct
     struct neph_rgb sum = black;
     for (int m = 0; m < scene->medium_count; m++) {
         const struct neph_medium *medium = &scene->media[m];
-        const double per_m_sr = neph_medium_extinction_per_m(medium, point_m) *
-                                neph_phase_per_sr(&medium->phase, cosine);
+        const struct neph_rgb per_m_sr = neph_rgb_scale(
+            neph_phase_rgb_per_sr(&medium->phase, cosine),
+            neph_medium_extinction_per_m(medium, point_m));
         const struct neph_rgb part = neph_rgb_mul(medium->albedo, medium->extinction_color);
-        add(&sum, (struct neph_rgb){scaled(part.r, per_m_sr), scaled(part.g, per_m_sr),
-                                    scaled(part.b, per_m_sr)});
+        add(&sum, (struct neph_rgb){scaled(part.r, per_m_sr.r), scaled(part.g, per_m_sr.g),
+                                    scaled(part.b, per_m_sr.b)});
     }
     return sum;
 }
@@ -211,24 +214,41 @@ static struct neph_rgb sample_environment(const struct path *path)
 
 /* ---- events ---- */
 
-/* Choose a new direction with the density `per_sr()`: `own`, or, with point lights, sometimes one
- * towards a light. The value is multiplied by the remaining weight of the scattering. */
+/* Weigh by the densities with which the channels would have drawn a direction. */
+static void weigh_direction(struct path *path, struct neph_rgb drawn)
+{
+    double ratio[3];
+    neph_direction_ratios(drawn, path->channel, ratio);
+    weigh(path, ratio);
+}
+
+/* Choose a new direction with the density `per_sr()` of the path's channel: `own`, or, with point
+ * lights, sometimes one towards a light. The value is multiplied by the remaining weight of the
+ * scattering. */
 static void turn(struct path *path, struct neph_vec3 own,
-                 double (*per_sr)(const void *context, struct neph_vec3 direction),
-                 const void *context)
+                 struct neph_rgb (*per_sr)(const void *context, struct neph_vec3 direction),
+                 const void *context, bool is_coloured)
 {
     const double share = NEPH_LIGHT_DIRECTIONS;
     const struct neph_scene *scene = path->scene;
     path->direction = own;
-    if (scene->light_count == 0 || scene->scattering != NEPH_SCATTERING_MULTIPLE)
+    if (scene->light_count == 0 || scene->scattering != NEPH_SCATTERING_MULTIPLE) {
+        if (is_coloured)
+            weigh_direction(path, per_sr(context, own));
         return;
+    }
     if (neph_random_uniform(path->random) < share)
         path->direction = neph_light_direction_sample(scene, path->at_m, path->random);
-    const double wanted = per_sr(context, path->direction);
-    const double drawn = (1.0 - share) * wanted +
-                         share * neph_light_direction_per_sr(scene, path->at_m, path->direction);
-    for (int j = 0; j < 3; j++)
-        path->value[j] *= wanted / drawn;
+    const struct neph_rgb wanted = per_sr(context, path->direction);
+    const double lamps = share * neph_light_direction_per_sr(scene, path->at_m, path->direction);
+    const struct neph_rgb drawn = {(1.0 - share) * wanted.r + lamps,
+                                   (1.0 - share) * wanted.g + lamps,
+                                   (1.0 - share) * wanted.b + lamps};
+    path->value[0] *= wanted.r / drawn.r;
+    path->value[1] *= wanted.g / drawn.g;
+    path->value[2] *= wanted.b / drawn.b;
+    if (is_coloured)
+        weigh_direction(path, drawn);
 }
 
 struct scattered {
@@ -236,16 +256,23 @@ struct scattered {
     struct neph_vec3 direction; /* before */
 };
 
-static double scattered_per_sr(const void *context, struct neph_vec3 direction)
+static struct neph_rgb scattered_per_sr(const void *context, struct neph_vec3 direction)
 {
     const struct scattered *scattered = context;
-    return neph_phase_per_sr(scattered->phase, neph_vec3_dot(scattered->direction, direction));
+    return neph_phase_rgb_per_sr(scattered->phase, neph_vec3_dot(scattered->direction, direction));
 }
 
-static double reflected_per_sr(const void *context, struct neph_vec3 direction)
+/* Reflection by a diffuse surface, equal in all channels. */
+static struct neph_rgb lambertian_per_sr(double cosine)
+{
+    const double per_sr = fmax(0.0, cosine) / M_PI;
+    return (struct neph_rgb){per_sr, per_sr, per_sr};
+}
+
+static struct neph_rgb reflected_per_sr(const void *context, struct neph_vec3 direction)
 {
     const struct neph_vec3 *normal = context;
-    return fmax(0.0, neph_vec3_dot(*normal, direction)) / M_PI;
+    return lambertian_per_sr(neph_vec3_dot(*normal, direction));
 }
 
 /* Move to a collision; add the emission there. */
@@ -264,10 +291,11 @@ static bool leave_medium(struct path *path, int index, struct neph_rgb *light)
     if (!reflect(path, medium->albedo))
         return false;
     const double cosine = neph_vec3_dot(path->direction, path->scene->sun.direction);
-    add(light, sunlight(path, neph_phase_per_sr(&medium->phase, cosine)));
+    add(light, sunlight(path, neph_phase_rgb_per_sr(&medium->phase, cosine)));
     const struct scattered scattered = {&medium->phase, path->direction};
-    turn(path, neph_phase_sample(&medium->phase, path->direction, path->random), scattered_per_sr,
-         &scattered);
+    const struct neph_phase own = neph_phase_channel(&medium->phase, path->channel);
+    turn(path, neph_phase_sample(&own, path->direction, path->random), scattered_per_sr, &scattered,
+         neph_phase_is_coloured(&medium->phase));
     return largest_path_value(path) > 0.0;
 }
 
@@ -283,7 +311,8 @@ static bool reach_surface(struct path *path, const struct neph_hit *hit)
 
 static bool leave_surface(struct path *path, const struct neph_hit *hit)
 {
-    turn(path, neph_cosine_sample(hit->normal, path->random), reflected_per_sr, &hit->normal);
+    turn(path, neph_cosine_sample(hit->normal, path->random), reflected_per_sr, &hit->normal,
+         false);
     return largest_path_value(path) > 0.0;
 }
 
@@ -293,9 +322,9 @@ static bool meet_surface(struct path *path, const struct neph_hit *hit, struct n
         return false;
     const struct neph_vec3 own = neph_cosine_sample(hit->normal, path->random);
     const double cosine = neph_vec3_dot(hit->normal, path->scene->sun.direction);
-    add(light, sunlight(path, fmax(0.0, cosine) / M_PI));
+    add(light, sunlight(path, lambertian_per_sr(cosine)));
     add(light, sample_surface_light(path, hit->normal));
-    turn(path, own, reflected_per_sr, &hit->normal);
+    turn(path, own, reflected_per_sr, &hit->normal, false);
     return largest_path_value(path) > 0.0;
 }
 

@@ -6,6 +6,7 @@
 #include "truth/photons.h"
 
 #include "base/interrupt.h"
+#include "scenes/phase_colour.h"
 #include "scenes/solids.h"
 #include "scenes/surfaces.h"
 #include "truth/directions.h"
@@ -194,7 +195,16 @@ static void scatter(struct photon *photon, const struct neph_collision *collisio
           (const double[3]){photon->value[0] * (1.0 - w.r), photon->value[1] * (1.0 - w.g),
                             photon->value[2] * (1.0 - w.b)});
     multiply(photon, w);
-    photon->direction = neph_phase_sample(&medium->phase, photon->direction, photon->random);
+    const struct neph_phase own = neph_phase_channel(&medium->phase, photon->channel);
+    const struct neph_vec3 before = photon->direction;
+    photon->direction = neph_phase_sample(&own, before, photon->random);
+    if (!neph_phase_is_coloured(&medium->phase))
+        return;
+    double ratio[3];
+    neph_direction_ratios(
+        neph_phase_rgb_per_sr(&medium->phase, neph_vec3_dot(before, photon->direction)),
+        photon->channel, ratio);
+    weigh(photon, ratio);
 }
 
 static void reflect(struct photon *photon, const struct neph_hit *hit)

@@ -10,6 +10,7 @@
 #include "scenes/grid.h"
 #include "scenes/majorant.h"
 #include "scenes/media.h"
+#include "scenes/phase_colour.h"
 #include "truth/segments.h"
 
 #include <math.h>
@@ -81,7 +82,8 @@ enum neph_status neph_tracker_create(const struct neph_scene *scene, struct neph
             return status;
         }
         made->count++;
-        made->grey = made->grey && made->media[m].grey;
+        made->grey = made->grey && made->media[m].grey &&
+                     !neph_phase_is_coloured(&scene->media[m].phase);
     }
     *tracker = made;
     return NEPH_OK;

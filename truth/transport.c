@@ -16,6 +16,7 @@
 
 #include "scenes/emission.h"
 #include "scenes/media.h"
+#include "scenes/phase_colour.h"
 #include "scenes/solids.h"
 #include "scenes/surfaces.h"
 #include "truth/airlight.h"
@@ -46,8 +47,8 @@ static const double rough_tolerance = 1e-10;
 struct ray {
     const struct neph_scene *scene;
     struct neph_vec3 origin_m, direction;
-    double end_m;                              /* first solid, or +inf */
-    double phase_per_sr[NEPH_SCENE_MEDIA_MAX]; /* towards the camera */
+    double end_m;                                       /* first solid, or +inf */
+    struct neph_rgb phase_per_sr[NEPH_SCENE_MEDIA_MAX]; /* towards the camera */
 };
 
 static struct neph_vec3 ray_point(const struct ray *ray, double t_m)
@@ -102,8 +103,8 @@ static struct neph_rgb scattered_per_m(const struct ray *ray, struct neph_vec3 p
         const struct neph_medium *medium = &ray->scene->media[m];
         const double extinction_per_m = neph_medium_extinction_per_m(medium, point_m);
         sum = neph_rgb_add(sum,
-                           neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color),
-                                          extinction_per_m * ray->phase_per_sr[m]));
+                           neph_rgb_mul(neph_rgb_mul(medium->albedo, medium->extinction_color),
+                                        neph_rgb_scale(ray->phase_per_sr[m], extinction_per_m)));
     }
     return sum;
 }
@@ -295,7 +296,7 @@ static struct neph_rgb scattered_per_depth(const struct ray *ray, double t_m)
         const struct neph_rgb part = neph_rgb_scale(medium->extinction_color, part_per_m);
         extinction = neph_rgb_add(extinction, part);
         scattered = neph_rgb_add(
-            scattered, neph_rgb_scale(neph_rgb_mul(medium->albedo, part), ray->phase_per_sr[m]));
+            scattered, neph_rgb_mul(neph_rgb_mul(medium->albedo, part), ray->phase_per_sr[m]));
     }
     const struct neph_rgb sun = ray->scene->sun.irradiance_w_per_m2;
     return (struct neph_rgb){extinction.r > 0.0 ? scattered.r / extinction.r * sun.r : 0.0,
@@ -604,7 +605,7 @@ struct neph_ray_light neph_transport_ray(const struct neph_scene *scene, struct 
         /* The angle from (-sun) to (-view) is the angle between view and sun. */
         const double cosine = neph_vec3_dot(direction, scene->sun.direction);
         for (int m = 0; m < scene->medium_count; m++)
-            ray.phase_per_sr[m] = neph_phase_per_sr(&scene->media[m].phase, cosine);
+            ray.phase_per_sr[m] = neph_phase_rgb_per_sr(&scene->media[m].phase, cosine);
         light.quadrature_error = integrate_volume(&ray, &light.volume);
     }
     if (scene->light_count > 0 && scatters)

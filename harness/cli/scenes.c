@@ -6,6 +6,7 @@
 
 #include "harness/cli/new_scene.h"
 #include "harness/cli/scene_densities.h"
+#include "harness/cli/scene_phases.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "scenes/failing.h"
@@ -346,13 +347,13 @@ static json_t *scene_json(const struct neph_scene *scene)
         neph_json_add(&engines, json_pack("{s:s, s:b, s:s}", "engine", list[i]->name, "can_render",
                                           can, "reason", reason));
     }
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:o, s:o, s:o, s:o, s:o}", "name",
-                     scene->name, "title", scene->title, "physics", scene->description, "hash",
-                     scene->hash, "scattering", neph_scattering_name(scene->scattering), "frames",
-                     scene->frame_count, "solids", scene->solid_count, "gates",
-                     neph_scene_gates(scene)->count, "layers", layers, "densities",
-                     neph_densities_json(scene), "fog", fog_json(scene), "failure",
-                     failing_json(scene->failing), "engines", engines);
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o}",
+                     "name", scene->name, "title", scene->title, "physics", scene->description,
+                     "hash", scene->hash, "scattering", neph_scattering_name(scene->scattering),
+                     "frames", scene->frame_count, "solids", scene->solid_count, "gates",
+                     neph_scene_gates(scene)->count, "layers", layers, "phases",
+                     neph_phases_json(scene), "densities", neph_densities_json(scene), "fog",
+                     fog_json(scene), "failure", failing_json(scene->failing), "engines", engines);
 }
 
 static void print_failing(const struct neph_failing *failing)
@@ -389,6 +390,7 @@ static void print_scene(const struct neph_scene *scene)
                    m, layer->extinction_per_m, layer->falloff_per_m, layer->height_m,
                    unreal.fog_density, unreal.fog_height_falloff);
         }
+    neph_print_phases(scene);
     neph_print_densities(scene);
     print_fog(scene);
     print_failing(scene->failing);

@@ -25,7 +25,7 @@
 
 // Bits of specialization constant 1: properties of a scene, beside its kinds of media, for which
 // kernels are specialized.
-#define NEPH_GPU_COLOURED 1u     // the extinction of a medium depends on the channel
+#define NEPH_GPU_COLOURED 1u     // extinction or phase function depends on the channel
 #define NEPH_GPU_ORTHOGRAPHIC 2u // the camera is orthographic
 #define NEPH_GPU_ON_CPU 4u       // the device is a CPU
 #define NEPH_GPU_TURNED 8u       // a box is rotated

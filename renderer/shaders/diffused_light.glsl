@@ -39,7 +39,7 @@ vec3 diffused_light(Mixture mixture, vec3 point_m, float seen_depth, float step_
         float scattering = scattering_per_m[m].x;
         float smooth_per_sr = henyey_greenstein_per_sr(g, view_direction, to_sun());
         float diffuse = max(field.w + 3.0 * g * to_eye, 0.0) / (4.0 * PI);
-        sum += scattering * phase_towards_camera_per_sr[m] * sun *
+        sum += scattering * phase_towards_camera_per_sr[m].x * sun *
                mix(through, through_similar, peak);
         sum += scattering * (1.0 - peak) *
                (smooth_per_sr * (sun_similar * through_similar - sun * through) +

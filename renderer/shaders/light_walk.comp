@@ -120,11 +120,14 @@ bool is_similar(uint m, uint events)
 
 float path_similar_cosine(uint m)
 {
-    return mix(frame.media[m].g, similar_mean_cosine(m), SIMILAR);
+    return mix(medium_mean_cosine(m), similar_mean_cosine(m), SIMILAR);
 }
 
 // The fraction of scattering that remains in the similar medium: (1 - g) / (1 - g').
-float turning_fraction(uint m) { return (1.0 - frame.media[m].g) / (1.0 - path_similar_cosine(m)); }
+float turning_fraction(uint m)
+{
+    return (1.0 - medium_mean_cosine(m)) / (1.0 - path_similar_cosine(m));
+}
 
 // Optical depth of the similar medium over the original one, after a number of events.
 float thinness(uint m, uint events)
@@ -184,6 +187,21 @@ void find_next_events()
                 find_fog_collision(m);
 }
 
+// The directions of a phase function that depends on the channel are drawn for one channel, and the
+// path has light of this one only, three times as much.
+const bool PHASES_COLOURED = COLOURED && HAS_PHASE_TABLES;
+
+vec3 first_throughput()
+{
+    vec3 only = vec3(0.0);
+    if (!PHASES_COLOURED)
+        return vec3(1.0);
+    only[min(uint(3.0 * draw().x), 2u)] = 3.0;
+    return only;
+}
+
+uint path_channel() { return path.throughput.r > 0.0 ? 0u : path.throughput.g > 0.0 ? 1u : 2u; }
+
 void start()
 {
     uint texel = thread / run.paths, texel_px = frame.light_texel_px;
@@ -193,7 +211,8 @@ void start()
     // The last texel of a row or column may be smaller.
     vec2 high_px = vec2(min(low_px + texel_px, size_px));
     ViewRay ray = camera_ray_at(frame_camera(), mix(vec2(low_px), high_px, draw().xy));
-    path = LightPath(ray.origin_m, 0u, ray.direction, NO_SOLID, vec3(1.0), 1u, vec3(0.0), 0.0);
+    path = LightPath(ray.origin_m, 0u, ray.direction, NO_SOLID, first_throughput(), 1u, vec3(0.0),
+                     0.0);
     find_next_events();
 }
 
@@ -211,29 +230,30 @@ void end()
 void process_event(uint m, uint solid)
 {
     vec4 u = draw();
-    float per_sr, sun_thinness = 1.0;
-    vec3 next;
+    float sun_thinness = 1.0;
+    vec3 per_sr, next;
     events++;
     if (m == MEDIA_MAX) {
         vec3 normal = solid_normal(solids[solid], path.origin_m);
         path.throughput *= solids[solid].albedo.rgb;
-        per_sr = max(0.0, dot(normal, to_sun())) / PI;
+        per_sr = vec3(max(0.0, dot(normal, to_sun())) / PI);
         next = sample_cosine(normal, u.xy);
     } else {
         uint kind = make_nonuniform(frame.media[m].phase_kind);
         float g = frame.media[m].g;
         path.throughput *= frame.media[m].albedo;
         if (is_similar(m, path.events)) {
+            kind = PHASE_HENYEY_GREENSTEIN;
             g = path_similar_cosine(m);
             path.throughput *= turning_fraction(m) / thinness(m, path.events);
         }
-        per_sr = phase_per_sr(kind, g, path.direction, to_sun());
-        next = sample_phase(kind, g, path.direction, u.xy);
+        per_sr = phase_rgb_per_sr(kind, g, path.direction, to_sun());
+        next = sample_phase(kind, phase_channel_g(kind, g, path_channel()), path.direction, u.xy);
         // Sunlight arrives in the medium of the next segment.
         sun_thinness = thinness(m, path.events + 1u);
     }
     path.solid = solid;
-    if (path.events > 0u && per_sr > 0.0 && make_nonuniform(frame.scatters) != 0u &&
+    if (path.events > 0u && per_sr != vec3(0.0) && make_nonuniform(frame.scatters) != 0u &&
         sees_sun(path.origin_m, solid))
         sums.light += path.throughput * per_sr * sun_at(path.origin_m) *
                       fraction_through(sun_thinness * sample_sun_depth(path.origin_m));

@@ -96,8 +96,8 @@ vec3 scattered_from(vec3 direction)
 {
     vec3 sum = vec3(0.0);
     [[unroll]] for (uint m = 0; m < media_count(); m++)
-        sum += scattering_per_m[m] * phase_per_sr(make_nonuniform(frame.media[m].phase_kind),
-                                                  frame.media[m].g, view_direction, direction);
+        sum += scattering_per_m[m] * phase_rgb_per_sr(make_nonuniform(frame.media[m].phase_kind),
+                                                      frame.media[m].g, view_direction, direction);
     return sum;
 }
 

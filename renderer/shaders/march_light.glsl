@@ -328,12 +328,12 @@ struct Mixture {
 
 // This pixel's view ray. The sun is directional, so phase functions are constant along the ray.
 vec3 view_origin_m, view_direction;
-float phase_towards_camera_per_sr[MEDIA_MAX];
+vec3 phase_towards_camera_per_sr[MEDIA_MAX]; // by channel
 // Scattering coefficients at the last point of mixture_at() [1/m]; only with NEEDS_MEDIA.
 vec3 scattering_per_m[MEDIA_MAX];
 
 // The phase function with its anisotropy scaled by `part` (phase_cut_per_sr()).
-float flattened_phase_per_sr(uint m, float part)
+vec3 flattened_phase_per_sr(uint m, float part)
 {
     return phase_cut_per_sr(make_nonuniform(frame.media[m].phase_kind), frame.media[m].g, part,
                             phase_towards_camera_per_sr[m], view_direction, to_sun());
@@ -344,7 +344,7 @@ float flattened_phase_per_sr(uint m, float part)
 // with different rounding.
 const bool KEEPS_PHASES = LIGHTING == OCTAVES && KNOWN_MEDIA == 1u;
 const uint KEPT_PHASES = NEPH_GPU_KEPT_PHASES;
-float kept_phases_per_sr[KEPT_PHASES];
+vec3 kept_phases_per_sr[KEPT_PHASES];
 
 const bool SUMS_CHANNELS = KEEPS_PHASES && HAS_ONLY_TEXTURE && !COLOURED;
 
@@ -352,7 +352,7 @@ void keep_phases()
 {
     float contribution = 1.0, part = 1.0; // a^i, c^i
     [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
-        kept_phases_per_sr[i] = 0.0;
+        kept_phases_per_sr[i] = vec3(0.0);
         if (i < kept_octave_count)
             kept_phases_per_sr[i] = contribution * flattened_phase_per_sr(0, part);
         if (SUMS_CHANNELS)
@@ -366,8 +366,8 @@ void set_view_ray(ViewRay ray)
     view_origin_m = ray.origin_m;
     view_direction = ray.direction;
     [[unroll]] for (uint m = 0; m < media_count(); m++)
-        phase_towards_camera_per_sr[m] = phase_per_sr(make_nonuniform(frame.media[m].phase_kind),
-                                                      frame.media[m].g, ray.direction, to_sun());
+        phase_towards_camera_per_sr[m] = phase_rgb_per_sr(
+            make_nonuniform(frame.media[m].phase_kind), frame.media[m].g, ray.direction, to_sun());
     if (KEEPS_PHASES)
         keep_phases();
 }
@@ -431,7 +431,7 @@ vec3 summed_octave_scattering(float optical_depth)
     float sum = 0.0, attenuation = 1.0; // b^i
     [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
         if (i < kept_octave_count)
-            sum += kept_phases_per_sr[i] * transmittance(attenuation * optical_depth);
+            sum += kept_phases_per_sr[i].x * transmittance(attenuation * optical_depth);
         attenuation *= kept_octave_factors.y;
     }
     return sum * scattering_per_m[0];

@@ -119,10 +119,10 @@ float texture_light(float sun_depth)
 {
     float exponent = -PER_E * sun_depth;
     if (LIGHTING != OCTAVES)
-        return phase_towards_camera_per_sr[0] * transmittance_from_exp2(exponent);
+        return phase_towards_camera_per_sr[0].x * transmittance_from_exp2(exponent);
     float sum = 0.0;
     [[unroll]] for (uint i = 0; i < KEPT_PHASES; i++) {
-        sum += kept_phases_per_sr[i] * transmittance_from_exp2(exponent);
+        sum += kept_phases_per_sr[i].x * transmittance_from_exp2(exponent);
         exponent *= kept_octave_factors.y;
     }
     return sum;

@@ -49,8 +49,9 @@ layout(std430, binding = 4) readonly buffer HorizonTexels {
 // compilation and costs nothing, not even the loop iterations (renderer/compute.h) of loops that no
 // thread would enter.
 layout(constant_id = 0) const uint KINDS = 0xffffffffu; // bit k: the scene has a medium of kind k
-// A medium's extinction depends on the channel.
+// A medium's extinction or phase function depends on the channel.
 const bool COLOURED = (TRAITS & NEPH_GPU_COLOURED) != 0u;
+const bool HAS_PHASE_TABLES = (TRAITS & NEPH_GPU_PHASE_TABLES) != 0u;
 const bool ORTHOGRAPHIC = (TRAITS & NEPH_GPU_ORTHOGRAPHIC) != 0u; // the camera is orthographic
 
 // enum neph_medium_kind

@@ -27,9 +27,13 @@ const uint PHASE_TABLE = NEPH_PHASES_IN_SHADERS(PHASE_ONE);
 #include "phase_table.glsl"
 // Whether a medium's is a table. A macro, so that its condition is constant before anything is
 // inlined.
-#define is_phase_table(kind) ((TRAITS & NEPH_GPU_PHASE_TABLES) != 0u && (kind) == PHASE_TABLE)
+#define is_phase_table(kind) (HAS_PHASE_TABLES && (kind) == PHASE_TABLE)
+// Whether its channels may differ.
+#define is_phase_coloured(kind) (COLOURED && is_phase_table(kind))
 #else
 #define is_phase_table(kind) false
+#define is_phase_coloured(kind) false
+float phase_channel_table(float table, uint channel) { return table; }
 float phase_table_per_sr(float table, vec3 view, vec3 sun) { return 0.0; }
 float phase_table_versine(float table, float u) { return 0.0; }
 float phase_table_mean_cosine(float table) { return 0.0; }
@@ -49,17 +53,33 @@ float phase_per_sr(uint kind, float g, vec3 view, vec3 sun)
     return ISOTROPIC_PER_SR;
 }
 
+// The g of one channel; the medium's own g has the mean of the channels.
+float phase_channel_g(uint kind, float g, uint channel)
+{
+    return is_phase_coloured(kind) ? phase_channel_table(g, channel) : g;
+}
+
+// The values by channel.
+vec3 phase_rgb_per_sr(uint kind, float g, vec3 view, vec3 sun)
+{
+    if (!is_phase_coloured(kind))
+        return vec3(phase_per_sr(kind, g, view, sun));
+    return vec3(phase_table_per_sr(phase_channel_table(g, 0), view, sun),
+                phase_table_per_sr(phase_channel_table(g, 1), view, sun),
+                phase_table_per_sr(phase_channel_table(g, 2), view, sun));
+}
+
 // The phase function with reduced anisotropy, for octaves. `whole_per_sr` is the unreduced value.
 // For Henyey-Greenstein g is scaled, as in the octave model's papers; a table becomes the
-// Henyey-Greenstein of its scaled mean cosine, because a diffraction peak does not survive a second
-// scattering; for other kinds the difference to isotropic is scaled.
-float phase_cut_per_sr(uint kind, float g, float part, float whole_per_sr, vec3 view, vec3 sun)
+// Henyey-Greenstein of its scaled mean cosine, that of all channels, because a diffraction peak
+// does not survive a second scattering; for other kinds the difference to isotropic is scaled.
+vec3 phase_cut_per_sr(uint kind, float g, float part, vec3 whole_per_sr, vec3 view, vec3 sun)
 {
     if (kind == PHASE_HENYEY_GREENSTEIN)
-        return henyey_greenstein_per_sr(part * g, view, sun);
+        return vec3(henyey_greenstein_per_sr(part * g, view, sun));
     if (is_phase_table(kind) && part < 1.0)
-        return henyey_greenstein_per_sr(part * phase_table_mean_cosine(g), view, sun);
-    return mix(ISOTROPIC_PER_SR, whole_per_sr, part);
+        return vec3(henyey_greenstein_per_sr(part * phase_table_mean_cosine(g), view, sun));
+    return mix(vec3(ISOTROPIC_PER_SR), whole_per_sr, part);
 }
 
 // Sampling: 1 - cos of the scattering angle for a uniform number u and g >= 0. The versine keeps

@@ -4,7 +4,8 @@
 // scenes/phase_table.c. The tables are in front of the voxels in grid_values[]; the g of such a
 // medium is the index of its table. renderer/phase_tables.c writes them.
 
-const uint PHASE_TABLE_HEAD = 2; // the number of rows, and the mean cosine
+// The number of rows, the mean cosine, and the distance to the next table.
+const uint PHASE_TABLE_HEAD = 3;
 const uint PHASE_TABLE_ROW = 3;  // the versine, the phase function, the light within that angle
 const uint PHASE_TABLE_VERSINE = 0, PHASE_TABLE_PER_SR = 1, PHASE_TABLE_WITHIN = 2;
 
@@ -24,6 +25,13 @@ uint find_phase_row(uint first, uint column, float value)
             low = row;
     }
     return low;
+}
+
+// The table of a channel. Behind the mean of the channels are theirs, if they differ; else the
+// distance is 0.
+float phase_channel_table(float table, uint channel)
+{
+    return table + float(1 + channel) * grid_values[uint(table) + 2];
 }
 
 float phase_table_mean_cosine(float table) { return grid_values[uint(table) + 1]; }

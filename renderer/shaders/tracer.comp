@@ -337,9 +337,8 @@ void finish_item()
     items_done++;
 }
 
-void add_light(vec3 light)
+void add_weighted_light(vec3 light)
 {
-    light *= channel_weights(path.channels);
     if (path.is_surface_first != 0)
         path.surface += light;
     else if (path.events == 1)
@@ -347,6 +346,8 @@ void add_light(vec3 light)
     else
         path.higher += light;
 }
+
+void add_light(vec3 light) { add_weighted_light(light * channel_weights(path.channels)); }
 
 // Adds emission at an event of the path.
 void add_emitted(vec3 glow)
@@ -442,7 +443,7 @@ void arrive_from_lamp()
 }
 
 // At a surface one ray samples either the sun or a lamp, with equal probability if there is a sun.
-bool sample_surface_lamp(vec3 normal, inout float sun_per_sr)
+bool sample_surface_lamp(vec3 normal, inout vec3 sun_per_sr)
 {
     vec3 u = uniform_from(draw());
     float probability, share = sun_irradiance == vec3(0.0) ? 1.0 : 0.5;
@@ -467,16 +468,30 @@ bool sample_surface_lamp(vec3 normal, inout float sun_per_sr)
     return true;
 }
 
+// If phase functions depend on the channel, the next direction weighs the channels. The light of
+// the shadow ray, which arrives later, gets its weights before that.
+const bool PHASES_COLOURED = COLOURED && HAS_PHASE_TABLES;
+
+// Weighs the channels by the densities with which they would have drawn a direction. The bound is
+// that of a hero whose weight is nothing.
+void weigh_direction(vec3 drawn_per_sr)
+{
+    vec3 ratios = drawn_per_sr / max(drawn_per_sr[path.hero], 1e-30);
+    path.channels = min(path.channels * ratios, vec3(1e30));
+}
+
 // Draws some directions towards lamps; the throughput gets the mixture's weight.
 vec3 turn_to_lamps(vec3 next, bool is_medium, Medium by, vec3 normal)
 {
     uvec4 bits = draw4();
     if (uniform_from(bits.xyz).x < LAMP_DIRECTIONS)
         next = draw_lamp_direction(path.origin_m, uniform_from(bits.yzw));
-    float wanted = is_medium ? phase_per_sr(by.phase_kind, by.g, path.direction, next)
-                             : max(0.0, dot(normal, next)) / PI;
-    float drawn = mix(wanted, lamp_direction_per_sr(path.origin_m, next), LAMP_DIRECTIONS);
+    vec3 wanted = is_medium ? phase_rgb_per_sr(by.phase_kind, by.g, path.direction, next)
+                            : vec3(max(0.0, dot(normal, next)) / PI);
+    vec3 drawn = mix(wanted, vec3(lamp_direction_per_sr(path.origin_m, next)), LAMP_DIRECTIONS);
     path.throughput *= wanted / drawn;
+    if (is_medium && is_phase_coloured(by.phase_kind))
+        weigh_direction(drawn);
     return next;
 }
 
@@ -497,12 +512,12 @@ void prepare_next(vec3 direction, float u)
 bool is_sun_in_table() { return SUN_BY_TABLE && path.is_surface_first == 0; }
 
 // Sunlight at an event before transmittance. Roulette compares with isotropic scattering.
-void prepare_sunlight(float per_sr, float u)
+void prepare_sunlight(vec3 per_sr, float u)
 {
     path.sun_fraction = vec3(1.0);
     path.sun_roulette = path.sun_depth > 0.0 || is_sun_in_table()
                             ? 0.0
-                            : SUN_ROULETTE / max(4.0 * PI * per_sr, 1e-30);
+                            : SUN_ROULETTE / max(4.0 * PI * max_channel(per_sr), 1e-30);
     play_sun_roulette(u);
     path.pending = path.throughput * sun_irradiance * (per_sr * path.sun_fraction);
     path.sun_roulette /= max(path.sun_fraction.r, 1.0);
@@ -552,7 +567,7 @@ void process_event()
 {
     uvec4 bits = draw4();
     vec3 u = uniform_from(bits.xyz), next, normal = vec3(0.0);
-    float light_per_sr; // phase function or cosine / pi for the light's direction
+    vec3 light_per_sr; // phase function or cosine / pi for the light's direction
     Medium by = only;
     bool is_medium = !SURFACES || path.stage == STAGE_MEDIUM, is_lamp = false;
     if (SOBOL && path.events == 0)
@@ -566,21 +581,26 @@ void process_event()
         if (EMITS && (OPEN || path.events > 1))
             add_emitted(by.glow);
         path.throughput *= by.albedo;
-        light_per_sr = phase_per_sr(by.phase_kind, by.g, path.direction, sun_direction);
-        next = sample_phase(by.phase_kind, by.g, path.direction, u.xy);
+        light_per_sr = phase_rgb_per_sr(by.phase_kind, by.g, path.direction, sun_direction);
+        next = sample_phase(by.phase_kind, phase_channel_g(by.phase_kind, by.g, path.hero),
+                            path.direction, u.xy);
     } else {
         normal = solid_normal(solids[path.solid], path.origin_m);
         path.is_surface_first |= uint(path.events == 1);
         path.throughput *= solids[path.solid].albedo.rgb;
-        light_per_sr = max(0.0, dot(normal, sun_direction)) / PI;
+        light_per_sr = vec3(max(0.0, dot(normal, sun_direction)) / PI);
         next = sample_cosine(normal, u.xy);
     }
     if (LAMPS && !is_medium)
         is_lamp = sample_surface_lamp(normal, light_per_sr);
     if (!is_lamp)
         prepare_sunlight(light_per_sr, uniform_from(bits.www).x);
+    if (PHASES_COLOURED)
+        path.pending *= channel_weights(path.channels);
     if (LAMPS && MULTIPLE)
         next = turn_to_lamps(next, is_medium, by, normal);
+    else if (is_medium && is_phase_coloured(by.phase_kind))
+        weigh_direction(phase_rgb_per_sr(by.phase_kind, by.g, path.direction, next));
     prepare_next(next, u.z);
     bool is_lit = path.pending != vec3(0.0) && (!SOLIDS || sees_light(is_lamp));
     if (is_sun_in_table() && is_lit && !is_lamp) {
@@ -736,6 +756,8 @@ void arrive_with_fraction()
     bool is_view = OPEN && path.ray == RAY_VIEW;
     if (is_view)
         arrive_behind();
+    else if (PHASES_COLOURED)
+        add_weighted_light(path.pending * path.sun_fraction);
     else
         add_light(path.pending * path.sun_fraction);
     path.ray = RAY_PATH;

@@ -172,8 +172,8 @@ vec3 scattered_once(First first, ViewRay ray)
         !sees_sun(point_m, NO_SOLID))
         return vec3(0.0);
     uint m = first.medium;
-    float phase = phase_per_sr(frame.media[m].phase_kind, frame.media[m].g, ray.direction,
-                               to_sun());
+    vec3 phase = phase_rgb_per_sr(frame.media[m].phase_kind, frame.media[m].g, ray.direction,
+                                  to_sun());
     vec3 arriving = colour_transmittance(scene_optical_depth(point_m, to_sun(), FAR_M));
     return first.weight * channel_weights(first.channels) * frame.media[m].albedo *
            frame.sun_irradiance * (phase * arriving);

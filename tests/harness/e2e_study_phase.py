@@ -2,12 +2,17 @@
 """neph study phase: what simpler phase functions lose, and phase functions of scenes as tables."""
 import csv
 import json
+import math
 import os
 import pathlib
 import re
 import subprocess
+import sys
 import tempfile
 import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import frames
 
 NEPH = os.environ["NEPH"]
 ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
@@ -28,6 +33,7 @@ media:
       {phase}
       bounds: {{min_m: [-30, 0, -30], max_m: [30, 20, 15]}}
 """
+LAMP = "lights:\n  - {position_m: [3, 5, -4], intensity_w_per_sr: [400, 400, 400]}"
 TABLE = "phase: table\n      phase_table: {}"
 
 
@@ -87,6 +93,82 @@ class StudyPhase(unittest.TestCase):
                          if item["metric"] == "rel_rmse" and item["quantity"] == "radiance"][0]
                 # march: its steps; tracer: none in single scattering by the first collision
                 self.assertLess(error, 0.02, engine)
+
+    def render(self, scene, engine, *flags):
+        """The channels of a frame."""
+        made = run("render", scene, "-e", engine, "--size", "32x18", "-q", "-o",
+                   self.folder / "out", *flags)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        return frames.read_exr(pathlib.Path(made.stdout.split()[-1]))[2]
+
+    def write_channels(self):
+        """A table of three channels and the three of its columns: their scenes, by scattering."""
+        columns = [[(1 - g * g) / (1 + g * g - 2 * g * math.cos(math.radians(a))) ** 1.5
+                    for a in range(181)] for g in (0.2, 0.5, 0.75)]
+        tables = {"all": zip(range(181), *columns)}
+        tables.update((str(c), zip(range(181), column)) for c, column in enumerate(columns))
+        scenes = {}
+        for name, rows in tables.items():
+            (self.folder / f"{name}.txt").write_text(
+                "".join(" ".join(map(repr, row)) + "\n" for row in rows))
+            path = self.write(name, TABLE.format(f"{name}.txt"))
+            scenes["single", name] = path
+            scenes["multiple", name] = path.with_name(f"multiple{name}.yaml")
+            text = path.read_text().replace("single", "multiple")
+            scenes["multiple", name].write_text(text)
+            scenes["lamp", name] = path.with_name(f"lamp{name}.yaml")
+            scenes["lamp", name].write_text(re.sub("sun: .*", LAMP, text))
+        return scenes
+
+    def test_three_channels_of_single_scattering(self):
+        """A table of three channels is three tables: each channel of a frame is that of the frame
+        with its column alone, to the digits of float32."""
+        scenes = self.write_channels()
+        for engine, flags in (("exact", ()), ("march", ()), ("realtime", ("-p", "off"))):
+            whole = self.render(scenes["single", "all"], engine, *flags)
+            for c, name in enumerate("RGB"):
+                own = self.render(scenes["single", str(c)], engine, *flags)[name]
+                worst = max(abs(a - b) for a, b in zip(whole[name], own)) / max(own)
+                self.assertLess(worst, 2e-6, (engine, name))
+
+    def test_three_channels_of_all_orders(self):
+        """The mean of a channel over the frame, to four standard errors. Paths of a scene with
+        three channels are drawn by one of them and weighed for the others."""
+        scenes = self.write_channels()
+        for light, engine, samples in (("multiple", "tracer", 512), ("multiple", "oracle", 32),
+                                       ("lamp", "tracer", 256), ("lamp", "oracle", 16)):
+            flags = "-s", f"samples={samples}"
+            whole = self.render(scenes[light, "all"], engine, *flags)
+            for c, name in enumerate("RGB"):
+                own = self.render(scenes[light, str(c)], engine, *flags, "--seed", 5 + c)
+                variance = sum(sum(frame[f"variance.{name}"]) for frame in (whole, own))
+                z = (sum(whole[name]) - sum(own[name])) / math.sqrt(variance)
+                self.assertLess(abs(z), 4.0, (engine, name))
+
+    def test_three_channels_of_traced_light_and_fluxes(self):
+        """march_traced to 5 %: four times the noise of its light in this frame. Fluxes of a slab to
+        four standard errors."""
+        scenes = self.write_channels()
+        whole = self.render(scenes["multiple", "all"], "march_traced")
+        fluxes = {}
+        for name in ("all", "0", "1", "2"):
+            text = scenes["multiple", name].read_text()
+            wide = text.replace("[-30, 0, -30]", "[-1.0e+4, 0, -1.0e+4]").replace(
+                "[30, 20, 15]", "[1.0e+4, 20, 1.0e+4]")
+            self.assertNotEqual(text, wide)
+            scenes["multiple", name].write_text(wide)
+            answer = run("fluxes", scenes["multiple", name], "--seed", name if name != "all" else 7,
+                         "--json")
+            self.assertEqual(answer.returncode, 0, answer.stderr)
+            fluxes[name] = json.loads(answer.stdout)["fluxes"]
+            scenes["multiple", name].write_text(text)
+        for c, name in enumerate("RGB"):
+            own = self.render(scenes["multiple", str(c)], "march_traced")
+            self.assertAlmostEqual(sum(whole[name]) / sum(own[name]), 1.0, delta=0.05, msg=name)
+            for flux in ("reflected", "transmitted", "absorbed"):
+                mine, alone = fluxes["all"][flux], fluxes[str(c)][flux]
+                error = math.hypot(mine["standard_error"][c], alone["standard_error"][0])
+                self.assertLess(abs(mine["mean"][c] - alone["mean"][0]), 4.0 * error, (flux, name))
 
     def test_fog_in_froxels_needs_a_phase_function_of_shaders(self):
         text = (ROOT / "scenes/catalog/fog_hand_over.yaml").read_text()

@@ -10,6 +10,8 @@
 
 #include <stdlib.h>
 
+enum { HEAD = 3 }; /* values of a table before its rows */
+
 /* Calls `check` with all trials of the kinds that have no file in shaders/. */
 static void for_all(void (*check)(const struct neph_phase *phase, void *context), void *context)
 {
@@ -31,18 +33,19 @@ static void check_table(const struct neph_phase *phase, void *context)
     neph_gpu_phase_table_write(phase, values);
     const int count = (int)values[0];
     double worst = 0.0;
-    assert_int_equal(size, 2 + 3 * count);
+    assert_int_equal(size, HEAD + 3 * count);
     neph_assert_close((double)values[1], neph_phase_mean_cosine(phase), 1e-7, 1e-7);
     for (int i = 0; i + 1 < count; i++) {
-        const float *row = values + 2 + 3 * i;
+        const float *row = values + HEAD + 3 * i;
         const double v = 0.5 * ((double)row[0] + (double)row[3]);
         const double middle = 0.5 * ((double)row[1] + (double)row[4]);
         assert_true(row[3] >= row[0] && row[5] >= row[2] && row[1] >= 0.0f);
         if (row[3] > row[0] && v > 1e-6) /* else a cosine does not resolve the angle */
             worst = fmax(worst, fabs(middle / neph_phase_per_sr(phase, 1.0 - v) - 1.0));
     }
-    assert_true(values[2] == 0.0f && values[2 + 3 * (count - 1)] == 2.0f);
-    neph_assert_close((double)values[2 + 3 * (count - 1) + 2], 1.0, 0.0, 1e-6);
+    assert_true(values[2] == 0.0f); /* no tables of channels */
+    assert_true(values[HEAD] == 0.0f && values[HEAD + 3 * (count - 1)] == 2.0f);
+    neph_assert_close((double)values[HEAD + 3 * (count - 1) + 2], 1.0, 0.0, 1e-6);
     assert_true(worst < 1e-4 + 2.4e-7);
     *(double *)context = fmax(worst, *(double *)context);
     free(values);

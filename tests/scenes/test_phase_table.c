@@ -7,6 +7,7 @@
 
 #include "base/files.h"
 #include "scenes/phase.h"
+#include "scenes/phase_colour.h"
 #include "scenes/phase_table.h"
 #include "scenes/quadrature.h"
 
@@ -147,6 +148,41 @@ static void test_rows_that_are_no_phase_function(void **state)
     }
 }
 
+/* Three linear phase functions, of mean cosine 1/3, 0 and -1/3, each with an integral of its own
+ * that is 1 or 4 pi within 1 %. */
+static void test_three_channels(void **state)
+{
+    static const double factors[3] = {1.0, 0.995, 1.005 * 4.0 * M_PI};
+    const double angles_deg[2] = {180.0, 0.0};
+    double values[6];
+    struct neph_arena arena = {NULL};
+    struct neph_diag diag = {0};
+    const struct neph_phase_table *table = NULL;
+    for (int j = 0; j < 3; j++) {
+        values[j] = factors[j] * j / (4.0 * M_PI); /* 1 - slope, behind */
+        values[3 + j] = factors[j] * (2 - j) / (4.0 * M_PI);
+    }
+    neph_assert_ok(neph_phase_table_make_coloured(2, angles_deg, values, &arena, &table, &diag),
+                   &diag);
+    const struct neph_phase phase = {.kind = NEPH_PHASE_TABLE, .table = table};
+    assert_true(neph_phase_is_coloured(&phase));
+    for (int j = 0; j < 3; j++) {
+        const struct neph_phase own = neph_phase_channel(&phase, j);
+        neph_assert_close(own.table->given_integral, factors[j], 1e-14, 0.0);
+        neph_assert_close(neph_phase_mean_cosine(&own), (1 - j) / 3.0, 0.0, 1e-15);
+        assert_false(neph_phase_is_coloured(&own));
+        assert_true(neph_phase_table_is_same(own.table, own.table));
+    }
+    assert_false(neph_phase_table_is_same(table->channels[0], table->channels[1]));
+    neph_assert_close(neph_phase_mean_cosine(&phase), 0.0, 0.0, 1e-15);
+    const struct neph_rgb at = neph_phase_rgb_per_sr(&phase, 0.5);
+    neph_assert_close(at.r, 1.5 / (4.0 * M_PI), 1e-14, 0.0);
+    neph_assert_close(at.g, 1.0 / (4.0 * M_PI), 1e-14, 0.0);
+    neph_assert_close(at.b, 0.5 / (4.0 * M_PI), 1e-14, 0.0);
+    neph_assert_close(neph_phase_per_sr(&phase, 0.5), 1.0 / (4.0 * M_PI), 1e-14, 0.0);
+    neph_arena_finish(&arena);
+}
+
 /* Each text and a part of its message; "" where it is read. */
 static void test_files(void **state)
 {
@@ -158,6 +194,10 @@ static void test_files(void **state)
         {"# a table\n\n 180\t1 # back\n90;1\n0 +1.0e0", ""},
         {"0 1\n90 one\n180 1\n", "line 2: '90 one' is not an angle"},
         {"0 1\n90 1 2\n180 1\n", "line 2: '90 1 2' is not an angle"},
+        {"0 1 1 1\n180 1 1 1\n", ""},
+        {"0 1 1 1\n180 1 1 1 1\n", "line 2: '180 1 1 1 1' is not an angle"},
+        {"0 1 1 1\n180 1\n", "line 2: '180 1' has 1 values after an angle, the rows before it 3"},
+        {"0 1 1 3\n180 1 1 3\n", "blue: the integral"},
         {"0 1\n90\n180 1\n", "line 2: '90' is not an angle"},
         {"0 1\nangle value\n180 1\n", "line 2: 'angle value' is not an angle"},
         {"0 1\n90 inf\n180 1\n", "line 2: "},
@@ -201,6 +241,7 @@ int main(void)
         cmocka_unit_test(test_henyey_greenstein_as_a_table),
         cmocka_unit_test(test_random_tables),
         cmocka_unit_test(test_rows_that_are_no_phase_function),
+        cmocka_unit_test(test_three_channels),
         scratch_test(test_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
