@@ -494,32 +494,19 @@ static uint32_t encode_known_media(const struct neph_gpu_frame *frame)
     return known;
 }
 
-/* Extend a block by a solid. For a sphere or a turned box the block becomes unbounded, because
- * rounding of their intersections could exceed any box. */
-static void extend_block(struct neph_gpu_solid_block *block, const struct neph_gpu_solid *solid)
-{
-    const bool is_box = solid->kind == NEPH_SOLID_BOX;
-    for (int axis = 0; axis < 3; axis++) {
-        block->low_m[axis] = fminf(block->low_m[axis],
-                                   is_box ? solid->low_m[axis] : -NEPH_GPU_FAR_M);
-        block->high_m[axis] = fmaxf(block->high_m[axis],
-                                    is_box ? solid->high_m[axis] : NEPH_GPU_FAR_M);
-    }
-}
-
+/* In memory of the host first: it reads them again, and a mapped buffer may be slow to read. */
 static void fill_solids(const struct neph_scene *scene, struct neph_vec3 camera_m,
-                        struct neph_gpu_solids *gpu)
+                        struct neph_gpu_solids *mapped)
 {
-    for (int i = 0; i < scene->solid_count; i++) {
-        struct neph_gpu_solid_block *block = &gpu->blocks[i / NEPH_GPU_BLOCK_SOLIDS];
-        gpu->solids[i] = neph_gpu_solid_pack(&scene->solids[i], camera_m);
-        if (i % NEPH_GPU_BLOCK_SOLIDS == 0)
-            *block = (struct neph_gpu_solid_block){
-                .low_m = {INFINITY, INFINITY, INFINITY},
-                .high_m = {-INFINITY, -INFINITY, -INFINITY},
-            };
-        extend_block(block, &gpu->solids[i]);
-    }
+    struct neph_gpu_solids gpu;
+    const size_t count = (size_t)scene->solid_count;
+    for (size_t i = 0; i < count; i++)
+        gpu.solids[i] = neph_gpu_solid_pack(&scene->solids[i], camera_m);
+    neph_solid_tree_build(&gpu, (uint32_t)count);
+    memcpy(mapped->solids, gpu.solids, count * sizeof(gpu.solids[0]));
+    memcpy(mapped->solid_order, gpu.solid_order, (count + 3) / 4 * sizeof(gpu.solid_order[0]));
+    memcpy(mapped->solid_nodes, gpu.solid_nodes,
+           neph_solid_tree_nodes(count) * sizeof(gpu.solid_nodes[0]));
 }
 
 /* Whether a gap is significant: float32 loses gaps below 1e-6 of the distance between face and

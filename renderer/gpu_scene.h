@@ -9,6 +9,7 @@
 
 #include "renderer/compute.h"
 #include "renderer/shaders/constants.h"
+#include "renderer/solid_tree.h"
 #include "scenes/scene.h"
 #include "shaders/structs.h" /* struct neph_gpu_frame and its members, shared with the shaders */
 
@@ -25,11 +26,11 @@ _Static_assert(NEPH_SOLID_BOX == 0 && NEPH_SOLID_SPHERE == 1 && NEPH_SOLID_KIND_
 struct neph_gpu_solid neph_gpu_solid_pack(const struct neph_solid *solid,
                                           struct neph_vec3 camera_position_m);
 
-/* Upper bound of loop iterations (compute.h) of one ray through all solids: leaving a block of
- * solids takes one more. */
+/* Upper bound of loop iterations (compute.h) of one ray through all solids: the solids, the nodes
+ * of their trees, and the end of each leaf. */
 static inline uint64_t neph_gpu_solid_iterations(uint64_t solid_count)
 {
-    return solid_count + 2 * (solid_count / NEPH_GPU_BLOCK_SOLIDS + 1) + 1;
+    return solid_count + 2 * (uint64_t)neph_solid_tree_nodes((size_t)solid_count) + 1;
 }
 
 /* A scene on the device, for one frame: the buffers at bindings 0 to 4 of every kernel that

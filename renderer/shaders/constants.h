@@ -50,8 +50,8 @@
 
 // Solids per scene, and solids per block. A block has a common bounding box.
 #define NEPH_GPU_SOLIDS_MAX 1024
-#define NEPH_GPU_BLOCK_SOLIDS 8
-#define NEPH_GPU_BLOCKS_MAX (NEPH_GPU_SOLIDS_MAX / NEPH_GPU_BLOCK_SOLIDS)
+#define NEPH_GPU_LEAF_SOLIDS 8
+#define NEPH_GPU_SOLID_NODES_MAX (2 * NEPH_GPU_SOLIDS_MAX / NEPH_GPU_LEAF_SOLIDS + 4)
 
 // Texels along each side of the textures of Horizon clouds.
 #define NEPH_GPU_HORIZON_BASE_SIDE 64

@@ -98,7 +98,8 @@ layout(std430, binding = 3) readonly buffer Majorants {
 };
 
 layout(std140, binding = 1) uniform Solids {
-    SolidBlock blocks[NEPH_GPU_BLOCKS_MAX];
+    SolidNode solid_nodes[NEPH_GPU_SOLID_NODES_MAX];
+    uvec4 solid_order[NEPH_GPU_SOLIDS_MAX / 4];
     Solid solids[NEPH_GPU_SOLIDS_MAX];
 };
 

@@ -20,8 +20,6 @@ layout(constant_id = RT_SOLIDS_CONSTANT) const uint KNOWN_SOLIDS = RT_SOLIDS_UNK
 layout(constant_id = RT_BALLS_CONSTANT) const uint KNOWN_BALLS = ~0u;
 layout(constant_id = RT_BALLS_CONSTANT + 1) const uint MORE_KNOWN_BALLS = ~0u;
 
-const float ENDLESS_M = 3.0e38; // beyond every hit
-
 const bool ARE_KNOWN = READS_SOLIDS_ONCE && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN;
 
 Solid known_solids[RT_SOLIDS_UNKNOWN];

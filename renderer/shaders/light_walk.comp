@@ -29,6 +29,7 @@
 // peaked phase functions. docs/light.md measures the bias of the higher orders.
 #extension GL_GOOGLE_include_directive : require
 
+#define WALKS_ALONE // scene.glsl
 #include "march_light.glsl"
 
 #include "sampling.glsl"
@@ -143,21 +144,6 @@ float path_extinction_color(uint m)
 
 // --- segments -----------------------------------------------------------------------------------
 
-// Next solid along the path, except one.
-Hit nearest_hit_except(uint except)
-{
-    Hit hit = Hit(FAR_M, NO_SOLID);
-    for (uint s = 0; s < make_nonuniform(frame.solid_count); s++) {
-        float t0_m, t1_m;
-        if (s == except || !solid_interval(solids[s], path.origin_m, path.direction, t0_m, t1_m))
-            continue;
-        float t_m = t0_m > 0.0 ? t0_m : t1_m;
-        if (t_m > 0.0 && t_m < hit.t_m)
-            hit = Hit(t_m, s);
-    }
-    return hit;
-}
-
 // Draws a free path in a fog's layers and keeps the nearest collision.
 void find_fog_collision(uint m)
 {
@@ -178,7 +164,7 @@ void find_fog_collision(uint m)
 // Next solid and next fog collision along the path; shapes are left to turn().
 void find_next_events()
 {
-    solid_ahead = nearest_hit_except(path.solid);
+    solid_ahead = nearest_hit(path.origin_m, path.direction, path.solid);
     fog_m = FAR_M;
     fog_medium = MEDIA_MAX;
     if (HAS_FOG)

@@ -35,20 +35,17 @@ struct Hit {
     uint solid; // NO_SOLID when nothing is hit
 };
 
-// One past the last solid of a block to test on a ray within [t0, t1]: the block's first solid if
-// the ray misses the block's box.
-uint block_end(uint block, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
-{
-    uint first = block * BLOCK_SOLIDS;
-    bool meets = clip_box(blocks[block].low_m, blocks[block].high_m, origin_m, direction, t0_m,
-                          t1_m);
-    return meets ? min(first + BLOCK_SOLIDS, frame.solid_count) : first;
-}
+// The trees are walked by all threads of a subgroup together: a node is entered if one of them
+// meets its box. So its index is the same in all of them, and the device reads it once. Paths of
+// the tracer go different ways, each thread for itself.
+#ifdef WALKS_ALONE
+#define is_entered(meets) (meets)
+#else
+#extension GL_KHR_shader_subgroup_vote : require
+#define is_entered(meets) subgroupAny(meets)
+#endif
 
-uint block_count()
-{
-    return (make_nonuniform(frame.solid_count) + BLOCK_SOLIDS - 1) / BLOCK_SOLIDS;
-}
+uint numbered_solid(uint place) { return solid_order[place / 4][place % 4]; }
 
 #ifdef KNOWS_SOLIDS
 // scene_hit() for known solids.
@@ -67,26 +64,65 @@ Hit known_hit(vec3 origin_m, vec3 direction)
 }
 #endif
 
-// Nearest surface with t > 0. From inside a solid this is its far side.
+// The intersection of a solid with t > 0 if it is nearer than `hit`; of two at one distance that of
+// the first in the scene.
+void keep_nearer(uint s, vec3 origin_m, vec3 direction, inout Hit hit)
+{
+    float t0_m, t1_m;
+    if (!solid_interval(solids[s], origin_m, direction, t0_m, t1_m))
+        return;
+    float t_m = t0_m > 0.0 ? t0_m : t1_m;
+    bool is_first = t_m == hit.t_m && hit.solid != NO_SOLID && s < hit.solid;
+    if (t_m > 0.0 && (t_m < hit.t_m || is_first))
+        hit = Hit(t_m, s);
+}
+
+// Nearest surface with t > 0, except for one solid. From inside a solid this is its far side.
+Hit nearest_hit(vec3 origin_m, vec3 direction, uint except)
+{
+    Hit hit = Hit(FAR_M, NO_SOLID);
+    for (uint n = 0; n < make_nonuniform(frame.solid_count);) {
+        SolidNode node = solid_nodes[n];
+        float t0_m = 0.0, t1_m = FAR_M;
+        bool meets = clip_box(node.low_m, node.high_m, origin_m, direction, t0_m, t1_m) &&
+                     t0_m <= hit.t_m;
+        n = is_entered(meets) && node.leaf == 0u ? n + 1 : node.next;
+        for (uint i = 0; i < (meets ? leaf_count(node) : 0u); i++) {
+            uint s = numbered_solid(leaf_first(node) + i);
+            if (s != except)
+                keep_nearer(s, origin_m, direction, hit);
+        }
+    }
+    return hit;
+}
+
 Hit scene_hit(vec3 origin_m, vec3 direction)
 {
 #ifdef KNOWS_SOLIDS
     if (ARE_KNOWN)
         return known_hit(origin_m, direction);
 #endif
-    Hit hit = Hit(FAR_M, NO_SOLID);
-    for (uint block = 0; block < block_count(); block++) {
-        uint end = block_end(block, origin_m, direction, 0.0, hit.t_m);
-        for (uint s = block * BLOCK_SOLIDS; s < end; s++) {
-            float t0_m, t1_m;
-            if (!solid_interval(solids[s], origin_m, direction, t0_m, t1_m))
-                continue;
-            float t_m = t0_m > 0.0 ? t0_m : t1_m;
-            if (t_m > 0.0 && t_m < hit.t_m)
-                hit = Hit(t_m, s);
+    return nearest_hit(origin_m, direction, NO_SOLID);
+}
+
+// Whether no solid but `except` is met between two distances from a point.
+bool is_free(vec3 point_m, vec3 direction, float start_m, float end_m, uint except)
+{
+    bool is_hidden = false;
+    for (uint n = 0; n < make_nonuniform(frame.solid_count);) {
+        SolidNode node = solid_nodes[n];
+        float t0_m = start_m, t1_m = end_m;
+        bool meets = !is_hidden &&
+                     clip_box(node.low_m, node.high_m, point_m, direction, t0_m, t1_m);
+        n = is_entered(meets) && node.leaf == 0u ? n + 1 : node.next;
+        for (uint i = 0; i < (meets ? leaf_count(node) : 0u); i++) {
+            uint s = numbered_solid(leaf_first(node) + i);
+            if (s != except && solid_interval(solids[s], point_m, direction, t0_m, t1_m) &&
+                t1_m > start_m && t0_m < end_m)
+                is_hidden = true;
         }
     }
-    return hit;
+    return !is_hidden;
 }
 
 // A point at the distance t has a position error of some 1e-7 t. A solid that the sun ray leaves
@@ -103,16 +139,7 @@ bool sees_sun(vec3 point_m, uint except)
     if (ARE_KNOWN)
         return known_sees_point(point_m, to_sun(), start_m, ENDLESS_M, except);
 #endif
-    for (uint block = 0; block < block_count(); block++) {
-        uint end = block_end(block, point_m, to_sun(), start_m, FAR_M);
-        for (uint s = block * BLOCK_SOLIDS; s < end; s++) {
-            float t0_m, t1_m;
-            if (s != except && solid_interval(solids[s], point_m, to_sun(), t0_m, t1_m) &&
-                t1_m > start_m)
-                return false;
-        }
-    }
-    return true;
+    return is_free(point_m, to_sun(), start_m, ENDLESS_M, except);
 }
 
 // Whether a point of a medium sees the sun; not tested where no solid can shadow a medium.
@@ -132,16 +159,7 @@ bool sees_point(vec3 point_m, vec3 direction, float distance_m, uint except)
     if (ARE_KNOWN)
         return known_sees_point(point_m, direction, start_m, distance_m, except);
 #endif
-    for (uint block = 0; block < block_count(); block++) {
-        uint end = block_end(block, point_m, direction, start_m, distance_m);
-        for (uint s = block * BLOCK_SOLIDS; s < end; s++) {
-            float t0_m, t1_m;
-            if (s != except && solid_interval(solids[s], point_m, direction, t0_m, t1_m) &&
-                t1_m > start_m && t0_m < distance_m)
-                return false;
-        }
-    }
-    return true;
+    return is_free(point_m, direction, start_m, distance_m, except);
 }
 
 // --- lamps ----------------------------------------------------------------------------------

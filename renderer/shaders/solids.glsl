@@ -24,20 +24,25 @@ struct Solid {
     vec4 albedo; // w: sphere: altitude of the camera above it; rotated box: sine
 };
 
-// The box around BLOCK_SOLIDS consecutive solids. Its rounded interval on a ray contains the
-// rounded intervals of its solids, because it is computed in the same way from smaller lows and
-// larger highs.
-struct SolidBlock {
+// A node of the trees of boxes around solids (renderer/solid_tree.h). Its rounded interval on a ray
+// contains the rounded intervals of its solids, because it is computed in the same way from smaller
+// lows and larger highs.
+struct SolidNode {
     vec3 low_m;
-    float padding_low;
+    uint leaf; // 0: the node behind this one is its first child; else see leaf_first()
     vec3 high_m;
-    float padding_high;
+    uint next; // the node behind this one's children; NO_SOLID behind the last tree
 };
-const uint BLOCK_SOLIDS = NEPH_GPU_BLOCK_SOLIDS;
+
+// A leaf has leaf_count() solids, whose numbers are in solid_order from leaf_first() on.
+uint leaf_count(SolidNode node) { return node.leaf & 15u; }
+uint leaf_first(SolidNode node) { return node.leaf >> 4; }
 
 // Direction components below this count as parallel to the face. For larger ones a distance up to
 // FAR_M over the component does not overflow.
 const float PARALLEL = 1e-20;
+
+const float ENDLESS_M = 3.0e38; // beyond every hit
 
 // Narrows [t0, t1] to low <= origin + t direction <= high; false when it becomes empty.
 bool clip_axis(float low, float high, float origin, float direction, inout float t0, inout float t1)

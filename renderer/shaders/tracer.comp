@@ -21,6 +21,7 @@
 // The result of an item depends on (seed, pixel, sample) only, not on the thread or the dispatch.
 #extension GL_GOOGLE_include_directive : require
 
+#define WALKS_ALONE // scene.glsl
 #include "tracer_lamps.glsl"
 #include "tracer_sun.glsl"
 
@@ -618,21 +619,6 @@ void process_event()
 }
 
 // --- segments -----------------------------------------------------------------------------------
-
-// Nearest hit with t > 0, except for the solid that the origin lies on (solids are convex).
-Hit nearest_hit(vec3 origin_m, vec3 direction, uint except)
-{
-    Hit hit = Hit(FAR_M, NO_SOLID);
-    for (uint s = 0; s < make_nonuniform(frame.solid_count); s++) {
-        float t0_m, t1_m;
-        if (s == except || !solid_interval(solids[s], origin_m, direction, t0_m, t1_m))
-            continue;
-        float t_m = t0_m > 0.0 ? t0_m : t1_m;
-        if (t_m > 0.0 && t_m < hit.t_m)
-            hit = Hit(t_m, s);
-    }
-    return hit;
-}
 
 // One fog layer within [t0, t1]: exact transmittance for shadow rays, inverted free paths for
 // paths.

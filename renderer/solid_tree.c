@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/solid_tree.h"
+
+#include "scenes/scene.h"
+
+#include <math.h>
+
+enum { LEAF = NEPH_GPU_LEAF_SOLIDS, SOLIDS_MAX = NEPH_GPU_SOLIDS_MAX };
+
+enum tree { UNBOUNDED, WIDE, OTHERS, TREE_COUNT };
+
+/* A solid's box, the place of its centre, and its number. */
+struct boxed {
+    float low_m[3], high_m[3], center_m[3];
+    uint32_t solid;
+};
+
+struct builder {
+    struct boxed boxes[SOLIDS_MAX]; /* in the order of the leaves */
+    struct neph_gpu_solid_node *nodes;
+    uint32_t node_count;
+};
+
+static struct boxed find_box(const struct neph_gpu_solid *solid, uint32_t number)
+{
+    struct boxed boxed = {.solid = number};
+    const bool is_box = solid->kind == NEPH_SOLID_BOX;
+    for (int axis = 0; axis < 3; axis++) {
+        boxed.low_m[axis] = is_box ? solid->low_m[axis] : -NEPH_GPU_FAR_M;
+        boxed.high_m[axis] = is_box ? solid->high_m[axis] : NEPH_GPU_FAR_M;
+        boxed.center_m[axis] = is_box ? 0.5f * (solid->low_m[axis] + solid->high_m[axis])
+                                      : solid->low_m[axis];
+    }
+    return boxed;
+}
+
+/* Extend a box by another. */
+static void include(struct boxed *around, const struct boxed *box)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        around->low_m[axis] = fminf(around->low_m[axis], box->low_m[axis]);
+        around->high_m[axis] = fmaxf(around->high_m[axis], box->high_m[axis]);
+    }
+}
+
+static const struct boxed nothing = {.low_m = {INFINITY, INFINITY, INFINITY},
+                                     .high_m = {-INFINITY, -INFINITY, -INFINITY}};
+
+/* Whether the box is at least a quarter as wide as all boxes along two axes. */
+static bool is_wide(const struct boxed *box, const struct boxed *all)
+{
+    int wide_axes = 0;
+    for (int axis = 0; axis < 3; axis++)
+        wide_axes += box->high_m[axis] - box->low_m[axis] >=
+                     0.25f * (all->high_m[axis] - all->low_m[axis]);
+    return wide_axes >= 2;
+}
+
+/* The axis along which the centres are spread most. */
+static int choose_axis(const struct boxed *boxes, int count)
+{
+    float spread_m[3];
+    int widest = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        float least_m = INFINITY, most_m = -INFINITY;
+        for (int i = 0; i < count; i++) {
+            least_m = fminf(least_m, boxes[i].center_m[axis]);
+            most_m = fmaxf(most_m, boxes[i].center_m[axis]);
+        }
+        spread_m[axis] = most_m - least_m;
+        widest = spread_m[axis] > spread_m[widest] ? axis : widest;
+    }
+    return widest;
+}
+
+static bool is_before(const struct boxed *a, const struct boxed *b, int axis)
+{
+    return a->center_m[axis] < b->center_m[axis] ||
+           (a->center_m[axis] == b->center_m[axis] && a->solid < b->solid);
+}
+
+/* Exchange boxes until the first `part` are before all others along an axis (C. A. R. Hoare,
+ * "Algorithm 65: Find", CACM 4, 1961). */
+static void divide(struct boxed *boxes, int count, int part, int axis)
+{
+    int low = 0, high = count - 1;
+    while (low < high) {
+        const struct boxed pivot = boxes[(low + high) / 2];
+        int i = low, j = high;
+        while (i <= j) {
+            while (is_before(&boxes[i], &pivot, axis))
+                i++;
+            while (is_before(&pivot, &boxes[j], axis))
+                j--;
+            if (i > j)
+                break;
+            const struct boxed kept = boxes[i];
+            boxes[i++] = boxes[j];
+            boxes[j--] = kept;
+        }
+        if (part <= j)
+            high = j;
+        else if (part >= i)
+            low = i;
+        else
+            return;
+    }
+}
+
+static void build(struct builder *builder, int first, int count)
+{
+    struct neph_gpu_solid_node *node = &builder->nodes[builder->node_count++];
+    struct boxed *boxes = &builder->boxes[first], all = nothing;
+    for (int i = 0; i < count; i++)
+        include(&all, &boxes[i]);
+    for (int axis = 0; axis < 3; axis++) {
+        node->low_m[axis] = all.low_m[axis];
+        node->high_m[axis] = all.high_m[axis];
+    }
+    node->leaf = count <= LEAF ? (uint32_t)first << 4 | (uint32_t)count : 0;
+    if (count > LEAF) {
+        const int leaves = (count + LEAF - 1) / LEAF, part = LEAF * ((leaves + 1) / 2);
+        divide(boxes, count, part, choose_axis(boxes, count));
+        build(builder, first, part);
+        build(builder, first + part, count - part);
+    }
+    node->next = builder->node_count;
+}
+
+void neph_solid_tree_build(struct neph_gpu_solids *gpu, uint32_t count)
+{
+    struct builder builder = {.nodes = gpu->solid_nodes};
+    struct boxed found[SOLIDS_MAX], all = nothing;
+    int placed = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        found[i] = find_box(&gpu->solids[i], i);
+        if (gpu->solids[i].kind == NEPH_SOLID_BOX)
+            include(&all, &found[i]);
+    }
+    for (int tree = UNBOUNDED; tree < TREE_COUNT; tree++) {
+        const int first = placed;
+        for (uint32_t i = 0; i < count; i++) {
+            const enum tree own = gpu->solids[i].kind != NEPH_SOLID_BOX ? UNBOUNDED
+                                  : is_wide(&found[i], &all)            ? WIDE
+                                                                        : OTHERS;
+            if ((int)own == tree)
+                builder.boxes[placed++] = found[i];
+        }
+        if (placed > first)
+            build(&builder, first, placed - first);
+    }
+    for (uint32_t i = 0; i < count; i++)
+        gpu->solid_order[i / 4][i % 4] = builder.boxes[i].solid;
+    for (uint32_t n = 0; n < builder.node_count; n++)
+        if (gpu->solid_nodes[n].next == builder.node_count)
+            gpu->solid_nodes[n].next = UINT32_MAX;
+}

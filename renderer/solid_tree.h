@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Trees of boxes around the solids of a scene, with which rays on the device leave out what they
+ * pass far from (shaders/scene.glsl). A tree halves its solids at the median of their centres along
+ * the axis on which these are spread most, down to leaves of NEPH_GPU_LEAF_SOLIDS. Private to
+ * renderer/.
+ */
+#ifndef NEPH_RENDERER_SOLID_TREE_H
+#define NEPH_RENDERER_SOLID_TREE_H
+
+#include "renderer/shaders/constants.h"
+#include "shaders/structs.h"
+
+#include <stddef.h>
+
+/* Fill nodes and order for the first `count` solids. There are up to three trees, one behind the
+ * other: of spheres and rotated boxes, whose boxes are unbounded, because the rounding of their
+ * intersections could exceed any; of boxes that are wide, such as a ground; and of all others. */
+void neph_solid_tree_build(struct neph_gpu_solids *gpu, uint32_t count);
+
+/* Upper bound of the number of nodes, at most `count`. In a tree all leaves but one are full, and
+ * its nodes are twice its leaves, less 1. */
+static inline size_t neph_solid_tree_nodes(size_t count)
+{
+    const size_t trees = count < 3 ? count : 3, full = NEPH_GPU_LEAF_SOLIDS;
+    const size_t leaves = (count + (full - 1) * trees) / full;
+    return 2 * leaves <= count ? 2 * leaves - 1 : count;
+}
+
+#endif
