@@ -90,6 +90,23 @@ static void find_moments(const struct neph_phase_table *table, double *moments)
 
 /* --- making a table --- */
 
+/* The value of a row, and its angle after that of the row before. */
+static enum neph_status check_row(const double *angles_deg, const double *values, int i,
+                                  struct neph_diag *diag)
+{
+    const double step_deg = i > 0 ? angles_deg[i] - angles_deg[i - 1] : 1.0;
+    if (!(values[i] >= 0.0 && values[i] <= 1e12))
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "the phase function is %g at %g degrees, not in 0..1e12", values[i],
+                         angles_deg[i]);
+    if (!(angles_deg[i] >= 0.0 && angles_deg[i] <= 180.0))
+        return neph_fail(diag, NEPH_ERR_INPUT, "%g degrees are not in 0..180", angles_deg[i]);
+    if (i > 0 && !((angles_deg[1] < angles_deg[0] ? -step_deg : step_deg) > 0.0))
+        return neph_fail(diag, NEPH_ERR_INPUT, "%g degrees after %g: the angles are not in order",
+                         angles_deg[i], angles_deg[i - 1]);
+    return NEPH_OK;
+}
+
 static enum neph_status check_rows(int count, const double *angles_deg, const double *values,
                                    struct neph_diag *diag)
 {
@@ -98,15 +115,11 @@ static enum neph_status check_rows(int count, const double *angles_deg, const do
         return neph_fail(diag, NEPH_ERR_INPUT, "a phase function of %d rows, not 2 to %d", count,
                          NEPH_TABULATED_ROWS_MAX);
     for (int i = 0; i < count; i++) {
-        if (!(values[i] >= 0.0 && values[i] <= 1e12))
-            return neph_fail(diag, NEPH_ERR_INPUT,
-                             "row %d: the phase function is %g at %g degrees, not in 0..1e12",
-                             i + 1, values[i], angles_deg[i]);
-        if (i > 0 && !((falls ? angles_deg[i - 1] - angles_deg[i]
-                              : angles_deg[i] - angles_deg[i - 1]) > 0.0))
-            return neph_fail(diag, NEPH_ERR_INPUT,
-                             "row %d: %g degrees after %g: the angles are not in order", i + 1,
-                             angles_deg[i], angles_deg[i - 1]);
+        const enum neph_status status = check_row(angles_deg, values, i, diag);
+        if (status)
+            neph_prefix(diag, "row %d: ", i + 1);
+        if (status)
+            return status;
     }
     const double first_deg = angles_deg[falls ? count - 1 : 0],
                  last_deg = angles_deg[falls ? 0 : count - 1];
@@ -229,8 +242,7 @@ static enum neph_status add_line(const char *line, struct rows *rows, struct nep
         return neph_fail(diag, NEPH_ERR_INPUT, "more than %d rows", NEPH_TABULATED_ROWS_MAX);
     rows->angles_deg[rows->count] = numbers[0];
     rows->values[rows->count] = numbers[1];
-    rows->count++;
-    return NEPH_OK;
+    return check_row(rows->angles_deg, rows->values, rows->count++, diag);
 }
 
 /* Splits `text` at its line ends. */

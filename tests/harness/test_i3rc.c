@@ -235,8 +235,10 @@ static void test_bad_files_are_named_with_their_place(void **state)
         assert_int_equal(diag.line, cases[i].line);
         assert_int_equal(diag.column, cases[i].column);
     }
-    const struct neph_diag binary = refuse(folder, "0.1\0 0.2", 8);
+    const struct neph_diag binary = refuse(folder, "0.1\n 0.2\0 0.3", 13);
     assert_non_null(strstr(binary.message, "byte 0"));
+    assert_int_equal(binary.line, 2);
+    assert_int_equal(binary.column, 5);
 }
 
 static void test_wrong_sizes_and_pairs(void **state)
