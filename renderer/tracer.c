@@ -70,6 +70,11 @@ static bool is_positive(struct neph_rgb rgb)
     return rgb.r > 0.0 || rgb.g > 0.0 || rgb.b > 0.0;
 }
 
+static double max_channel(struct neph_rgb rgb)
+{
+    return fmax(rgb.r, fmax(rgb.g, rgb.b));
+}
+
 static bool lights(const struct neph_scene *scene)
 {
     return scene->environment_light && is_positive(scene->background_w_per_m2_sr);
@@ -190,7 +195,7 @@ static char *make_render_identity(const struct neph_scene *scene,
                                   const struct neph_vulkan *vulkan)
 {
     return neph_format(
-        "tracer 9%s, %d sun nodes, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
+        "tracer 10%s, %d sun nodes, scene %s, frame %.17g, %d x %d, seed %llu, on %s, %s",
         params->sobol ? " sobol" : "", params->sun_nodes, scene->hash, params->frame,
         params->width_px, params->height_px, (unsigned long long)params->seed,
         vulkan->description.device, vulkan->description.driver);
@@ -439,11 +444,25 @@ static enum neph_status load_checkpoint(struct render *render, struct neph_diag 
     return status;
 }
 
+/* 1 / the square of the largest radiance or irradiance of a light, so that fourth powers of
+ * radiances stay within float32. */
+static double choose_noise_scale(const struct neph_scene *scene)
+{
+    double brightest = scene->sun.present ? max_channel(scene->sun.irradiance_w_per_m2) : 0.0;
+    brightest = fmax(brightest, max_channel(scene->background_w_per_m2_sr));
+    for (int i = 0; i < scene->light_count; i++)
+        brightest = fmax(brightest, max_channel(scene->lights[i].intensity_w_per_sr));
+    for (int m = 0; m < scene->medium_count; m++)
+        brightest = fmax(brightest, max_channel(neph_medium_glow(&scene->media[m])));
+    return brightest > 0.0 ? 1.0 / (brightest * brightest) : 1.0;
+}
+
 static enum neph_status create_sums(struct render *render, const struct neph_scene *scene,
                                     struct neph_diag *diag)
 {
     render->sums.pixel_count = render->pixel_count;
     render->sums.is_sobol = render->params->sobol;
+    render->sums.noise_scale = choose_noise_scale(scene);
     render->sums.pixels = calloc(render->pixel_count, sizeof(*render->sums.pixels));
     render->identity = make_render_identity(scene, render->params, render->vulkan);
     return render->sums.pixels && render->identity ? load_checkpoint(render, diag)
@@ -795,6 +814,7 @@ static struct neph_gpu_tracer_run chunk_run(const struct render *render, size_t 
         .samples = samples,
         .queue_pixels = queue_pixels(render, samples),
         .turns = render->turns,
+        .noise_scale = (float)render->sums.noise_scale,
     };
 }
 
@@ -956,6 +976,7 @@ static void count(struct render *render)
     stats->lookups = (uint64_t)head[NEPH_SUMS_LOOKUPS];
     stats->closed_forms = (uint64_t)head[NEPH_SUMS_CLOSED_FORMS];
     stats->error = neph_tracer_sums_error(&render->sums, render->is_lit);
+    stats->doubt = neph_tracer_sums_doubt(&render->sums);
     stats->wall_s = neph_wall_s() - render->start_s;
 }
 

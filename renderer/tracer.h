@@ -44,7 +44,7 @@
 #ifndef NEPH_RENDERER_TRACER_H
 #define NEPH_RENDERER_TRACER_H
 
-#include "base/image.h"
+#include "base/doubt.h"
 #include "renderer/shaders/constants.h"
 #include "renderer/vulkan.h"
 #include "scenes/scene.h"
@@ -84,9 +84,10 @@ struct neph_tracer_params {
 };
 
 struct neph_tracer_stats {
-    int samples;  /* samples of every pixel */
-    double error; /* reached value of target_error's measure */
-    double gpu_s; /* device time of all dispatches; NaN when the device has no clock */
+    int samples;             /* samples of every pixel */
+    double error;            /* reached value of target_error's measure */
+    struct neph_doubt doubt; /* whether the variances are to be trusted; of the channels' sum */
+    double gpu_s;            /* device time of all dispatches; NaN when the device has no clock */
     double wall_s;
     uint64_t collisions;   /* real ones */
     uint64_t lookups;      /* densities evaluated at points of paths */

@@ -75,6 +75,50 @@ double neph_tracer_sums_error(const struct neph_tracer_sums *sums, bool is_lit)
     return is_lit ? INFINITY : 0.0; /* no light sampled yet, or no light at all */
 }
 
+/* Differences of this part of the radiance are rounding, not noise: the paths of a white furnace
+ * differ by a few float32 roundings at each of their events. */
+static const double rounding_part = 1e-5;
+
+static bool is_rounding(const struct neph_tracer_sums *sums, size_t pixel, double mean_square)
+{
+    const struct neph_gpu_tracer_pixel *own = &sums->pixels[pixel];
+    double squares = 0.0;
+    for (int c = 0; c < 3; c++) {
+        const double light = (read_pixel_sum(own, ORDER1, c) + read_pixel_sum(own, HIGHER, c) +
+                              read_pixel_sum(own, SURFACE, c)) /
+                             sums->head[NEPH_SUMS_SAMPLES];
+        squares += light * light;
+    }
+    return mean_square <= rounding_part * rounding_part * squares;
+}
+
+/* Squared differences of pairs, summed over the channels: their own scatter is the variance of the
+ * sum; at least that of normal noise, 2 / pairs. With two sequences there is one squared
+ * difference, of their means; the variance of the square of a normal number is 2/3 of its mean
+ * fourth power. */
+static double compute_pixel_doubt(const struct neph_tracer_sums *sums, size_t pixel, double sum)
+{
+    const double pairs = 0.5 * sums->head[NEPH_SUMS_SAMPLES];
+    const double squares = read_pixel_sum(&sums->pixels[pixel], SPREAD, 3) /
+                           (sums->noise_scale * sums->noise_scale);
+    return sums->is_sobol ? 2.0 / 3.0 : fmax(2.0 / pairs, squares / (sum * sum) - 1.0 / pairs);
+}
+
+struct neph_doubt neph_tracer_sums_doubt(const struct neph_tracer_sums *sums)
+{
+    const double pairs = 0.5 * sums->head[NEPH_SUMS_SAMPLES];
+    struct neph_doubt doubt = {.noisy = 0};
+    for (size_t i = 0; i < sums->pixel_count; i++) {
+        double variance = 0.0;
+        for (int c = 0; c < 3; c++)
+            variance += compute_pixel_variance(sums, i, c);
+        const double sum = 4.0 * pairs * pairs * variance; /* of squared differences */
+        if (!is_rounding(sums, i, sum / pairs))
+            neph_doubt_add(&doubt, variance, compute_pixel_doubt(sums, i, sum));
+    }
+    return doubt;
+}
+
 static const char *const rgb_layers[] = {NULL, "volume", "order1", "transmittance", "variance"};
 enum {
     LAYER_RADIANCE,

@@ -6,7 +6,7 @@
 #ifndef NEPH_RENDERER_TRACER_SUMS_H
 #define NEPH_RENDERER_TRACER_SUMS_H
 
-#include "base/image.h"
+#include "base/doubt.h"
 #include "shaders/structs.h"
 
 #include <stdbool.h>
@@ -25,7 +25,8 @@ struct neph_tracer_sums {
     double head[NEPH_SUMS_HEAD];
     struct neph_gpu_tracer_pixel *pixels; /* owned; the whole frame, in the device's layout */
     size_t pixel_count;
-    bool is_sobol; /* two sequences of samples; the sums of their differences are kept */
+    bool is_sobol;      /* two sequences of samples; the sums of their differences are kept */
+    double noise_scale; /* factor of the squared differences whose squares are summed */
 };
 
 /* Number of values in a checkpoint. */
@@ -38,6 +39,9 @@ void neph_tracer_sums_load(struct neph_tracer_sums *sums, const double *values);
 /* Rms standard error of the means over rms radiance of volume light; +inf while no volume light was
  * sampled although media scatter light (`is_lit`). */
 double neph_tracer_sums_error(const struct neph_tracer_sums *sums, bool is_lit);
+
+/* Whether the variances of the means are to be trusted. */
+struct neph_doubt neph_tracer_sums_doubt(const struct neph_tracer_sums *sums);
 
 /* Compute the frame. `is_open`: transmittances are sums as well. */
 enum neph_status neph_tracer_sums_frame(const struct neph_tracer_sums *sums, bool is_open,

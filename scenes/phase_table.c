@@ -90,6 +90,23 @@ static void find_moments(const struct neph_phase_table *table, double *moments)
 
 /* --- making a table --- */
 
+/* The value of a row, and its angle after that of the row before. */
+static enum neph_status check_row(const double *angles_deg, double value, int i,
+                                  struct neph_diag *diag)
+{
+    const double step_deg = i > 0 ? angles_deg[i] - angles_deg[i - 1] : 1.0;
+    if (!(value >= 0.0 && value <= 1e12))
+        return neph_fail(diag, NEPH_ERR_INPUT,
+                         "the phase function is %g at %g degrees, not in 0..1e12", value,
+                         angles_deg[i]);
+    if (!(angles_deg[i] >= 0.0 && angles_deg[i] <= 180.0))
+        return neph_fail(diag, NEPH_ERR_INPUT, "%g degrees are not in 0..180", angles_deg[i]);
+    if (i > 0 && !((angles_deg[1] < angles_deg[0] ? -step_deg : step_deg) > 0.0))
+        return neph_fail(diag, NEPH_ERR_INPUT, "%g degrees after %g: the angles are not in order",
+                         angles_deg[i], angles_deg[i - 1]);
+    return NEPH_OK;
+}
+
 static enum neph_status check_count(int count, struct neph_diag *diag)
 {
     if (count < 2 || count > NEPH_TABULATED_ROWS_MAX)
@@ -103,15 +120,11 @@ static enum neph_status check_rows(int count, const double *angles_deg, const do
 {
     const bool falls = angles_deg[1] < angles_deg[0];
     for (int i = 0; i < count; i++) {
-        if (!(values[i] >= 0.0 && values[i] <= 1e12))
-            return neph_fail(diag, NEPH_ERR_INPUT,
-                             "row %d: the phase function is %g at %g degrees, not in 0..1e12",
-                             i + 1, values[i], angles_deg[i]);
-        if (i > 0 && !((falls ? angles_deg[i - 1] - angles_deg[i]
-                              : angles_deg[i] - angles_deg[i - 1]) > 0.0))
-            return neph_fail(diag, NEPH_ERR_INPUT,
-                             "row %d: %g degrees after %g: the angles are not in order", i + 1,
-                             angles_deg[i], angles_deg[i - 1]);
+        const enum neph_status status = check_row(angles_deg, values[i], i, diag);
+        if (status)
+            neph_prefix(diag, "row %d: ", i + 1);
+        if (status)
+            return status;
     }
     const double first_deg = angles_deg[falls ? count - 1 : 0],
                  last_deg = angles_deg[falls ? 0 : count - 1];
@@ -296,8 +309,11 @@ static enum neph_status add_line(const char *line, struct rows *rows, struct nep
     rows->channels = channels;
     rows->angles_deg[rows->count] = numbers[0];
     memcpy(rows->values + channels * rows->count, numbers + 1, (size_t)channels * sizeof(*numbers));
+    enum neph_status status = NEPH_OK;
+    for (int channel = 0; channel < channels && !status; channel++)
+        status = check_row(rows->angles_deg, numbers[1 + channel], rows->count, diag);
     rows->count++;
-    return NEPH_OK;
+    return status;
 }
 
 /* Splits `text` at its line ends. */

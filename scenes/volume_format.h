@@ -27,6 +27,11 @@ neph_volume_reader neph_volume_read_vdb;
 neph_volume_reader neph_volume_read_df3;
 neph_volume_reader neph_volume_read_netcdf;
 
+/* The grid of what neph-netcdf wrote (volume_netcdf.h), whatever it contains. */
+enum neph_status neph_volume_take_netcdf(const struct neph_volume_request *request,
+                                         const void *bytes, size_t size, struct neph_grid **grid,
+                                         struct neph_diag *diag);
+
 /* NEPH_ERR_INPUT, in words, when these nodes exceed the memory limit of the request. */
 enum neph_status neph_volume_check_size(const struct neph_volume_request *request,
                                         const int size[3], struct neph_diag *diag);

@@ -158,28 +158,6 @@ static enum neph_status take_volume(const struct neph_volume_request *request,
     return status;
 }
 
-static enum neph_status read_output(const struct neph_volume_request *request,
-                                    const struct neph_volume_source *source, struct volume *volume,
-                                    struct neph_diag *diag)
-{
-    struct neph_shared shared;
-    const void *bytes = NULL;
-    struct output output = {.used = 0};
-    enum neph_status status = neph_shared_create("neph-netcdf-voxels", &shared, diag);
-    if (status)
-        return status;
-    status = run_program(request, source->size_bytes, &shared, diag);
-    if (!status)
-        status = neph_shared_map(&shared, &bytes, &output.size, diag);
-    output.bytes = bytes;
-    if (!status)
-        status = take_volume(request, &output, volume, diag);
-    if (bytes)
-        munmap((void *)bytes, output.size);
-    neph_shared_destroy(&shared);
-    return status;
-}
-
 /* ---- units of values ------------------------------------------------------------------------- */
 
 /* The kind of unit that each density needs; UNKNOWN: any, because only proportions count. */
@@ -414,14 +392,15 @@ static enum neph_status create_grid(const struct neph_volume_request *request,
     return NEPH_OK;
 }
 
-enum neph_status neph_volume_read_netcdf(const struct neph_volume_request *request,
-                                         const struct neph_volume_source *source,
-                                         struct neph_grid **grid, struct neph_diag *diag)
+enum neph_status neph_volume_take_netcdf(const struct neph_volume_request *request,
+                                         const void *bytes, size_t size, struct neph_grid **grid,
+                                         struct neph_diag *diag)
 {
+    struct output output = {.bytes = bytes, .size = size};
     struct volume *volume = calloc(1, sizeof(*volume));
     if (!volume)
         return neph_fail_memory(diag);
-    enum neph_status status = read_output(request, source, volume, diag);
+    enum neph_status status = take_volume(request, &output, volume, diag);
     if (!status)
         status = convert_values(
             request, volume,
@@ -434,5 +413,26 @@ enum neph_status neph_volume_read_netcdf(const struct neph_volume_request *reque
         status = create_grid(request, volume, grid, diag);
     finish_volume(volume);
     free(volume);
+    return status;
+}
+
+enum neph_status neph_volume_read_netcdf(const struct neph_volume_request *request,
+                                         const struct neph_volume_source *source,
+                                         struct neph_grid **grid, struct neph_diag *diag)
+{
+    struct neph_shared shared;
+    const void *bytes = NULL;
+    size_t size = 0;
+    enum neph_status status = neph_shared_create("neph-netcdf-voxels", &shared, diag);
+    if (status)
+        return status;
+    status = run_program(request, source->size_bytes, &shared, diag);
+    if (!status)
+        status = neph_shared_map(&shared, &bytes, &size, diag);
+    if (!status)
+        status = neph_volume_take_netcdf(request, bytes, size, grid, diag);
+    if (bytes)
+        munmap((void *)bytes, size);
+    neph_shared_destroy(&shared);
     return status;
 }

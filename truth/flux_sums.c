@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "truth/flux_sums.h"
 
+#include "base/doubt.h"
 #include "scenes/media.h"
 #include "scenes/phase_colour.h"
 
@@ -53,17 +54,6 @@ static size_t find_place(const struct neph_fluxes *fluxes, int flux, int column,
            (size_t)channel;
 }
 
-static void add_value(struct neph_flux_sum *sum, double value)
-{
-    sum->first = sum->count > 0.0 ? sum->first : value;
-    const double off = value - sum->first;
-    sum->count += 1.0;
-    sum->powers[0] += off;
-    sum->powers[1] += off * off;
-    sum->powers[2] += off * off * off;
-    sum->powers[3] += off * off * off * off;
-}
-
 /* What does not leave through the levels and is not absorbed leaves through the sides. */
 static void fill_horizontal(const struct neph_fluxes *fluxes, double *values)
 {
@@ -85,30 +75,17 @@ void neph_fluxes_add_batch(struct neph_fluxes *fluxes, double *values)
             double mean = 0.0;
             for (int column = 0; column < columns; column++) {
                 const size_t place = find_place(fluxes, flux, column, c);
-                add_value(&fluxes->sums[place], values[place]);
+                neph_moments_add(&fluxes->sums[place], values[place]);
                 mean += values[place] / columns;
             }
-            add_value(&fluxes->domain_sums[flux * fluxes->channel_count + c], mean);
+            neph_moments_add(&fluxes->domain_sums[flux * fluxes->channel_count + c], mean);
         }
 }
 
-static struct neph_flux_estimate estimate(const struct neph_flux_sum *sum)
+static struct neph_flux_estimate estimate(const struct neph_moments *sum)
 {
-    const double n = sum->count;
-    if (n < 2.0)
-        return (struct neph_flux_estimate){n > 0.0 ? sum->first : NAN, NAN, NAN};
-    const double m = sum->powers[0] / n, p2 = sum->powers[1] / n, p3 = sum->powers[2] / n,
-                 p4 = sum->powers[3] / n;
-    /* Values that differ by rounding have no variance. */
-    const double least = 1e-26 * sum->first * sum->first;
-    const double second = p2 - m * m > least ? p2 - m * m : 0.0,
-                 fourth = fmax(second * second,
-                               p4 - 4.0 * m * p3 + 6.0 * m * m * p2 - 3.0 * m * m * m * m);
-    /* At least that of as many normal numbers. */
-    const double least_doubt = 2.0 / (n - 1.0);
-    const double doubt = second > 0.0 ? fmax(least_doubt, (fourth / (second * second) - 1.0) / n)
-                                      : 0.0;
-    return (struct neph_flux_estimate){sum->first + m, sqrt(second / (n - 1.0)), doubt};
+    const struct neph_moments_estimate made = neph_moments_estimate(sum);
+    return (struct neph_flux_estimate){made.mean, made.standard_error, made.doubt};
 }
 
 struct neph_flux_estimate neph_flux_of_column(const struct neph_fluxes *fluxes, enum neph_flux flux,
@@ -127,7 +104,7 @@ int neph_flux_doubtful_columns(const struct neph_fluxes *fluxes, enum neph_flux 
 {
     int count = 0;
     for (int column = 0; column < column_count(fluxes); column++)
-        count += neph_flux_of_column(fluxes, flux, column, channel).doubt > NEPH_FLUX_DOUBTFUL;
+        count += neph_flux_of_column(fluxes, flux, column, channel).doubt > NEPH_DOUBTFUL;
     return count;
 }
 

@@ -7,6 +7,7 @@
 #define NEPH_TRUTH_FLUX_SUMS_H
 
 #include "truth/flux_domain.h"
+#include "truth/moments.h"
 
 enum neph_flux {
     NEPH_FLUX_REFLECTED,   /* upwards through the top */
@@ -22,17 +23,6 @@ enum neph_flux {
     NEPH_FLUX_COUNT,
 };
 
-/* From this relative variance of the variance on, an error bar is not to be trusted: a few paths
- * make most of it, or there are few batches (X-5 Monte Carlo Team, "MCNP", vol. I, LA-UR-03-1987,
- * 2003, section 2.VI.E). */
-#define NEPH_FLUX_DOUBTFUL 0.1
-
-/* The first four powers of a value less that of the first batch, summed over batches: without the
- * difference the fourth moment would cancel. */
-struct neph_flux_sum {
-    double count, first, powers[4];
-};
-
 struct neph_flux_estimate {
     double mean, standard_error;
     double doubt; /* relative variance of the variance of the mean; 0: no variance */
@@ -41,10 +31,10 @@ struct neph_flux_estimate {
 /* To be freed with neph_fluxes_finish(). */
 struct neph_fluxes {
     struct neph_flux_domain domain;
-    int channel_count;          /* 1: all three are equal */
-    int paths;                  /* of each column */
-    struct neph_flux_sum *sums; /* owned; [flux][column][channel]; column = x + columns_x z */
-    struct neph_flux_sum *domain_sums; /* of the means over the columns; owned; [flux][channel] */
+    int channel_count;                /* 1: all three are equal */
+    int paths;                        /* of each column */
+    struct neph_moments *sums;        /* owned; [flux][column][channel]; column = x + columns_x z */
+    struct neph_moments *domain_sums; /* of the means over the columns; owned; [flux][channel] */
     double wall_s;
 };
 

@@ -31,7 +31,7 @@
 #ifndef NEPH_TRUTH_ORACLE_H
 #define NEPH_TRUTH_ORACLE_H
 
-#include "base/image.h"
+#include "base/doubt.h"
 #include "scenes/scene.h"
 
 #include <stdint.h>
@@ -49,8 +49,10 @@ struct neph_oracle_params {
 };
 
 struct neph_oracle_stats {
-    int samples;  /* samples of every pixel */
-    double error; /* the reached error, as target_error */
+    int samples;             /* samples of every pixel */
+    double error;            /* the reached error, as target_error */
+    struct neph_doubt doubt; /* whether the variances are to be trusted; of the mean over the
+                              * channels */
     double wall_s;
     uint64_t collisions, lookups;
 };

@@ -47,7 +47,7 @@ static enum neph_status report(const struct neph_cli_z *request,
                                const struct neph_windows *windows, struct neph_junit *junit,
                                struct neph_diag *diag)
 {
-    char text[512];
+    char text[768];
     enum neph_status status = NEPH_OK;
     neph_noise_sentence(verdict, text, sizeof(text));
     neph_junit_add(junit, request->group, "no more than noise",

@@ -5,6 +5,7 @@
 #include "base/path.h"
 #include "harness/cli/render_shown.h"
 
+#include "base/doubt.h"
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/owned.h"
@@ -269,6 +270,7 @@ static enum neph_status find_noise(const struct request *request, const struct n
 /* Errors that are not visible in a frame; NaN where unknown. */
 struct frame_errors {
     double noise, step_depth, step_bias;
+    double doubt; /* of the noise (base/doubt.h) */
 };
 
 static void warn(const struct neph_job *job, char *warning)
@@ -293,6 +295,10 @@ static void say(const struct request *request, const struct neph_job *job,
     if (isfinite(frame_errors->noise) && !request->shared.quiet)
         fprintf(stderr, "frame %d: noise %.2g %% of the rms radiance, seed %llu\n", job->shot.frame,
                 100.0 * frame_errors->noise, (unsigned long long)job->shot.seed);
+    char doubt[NEPH_DOUBT_ROOM];
+    neph_doubt_describe(frame_errors->doubt, doubt, sizeof(doubt));
+    if (doubt[0])
+        fprintf(stderr, "neph render: warning: frame %d: %s\n", job->shot.frame, doubt);
     char *omission = request->shared.quiet || !estimates_step_bias(request, job)
                          ? NULL
                          : neph_step_bias_omission(&job->shot, job->engine);
@@ -318,13 +324,14 @@ static enum neph_status show_and_note(struct run *run, const struct neph_image *
     if (!status)
         status = neph_json_append(
             run->results,
-            json_pack("{s:s, s:s?, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:O, s:I, s:o, s:o, s:o}",
+            json_pack("{s:s, s:s?, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:O, s:I, s:o, s:o, s:o, s:o}",
                       "exr", path, "shown", shown.text[0] ? shown.text : NULL, "frame", shot->frame,
                       "size_px", frame->width_px, frame->height_px, "render_s", cost->render_s,
                       "wall_s", cost->wall_s, "cpu_s", cost->cpu_s, "peak_memory_bytes",
                       (json_int_t)cost->peak_memory_bytes, "stats", stats, "seed",
                       (json_int_t)shot->seed, "noise", neph_json_number(frame_errors->noise),
-                      "step_optical_depth", neph_json_number(frame_errors->step_depth), "step_bias",
+                      "noise_doubt", neph_json_number(frame_errors->doubt), "step_optical_depth",
+                      neph_json_number(frame_errors->step_depth), "step_bias",
                       neph_json_number(frame_errors->step_bias)),
             diag);
     if (!status && !run->request->shared.json)
@@ -351,9 +358,11 @@ static enum neph_status render_one(struct run *run, const char *depth, struct ne
         job->shot.scratch_directory = neph_scratch_path(scratch);
         status = neph_job_render(job, &frame, &cost, diag);
     }
-    struct frame_errors frame_errors = {NAN, NAN, NAN};
+    struct frame_errors frame_errors = {NAN, NAN, NAN, NAN};
     if (!status)
         status = find_noise(request, job, frame, &frame_errors.noise, diag);
+    if (!status)
+        frame_errors.doubt = neph_doubt_read(frame);
     if (!status && request->scene_layers)
         status = neph_scene_layers_add(job->shot.scene, job->shot.frame, frame, diag);
     if (!status)

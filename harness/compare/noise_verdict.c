@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/compare/noise_verdict.h"
 
+#include "base/doubt.h"
+
 #include <math.h>
+#include <string.h>
 
 _Static_assert(NEPH_Z_KIND_COUNT == 5, "a new test");
 
@@ -139,6 +142,17 @@ static void describe_power(const struct neph_z_plane *plane, char *text, size_t 
              write_share(plane, plane->least_pixel, pixel), 100.0 * NEPH_Z_POWER);
 }
 
+/* Append to the sentence that an error bar is not to be trusted. */
+static void add_doubt(const struct neph_noise_verdict *verdict, char *text, size_t size)
+{
+    const size_t length = strlen(text);
+    char doubt[NEPH_DOUBT_ROOM];
+    neph_doubt_describe(fmax(verdict->reference->doubt, verdict->test->doubt), doubt,
+                        sizeof(doubt));
+    if (doubt[0])
+        snprintf(text + length, size - length, "; %s", doubt);
+}
+
 void neph_noise_sentence(const struct neph_noise_verdict *verdict, char *text, size_t size)
 {
     int p;
@@ -158,6 +172,7 @@ void neph_noise_sentence(const struct neph_noise_verdict *verdict, char *text, s
         describe_power(&verdict->planes[0], part, sizeof(part));
         snprintf(text, size, "noise: no bias found, p = %.2g; %s", verdict->p, part);
     }
+    add_doubt(verdict, text, size);
 }
 
 static void print_plane(const struct neph_z_plane *plane, const char *name, FILE *out)
@@ -201,7 +216,7 @@ static void print_notes(const struct neph_noise_verdict *verdict, FILE *out)
 
 void neph_noise_print(const struct neph_noise_verdict *verdict, bool is_brief, bool all, FILE *out)
 {
-    char text[512];
+    char text[768];
     neph_noise_sentence(verdict, text, sizeof(text));
     fprintf(out, "%s\n", text);
     for (int p = 0; p < (all ? verdict->plane_count : 1) && !is_brief; p++)
@@ -278,13 +293,14 @@ static json_t *plane_json(const struct neph_z_plane *plane, const char *name)
 
 static json_t *render_json(const struct neph_noisy_render *render)
 {
-    return json_pack("{s:i, s:s}", "files", render->file_count, "source",
-                     neph_noise_source_name(render->source));
+    return json_pack("{s:i, s:s, s:o}", "files", render->file_count, "source",
+                     neph_noise_source_name(render->source), "doubt",
+                     neph_json_number(render->doubt));
 }
 
 json_t *neph_noise_json(const struct neph_noise_verdict *verdict)
 {
-    char text[512];
+    char text[768];
     json_t *planes = json_array();
     neph_noise_sentence(verdict, text, sizeof(text));
     for (int p = 0; p < verdict->plane_count; p++)

@@ -38,7 +38,8 @@ void neph_noise_print(const struct neph_noise_verdict *verdict, bool is_brief, b
 /* An object of
  *   "verdict"   "bias" or "noise"; "sentence"; "p", adjusted for all tests; "level"; "power";
  *               "seed" of the random signs of blobs
- *   "reference", "test"   {"files", "source"}: where the variances come from
+ *   "reference", "test"   {"files", "source", "doubt"}: where the variances come from, and whether
+ *               they are to be trusted (base/doubt.h)
  *   "planes"    array of {"plane", "reference_mean", "bias", "low", "high" (95 % interval),
  *               "least_bias", "least_tile_bias", "least_pixel_bias", "tests", "beyond" (of 2, 3, 4
  *               standard errors: {"count", "expected"}), "noisy_pixels", "rejected_pixels",

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/compare/noisy_render.h"
 
+#include "base/doubt.h"
 #include "base/interrupt.h"
 #include "harness/compare/frame.h"
 #include "metrics/metric.h"
@@ -288,6 +289,7 @@ static enum neph_status add_image(struct reader *reader, int file, const struct 
         keep_repeat(render, &channels, kept);
     } else {
         add_variances(render, reader->reading, &channels, reader->mean, reader->variance);
+        render->doubt = fmax(render->doubt, neph_doubt_read(image));
     }
     return NEPH_OK;
 }
@@ -339,6 +341,7 @@ enum neph_status neph_noisy_render_read(const struct neph_sequence *files,
     enum neph_status status = NEPH_OK;
     render->file_count = files->count;
     render->is_grey = true;
+    render->doubt = NAN;
     if (files->count > NEPH_Z_REPEATS_MAX)
         return neph_fail(diag, NEPH_ERR_INPUT, "%d files of one render: at most %d are read",
                          files->count, NEPH_Z_REPEATS_MAX);

@@ -36,6 +36,7 @@ struct neph_noisy_render {
     int width_px, height_px, file_count;
     bool is_grey; /* R = G = B in all files */
     bool is_xyz;
+    double doubt; /* the largest of its files (base/doubt.h); NaN: they do not say */
     /* Luminance (Y) first, then R G B (or X, Z). The variance of the luminance of a layer or of
      * moments is that of fully correlated channels, the largest possible one. */
     int plane_count;

@@ -52,7 +52,7 @@ static enum neph_status label(struct neph_image *frame, const struct neph_oracle
     if (!status)
         status = neph_image_set_attribute(frame, "neph.oracle.collisions", diag, "%llu",
                                           (unsigned long long)stats->collisions);
-    return status;
+    return status ? status : neph_doubt_label(frame, &stats->doubt, diag);
 }
 
 static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
@@ -97,7 +97,7 @@ const struct neph_engine neph_engine_oracle = {
     .can_checkpoint = true,
     .stochastic = true,
     .options = options,
-    .version = 2, /* 2: lights on or near rays */
+    .version = 3, /* 3: says whether its variances are to be trusted */
     .probe = probe,
     .can_render = can_render,
     .render = render,

@@ -51,7 +51,7 @@ static enum neph_status label(struct neph_image *frame, const struct neph_tracer
     for (size_t i = 0; !status && i < sizeof(counts) / sizeof(counts[0]); i++)
         status = neph_image_set_attribute(frame, counts[i].name, diag, "%llu",
                                           (unsigned long long)counts[i].value);
-    return status;
+    return status ? status : neph_doubt_label(frame, &stats->doubt, diag);
 }
 
 static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
@@ -101,7 +101,7 @@ const struct neph_engine neph_engine_tracer = {
     .bias = "none; in a procedural cloud within a medium without end, single scattering against "
             "the sun at optical depths above 10 has a larger error than the frame's variance",
     .options = options,
-    .version = 11, /* 11: rays to a medium that is far away for float32 */
+    .version = 12, /* 12: says whether its variances are to be trusted */
     .probe = neph_vulkan_probe,
     .can_render = can_render,
     .render = render,

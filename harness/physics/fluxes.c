@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/physics/fluxes.h"
 
+#include "base/doubt.h"
 #include "harness/physics/fluxes_tracer.h"
 #include "harness/progress.h"
 
@@ -97,13 +98,13 @@ int neph_fluxes_warn(const char *what, const struct neph_fluxes *fluxes)
                                                                       c);
             mean = own.doubt > mean.doubt ? own : mean;
         }
-        if (flux != NEPH_FLUX_HORIZONTAL && mean.doubt > NEPH_FLUX_DOUBTFUL) {
+        if (flux != NEPH_FLUX_HORIZONTAL && mean.doubt > NEPH_DOUBTFUL) {
             count++;
             neph_progress_warn("%s: the error of %s, %.2g, is not to be trusted: a few paths make "
                                "most of it (its square has a relative variance of %.2g, above %g); "
                                "--samples takes more",
                                what, neph_flux_names[flux], mean.standard_error, mean.doubt,
-                               NEPH_FLUX_DOUBTFUL);
+                               NEPH_DOUBTFUL);
         }
     }
     return count;

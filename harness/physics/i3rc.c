@@ -2,6 +2,8 @@
 #include "harness/physics/i3rc.h"
 
 #include "harness/physics/i3rc_files.h"
+#include "metrics/significance.h"
+#include "metrics/z_test.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,6 +20,8 @@ static const int usual_paths[] = {16000, 4000, 512};
 
 /* A difference from the consensus that its codes have among each other, and our standard errors. */
 static const double allowed_part = 0.003, allowed_errors = 3.0;
+
+static const double normal_95 = 1.95996; /* half a 95 % interval, in standard errors */
 
 /* ---- comparison ---- */
 
@@ -42,65 +46,143 @@ static double mean_square_difference(const struct neph_fluxes *fluxes, enum neph
     return sum;
 }
 
-/* Correlation of the differences of a column and the next along x or z, periodic. */
-static double correlate(const struct neph_flux_domain *domain, const double *differences,
-                        int step_x, int step_z)
+/* A mean over columns or a correlation, with its standard error by their scatter. */
+struct mean {
+    double value, error;
+};
+
+static struct mean find_mean(const double *values, int count)
+{
+    double sum = 0.0, squares = 0.0;
+    for (int i = 0; i < count; i++)
+        sum += values[i] / count;
+    for (int i = 0; i < count; i++)
+        squares += (values[i] - sum) * (values[i] - sum) / count;
+    return (struct mean){sum, sqrt(squares / fmax(1.0, count - 1.0))};
+}
+
+/* The squared difference of each column without our variance. */
+static void find_rest(const struct neph_fluxes *fluxes, enum neph_flux flux,
+                      const double *consensus, int count, double *rest)
+{
+    for (int i = 0; i < count; i++) {
+        const struct neph_flux_estimate own = neph_flux_of_column(fluxes, flux, i, 0);
+        const double off = own.mean - consensus[i];
+        rest[i] = off * off - own.standard_error * own.standard_error;
+    }
+}
+
+/* Fit the constant to all stages; `rest`: their rows one after the other, and room for another. */
+static void fit_constant(double *rest, int count, struct neph_i3rc_columns *columns)
+{
+    double weights[NEPH_I3RC_STAGES], sum = 0.0, *fitted = rest + NEPH_I3RC_STAGES * count;
+    for (int s = 0; s < NEPH_I3RC_STAGES; s++) {
+        const double error = find_mean(rest + s * count, count).error;
+        weights[s] = error > 0.0 ? 1.0 / (error * error) : 0.0;
+        sum += weights[s];
+    }
+    weights[NEPH_I3RC_STAGES - 1] += sum > 0.0 ? 0.0 : 1.0;
+    sum += sum > 0.0 ? 0.0 : 1.0;
+    for (int i = 0; i < count; i++) {
+        fitted[i] = 0.0;
+        for (int s = 0; s < NEPH_I3RC_STAGES; s++)
+            fitted[i] += weights[s] / sum * rest[s * count + i];
+    }
+    const struct mean square = find_mean(fitted, count);
+    const double half = normal_95 * square.error;
+    columns->constant = square.value > half ? sqrt(square.value) : NAN;
+    columns->constant_low = sqrt(fmax(0.0, square.value - half));
+    columns->constant_high = sqrt(fmax(0.0, square.value) + half);
+    columns->fall = 0.0;
+    for (int s = 0; s + 1 < NEPH_I3RC_STAGES; s++) {
+        for (int i = 0; i < count; i++)
+            rest[s * count + i] -= rest[(NEPH_I3RC_STAGES - 1) * count + i];
+        const struct mean excess = find_mean(rest + s * count, count);
+        const double fall = excess.error > 0.0 ? excess.value / excess.error : 0.0;
+        columns->fall = fabs(fall) > fabs(columns->fall) ? fall : columns->fall;
+    }
+}
+
+/* Correlation of the differences of a column and the next along x or z, periodic, with its standard
+ * error for noise that differs from column to column (H. White, Econometrica 48, 1980). */
+static struct mean correlate(const struct neph_flux_domain *domain, const double *differences,
+                             int step_x, int step_z)
 {
     const int nx = domain->columns_x, nz = domain->columns_z, columns = nx * nz;
-    double mean = 0.0, product = 0.0, square = 0.0;
+    double mean = 0.0, product = 0.0, square = 0.0, fourth = 0.0;
     if ((step_x && nx < 2) || (step_z && nz < 2))
-        return NAN;
+        return (struct mean){NAN, NAN};
     for (int i = 0; i < columns; i++)
         mean += differences[i] / columns;
     for (int i = 0; i < columns; i++) {
         const int next = (i % nx + step_x) % nx + nx * ((i / nx + step_z) % nz);
-        product += (differences[i] - mean) * (differences[next] - mean);
+        const double own = (differences[i] - mean) * (differences[next] - mean);
+        product += own;
+        fourth += own * own;
         square += (differences[i] - mean) * (differences[i] - mean);
     }
-    return square > 0.0 ? product / square : NAN;
+    return square > 0.0 ? (struct mean){product / square, sqrt(fourth) / square}
+                        : (struct mean){NAN, NAN};
 }
 
-/* The column that differs most, in standard errors of both. */
+/* The difference of a column in standard errors of both. Those of ours are uncertain: by their
+ * relative variance of the variance, 2 / doubt degrees of freedom (Satterthwaite, Biometrics
+ * Bulletin 2, 1946); the score is the normal deviate with the probability of Student's t. */
+static double find_score(const struct neph_flux_estimate *own, double consensus, double constant)
+{
+    const double noise = own->standard_error * own->standard_error,
+                 variance = noise + constant * constant;
+    if (!(variance > 0.0))
+        return 0.0;
+    const double dof = own->doubt > 0.0 ? 2.0 / own->doubt * pow(variance / noise, 2.0) : INFINITY;
+    const double t = (own->mean - consensus) / sqrt(variance);
+    return isfinite(dof) ? neph_z_from_student(t, dof) : t;
+}
+
+/* The differences of all columns, and the column with the largest score. */
 static void find_worst(const struct neph_fluxes *fluxes, enum neph_flux flux,
-                       const double *consensus, struct neph_i3rc_columns *columns)
+                       const double *consensus, double *differences,
+                       struct neph_i3rc_columns *columns)
 {
     const int nx = fluxes->domain.columns_x, count = nx * fluxes->domain.columns_z;
     const double other = isnan(columns->constant) ? 0.0 : columns->constant;
     double most = -1.0;
     for (int i = 0; i < count; i++) {
         const struct neph_flux_estimate own = neph_flux_of_column(fluxes, flux, i, 0);
-        const double error = hypot(own.standard_error, other);
-        const double off = error > 0.0 ? fabs(own.mean - consensus[i]) / error : 0.0;
-        if (off <= most)
+        const double score = find_score(&own, consensus[i], other);
+        differences[i] = own.mean - consensus[i];
+        if (fabs(score) <= most)
             continue;
-        most = off;
+        most = fabs(score);
+        columns->worst_score = score;
         columns->worst_x = i % nx;
         columns->worst_z = i / nx;
         columns->worst = own.mean;
         columns->worst_error = own.standard_error;
         columns->worst_consensus = consensus[i];
     }
+    columns->worst_p = -expm1(count * log1p(-neph_normal_p(most))); /* Sidak */
 }
 
+/* `room`: NEPH_I3RC_STAGES + 1 numbers of each column. */
 static void compare_columns(const struct neph_fluxes stages[NEPH_I3RC_STAGES], enum neph_flux flux,
-                            const double *consensus, double *differences,
+                            const double *consensus, double *room,
                             struct neph_i3rc_columns *columns)
 {
     const struct neph_fluxes *last = &stages[NEPH_I3RC_STAGES - 1];
     const int count = last->domain.columns_x * last->domain.columns_z;
-    const double noise = mean_square_error(last, flux, count);
-    for (int s = 0; s < NEPH_I3RC_STAGES; s++)
+    for (int s = 0; s < NEPH_I3RC_STAGES; s++) {
         columns->rms[s] = sqrt(mean_square_difference(&stages[s], flux, consensus, count));
-    const double left = columns->rms[NEPH_I3RC_STAGES - 1] * columns->rms[NEPH_I3RC_STAGES - 1] -
-                        noise;
-    columns->noise = sqrt(noise);
-    columns->constant = left > 0.0 ? sqrt(left) : NAN;
-    for (int i = 0; i < count; i++)
-        differences[i] = neph_flux_of_column(last, flux, i, 0).mean - consensus[i];
-    columns->correlation_x = correlate(&last->domain, differences, 1, 0);
-    columns->correlation_z = correlate(&last->domain, differences, 0, 1);
-    columns->correlation_error = 1.0 / sqrt(count);
-    find_worst(last, flux, consensus, columns);
+        find_rest(&stages[s], flux, consensus, count, room + s * count);
+    }
+    columns->noise = sqrt(mean_square_error(last, flux, count));
+    fit_constant(room, count, columns);
+    find_worst(last, flux, consensus, room, columns);
+    for (int along = 0; along < 2; along++) {
+        const struct mean found = correlate(&last->domain, room, along == 0, along == 1);
+        columns->correlation[along] = found.value;
+        columns->correlation_error[along] = found.error;
+    }
 }
 
 enum neph_status neph_i3rc_compare(const struct neph_fluxes stages[NEPH_I3RC_STAGES],
@@ -109,11 +191,11 @@ enum neph_status neph_i3rc_compare(const struct neph_fluxes stages[NEPH_I3RC_STA
 {
     const struct neph_flux_domain *domain = &stages[NEPH_I3RC_STAGES - 1].domain;
     const int count = domain->columns_x * domain->columns_z;
-    double *differences = calloc((size_t)count, sizeof(*differences)), mean = 0.0;
-    if (!differences)
+    double *room = calloc((NEPH_I3RC_STAGES + 1) * (size_t)count, sizeof(*room)), mean = 0.0;
+    if (!room)
         return neph_fail_memory(diag);
-    compare_columns(stages, flux, consensus, differences, &number->columns);
-    free(differences);
+    compare_columns(stages, flux, consensus, room, &number->columns);
+    free(room);
     for (int i = 0; i < count; i++)
         mean += consensus[i] / count;
     const double off = fabs(number->ours.mean - mean);

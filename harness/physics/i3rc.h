@@ -6,8 +6,10 @@
  * Means over the domain must be within 0.3 % of the consensus, the agreement that its codes have,
  * or within three standard errors. Columns: the rms difference from the consensus falls with the
  * number of paths to a constant, since the consensus is a mean of Monte Carlo codes with noise of
- * its own. That constant is the rms without our own variance. Noise has no correlation from column
- * to column: a correlation would be a difference of the methods.
+ * its own: rms^2 = our variance + constant^2. Each number of paths has random numbers of its own,
+ * so each gives the squared constant by itself; what fits all is their mean, weighted by the
+ * inverse of their variances, which are those of a mean over columns. Noise has no correlation from
+ * column to column: a correlation would be a difference of the methods.
  */
 #ifndef NEPH_HARNESS_PHYSICS_I3RC_H
 #define NEPH_HARNESS_PHYSICS_I3RC_H
@@ -35,12 +37,17 @@ extern const struct neph_i3rc_quantity neph_i3rc_quantities[NEPH_I3RC_QUANTITIES
 /* Columns against their consensus. */
 struct neph_i3rc_columns {
     double rms[NEPH_I3RC_STAGES];
-    double noise;                        /* rms of our standard errors with all paths */
-    double constant;                     /* rms without our noise, NaN: nothing is left */
-    double correlation_x, correlation_z; /* of the differences of neighbours; NaN: one column */
-    double correlation_error;            /* standard error of these for noise */
-    int worst_x, worst_z;                /* the column that differs most, in standard errors */
+    double noise;                       /* rms of our standard errors with all paths */
+    double constant;                    /* NaN: not told apart from 0 */
+    double constant_low, constant_high; /* its 95 % interval */
+    double fall; /* rms with fewer paths against that of the constant and our noise, in standard
+                    errors: the larger one */
+    double correlation[2];       /* of the differences of neighbours along x, z; NaN: one column */
+    double correlation_error[2]; /* standard errors of these for noise */
+    int worst_x, worst_z;        /* the column that differs most, in standard errors */
     double worst, worst_error, worst_consensus;
+    double worst_score, worst_p; /* its difference in standard errors of both; probability of such a
+                                    column among as many columns of normal noise */
 };
 
 struct neph_i3rc_number {

@@ -85,6 +85,15 @@ static enum neph_status parse(const struct neph_i3rc_file *file, const char *pat
     return refuse(path, &cursor, diag);
 }
 
+static enum neph_status refuse_binary(const char *path, const char *text, struct neph_diag *diag)
+{
+    struct cursor cursor = {text, text, 1};
+    for (skip_space(&cursor); *cursor.at; skip_space(&cursor))
+        cursor.at += strcspn(cursor.at, " \t\r\n\v\f");
+    neph_fail(diag, NEPH_ERR_INPUT, "a byte 0: this is no text");
+    return refuse(path, &cursor, diag);
+}
+
 enum neph_status neph_i3rc_file_read(const char *folder, const struct neph_i3rc_file *file,
                                      double **values, struct neph_diag *diag)
 {
@@ -98,7 +107,7 @@ enum neph_status neph_i3rc_file_read(const char *folder, const struct neph_i3rc_
     if (!made)
         status = neph_fail_memory(diag);
     else if (strlen(text) != size)
-        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' is no text: it has a byte 0", path.text);
+        status = refuse_binary(path.text, text, diag);
     else
         status = parse(file, path.text, text, made, diag);
     free(text);

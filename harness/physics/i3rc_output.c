@@ -5,6 +5,8 @@
 #include "harness/physics/i3rc.h"
 #include "harness/physics/i3rc_files.h"
 
+#include "base/doubt.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -13,8 +15,9 @@ struct line {
     double optical_depth, paths, seconds, balance;
     double mean, error, doubt, doubtful_columns;
     double consensus, consensus_error, difference;
-    double rms[NEPH_I3RC_STAGES], noise, constant, correlation_x, correlation_z, correlation_error;
-    double worst_x, worst_z, worst, worst_error, worst_consensus;
+    double rms[NEPH_I3RC_STAGES], noise, constant, constant_low, constant_high, fall;
+    double correlation[2], correlation_error[2];
+    double worst_x, worst_z, worst, worst_error, worst_consensus, worst_score, worst_p;
 };
 
 static const struct line no_numbers = {.balance = NAN,
@@ -31,14 +34,18 @@ static const struct line no_numbers = {.balance = NAN,
                                        .rms = {NAN, NAN, NAN},
                                        .noise = NAN,
                                        .constant = NAN,
-                                       .correlation_x = NAN,
-                                       .correlation_z = NAN,
-                                       .correlation_error = NAN,
+                                       .constant_low = NAN,
+                                       .constant_high = NAN,
+                                       .fall = NAN,
+                                       .correlation = {NAN, NAN},
+                                       .correlation_error = {NAN, NAN},
                                        .worst_x = NAN,
                                        .worst_z = NAN,
                                        .worst = NAN,
                                        .worst_error = NAN,
-                                       .worst_consensus = NAN};
+                                       .worst_consensus = NAN,
+                                       .worst_score = NAN,
+                                       .worst_p = NAN};
 
 #define LINE(member) offsetof(struct line, member)
 
@@ -54,15 +61,22 @@ static const struct neph_field column_fields[] = {
     {{"rms_4th", "N/4", "%.4f", .width = 7}, LINE(rms[1])},
     {{"rms", "N", "%.4f", .width = 7}, LINE(rms[2])},
     {{"noise", "noise", "%.4f", .width = 7}, LINE(noise)},
+    {{"doubtful_columns", "doubtful", "%.0f", .width = 7}, LINE(doubtful_columns)},
     {{"constant", "constant", "%.4f", .none = "none", .width = 8}, LINE(constant)},
-    {{"correlation_x", "corr. x", "%+.3f", .width = 8}, LINE(correlation_x)},
-    {{"correlation_z", "z", "%+.3f", .width = 7}, LINE(correlation_z)},
-    {{"correlation_error", "+-", "%.3f", .width = 6}, LINE(correlation_error)},
+    {{"constant_low", "from", "%.4f", .width = 7}, LINE(constant_low)},
+    {{"constant_high", "to", "%.4f", .width = 7}, LINE(constant_high)},
+    {{"fall", "fall", "%+.1f", .width = 5}, LINE(fall)},
+    {{"correlation_x", "corr. x", "%+.3f", .width = 8}, LINE(correlation[0])},
+    {{"correlation_x_error", "+-", "%.3f", .width = 6}, LINE(correlation_error[0])},
+    {{"correlation_z", "z", "%+.3f", .width = 7}, LINE(correlation[1])},
+    {{"correlation_z_error", "+-", "%.3f", .width = 6}, LINE(correlation_error[1])},
     {{"worst_x", "worst x", "%.0f", .width = 7}, LINE(worst_x)},
     {{"worst_z", "z", "%.0f", .width = 4}, LINE(worst_z)},
     {{"worst", "there", "%.4f", .width = 7}, LINE(worst)},
     {{"worst_error", "+-", "%.4f", .width = 7}, LINE(worst_error)},
     {{"worst_consensus", "consensus", "%.4f", .width = 9}, LINE(worst_consensus)},
+    {{"worst_score", "score", "%+.1f", .width = 6}, LINE(worst_score)},
+    {{"worst_p", "p", "%.1g", .width = 6}, LINE(worst_p)},
 };
 static const struct neph_field more_fields[] = {
     {{.key = "optical_depth"}, LINE(optical_depth)},
@@ -70,7 +84,6 @@ static const struct neph_field more_fields[] = {
     {{.key = "paths"}, LINE(paths)},
     {{.key = "seconds"}, LINE(seconds)},
     {{.key = "doubt"}, LINE(doubt)},
-    {{.key = "doubtful_columns"}, LINE(doubtful_columns)},
 };
 #define COUNT_OF(table) ((int)(sizeof(table) / sizeof((table)[0])))
 
@@ -98,14 +111,20 @@ static struct line make_line(const struct neph_i3rc_row *row, int quantity)
         line.rms[s] = columns->rms[s];
     line.noise = columns->noise;
     line.constant = columns->constant;
-    line.correlation_x = columns->correlation_x;
-    line.correlation_z = columns->correlation_z;
-    line.correlation_error = columns->correlation_error;
+    line.constant_low = columns->constant_low;
+    line.constant_high = columns->constant_high;
+    line.fall = columns->fall;
+    for (int along = 0; along < 2; along++) {
+        line.correlation[along] = columns->correlation[along];
+        line.correlation_error[along] = columns->correlation_error[along];
+    }
     line.worst_x = columns->worst_x;
     line.worst_z = columns->worst_z;
     line.worst = columns->worst;
     line.worst_error = columns->worst_error;
     line.worst_consensus = columns->worst_consensus;
+    line.worst_score = columns->worst_score;
+    line.worst_p = columns->worst_p;
     return line;
 }
 
@@ -171,7 +190,11 @@ static void print_means(const struct neph_i3rc *suite, FILE *out)
             fill_names(row, row->missing ? "" : neph_i3rc_quantities[q].name, &table);
             neph_table_field_cells(&table, mean_fields, COUNT_OF(mean_fields), &line);
             neph_table_word(&table, "");
-            neph_table_shown(&table, " %s", verdict_word(row, &row->numbers[q]));
+            neph_table_shown(&table, " %s%s", verdict_word(row, &row->numbers[q]),
+                             row->numbers[q].has_consensus &&
+                                     row->numbers[q].ours.doubt > NEPH_DOUBTFUL
+                                 ? ", our error bar is not to be trusted"
+                                 : "");
         }
     }
     fputs("means over the domain, parts of the sunlight on a level plane:\n", out);
@@ -191,10 +214,13 @@ static void print_columns(const struct neph_i3rc *suite, FILE *out)
                 fill_names(&suite->rows[r], neph_i3rc_quantities[q].name, &table);
                 neph_table_field_cells(&table, column_fields, COUNT_OF(column_fields), &line);
             }
-    fputs("\ncolumns against the consensus: rms difference with N/16, N/4 and N paths, our noise "
-          "in the last,\nthe constant without it, correlation of neighbours, the column that "
-          "differs most:\n",
-          out);
+    fputs(
+        "\ncolumns against the consensus: rms difference with N/16, N/4 and N paths, our noise in "
+        "the last, its\ncolumns with a doubtful error bar, the constant without noise and its 95 "
+        "% interval, how many standard\nerrors the fall is off from it, correlation of "
+        "neighbours, the column that differs most, its score in\nstandard errors of both, and "
+        "the probability of such a column by chance:\n",
+        out);
     neph_table_print_aligned(&table, out);
     neph_table_finish(&table);
     for (int r = 0; r < suite->row_count; r++)

@@ -2,6 +2,7 @@
 #include "harness/physics/physics.h"
 
 #include "base/clock.h"
+#include "base/doubt.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
 #include "harness/experiment/pool.h"
@@ -41,6 +42,10 @@ static void judge(struct neph_physics_row *row, double critical_z, struct neph_a
         row->sentence = neph_arena_format(arena, "%s deviates by %+.3g %%, %s%s", who, percent,
                                           row->cause ? "because " : "and the cause is not known",
                                           row->cause ? row->cause : "");
+    char doubt[NEPH_DOUBT_ROOM];
+    neph_doubt_describe(row->doubt, doubt, sizeof(doubt));
+    if (doubt[0])
+        row->sentence = neph_arena_format(arena, "%s; %s", row->sentence, doubt);
 }
 
 /* Reference engines and phase functions must agree; other engines are only reported. */

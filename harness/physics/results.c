@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/physics/results.h"
 
+#include "base/doubt.h"
 #include "harness/document/table.h"
 
 #include <math.h>
@@ -34,18 +35,18 @@ static json_t *row_json(const struct neph_physics_row *row)
 {
     const bool has_interval = row->verdict != NEPH_PHYSICS_NOT_MEASURED;
     return json_pack(
-        "{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:s?, s:f, "
-        "s:f, s:o, s:o, s:o, s:o, s:o, s:s, s:s, s:o}",
+        "{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s?, "
+        "s:f, s:f, s:o, s:o, s:o, s:o, s:o, s:s, s:s, s:o}",
         "check", row->check->name, "rung", row->check->rung, "participant", row->participant->name,
         "engine", row->engine->name, "status", neph_outcome_name(row->outcome), "reason",
         row->reason, "settings", row->settings, "lowered", row->lowered, "look", row->engine->look,
         "deviation", neph_json_number(row->deviation), "standard_error",
-        neph_json_number(row->standard_error), "step_bound", neph_json_number(row->step_bound), "z",
-        neph_json_number(row->z), "pixel_z_mean", neph_json_number(row->pixel_z_mean),
-        "pixel_z_variance", neph_json_number(row->pixel_z_variance), "cause", row->cause,
-        "rounding", row->participant->rounding, "wall_s", row->wall_s, "exr",
-        texts_json(row->paths), "pictures", texts_json(row->pictures), "differences",
-        texts_json(row->differences), "bake",
+        neph_json_number(row->standard_error), "doubt", neph_json_number(row->doubt), "step_bound",
+        neph_json_number(row->step_bound), "z", neph_json_number(row->z), "pixel_z_mean",
+        neph_json_number(row->pixel_z_mean), "pixel_z_variance",
+        neph_json_number(row->pixel_z_variance), "cause", row->cause, "rounding",
+        row->participant->rounding, "wall_s", row->wall_s, "exr", texts_json(row->paths),
+        "pictures", texts_json(row->pictures), "differences", texts_json(row->differences), "bake",
         row->bakes ? neph_bakes_summary_json(row->bakes) : json_null(), "study",
         row->study ? neph_study_json(row->study) : json_null(), "verdict",
         verdict_names[row->verdict], "sentence", row->sentence, "interval",
@@ -152,6 +153,6 @@ void neph_physics_print(const struct neph_physics *physics, FILE *out)
     neph_table_print_aligned(&table, out);
     neph_table_finish(&table);
     for (int i = 0; i < physics->row_count; i++)
-        if (physics->rows[i].verdict == NEPH_PHYSICS_OFF)
+        if (physics->rows[i].verdict == NEPH_PHYSICS_OFF || physics->rows[i].doubt > NEPH_DOUBTFUL)
             fprintf(out, "%s: %s\n", physics->rows[i].check->name, physics->rows[i].sentence);
 }

@@ -52,6 +52,7 @@ struct neph_physics_row {
     double standard_error; /* of a stochastic engine */
     double step_bound;     /* of a deterministic engine */
     double z;              /* deviation / standard_error */
+    double doubt;          /* of the standard error (base/doubt.h) */
     double pixel_z_mean, pixel_z_variance;
     const char *cause; /* known cause of a deviation, text after "because"; or NULL */
     double wall_s;

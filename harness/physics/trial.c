@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/physics/trial.h"
 
+#include "base/doubt.h"
 #include "base/exr.h"
 #include "harness/run/seed.h"
 #include "metrics/significance.h"
@@ -95,6 +96,7 @@ struct sums {
     double truth;        /* sum of |factor| weight reference */
     double deviation[2]; /* sum of factor weight (L - reference), for each pass */
     double variance;     /* of the mean of both passes */
+    double squares;      /* of that variance's standard error; NaN: not known */
     struct neph_z_moments pixels;
 };
 
@@ -128,11 +130,13 @@ static void add_view(const struct neph_scenery_view *seen, struct neph_image *co
     const float *vb = neph_image_channel(frames[1], "variance.G");
     const double factor = seen->view->factor;
     const bool stochastic = !participant->refined;
-    double truth = 0.0;
+    double truth = 0.0, variances[2] = {0.0, 0.0};
     for (int p = 0; p < seen->pixel_count; p++) {
         const double weight = factor * seen->weight[p];
         if (weight == 0.0)
             continue;
+        variances[0] += va ? 0.25 * weight * weight * (double)va[p] : 0.0;
+        variances[1] += vb ? 0.25 * weight * weight * (double)vb[p] : 0.0;
         truth += fabs(weight) * seen->truth[p];
         sums->deviation[0] += weight * ((double)a[p] - seen->truth[p]);
         sums->deviation[1] += weight * ((double)b[p] - seen->truth[p]);
@@ -143,6 +147,8 @@ static void add_view(const struct neph_scenery_view *seen, struct neph_image *co
     }
     sums->truth += truth;
     sums->variance += stochastic ? pow(truth * seen->truth_error, 2.0) : 0.0;
+    for (int pass = 0; pass < 2; pass++)
+        sums->squares += neph_doubt_read(frames[pass]) * variances[pass] * variances[pass];
     add_pixel_scores(seen, frames[0], participant->rounding, sums);
 }
 
@@ -164,6 +170,8 @@ static void conclude(const struct neph_participant *participant, const struct su
         row->deviation = 0.5 * (sums->deviation[0] + sums->deviation[1]) / sums->truth;
         row->standard_error = sqrt(sums->variance) / sums->truth;
     }
+    if (row->standard_error > 0.0)
+        row->doubt = sums->squares / (sums->variance * sums->variance);
     if (row->standard_error > 0.0)
         row->z = row->deviation / row->standard_error;
     if (sums->pixels.count > 0) {
@@ -297,7 +305,7 @@ enum neph_status neph_trial_run(const struct neph_trial *trial, struct neph_scen
     struct sums sums;
     row->participant = participant;
     row->engine = trial->entrant->engine;
-    row->deviation = row->standard_error = row->step_bound = row->z = NAN;
+    row->deviation = row->standard_error = row->doubt = row->step_bound = row->z = NAN;
     row->pixel_z_mean = row->pixel_z_variance = NAN;
     const enum neph_status status = try_all(trial, scenery, &sums, row, diag);
     if (status)

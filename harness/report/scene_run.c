@@ -2,6 +2,7 @@
 #include "harness/report/scene_run.h"
 
 #include "base/clock.h"
+#include "base/doubt.h"
 #include "base/exr.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/non_physical.h"
@@ -240,6 +241,7 @@ static void take_result(const struct neph_scene_run *run, const struct neph_job 
         .cost = result->cost,
         .job = *job,
         .noise = NAN,
+        .noise_doubt = NAN,
         .seed = job->shot.seed,
         .step_optical_depth = neph_step_depth(&job->shot, job->engine),
         .path = neph_arena_copy_text(run->arena, result->frame_path),
@@ -372,6 +374,7 @@ static enum neph_status measure_noise(const struct neph_image *image,
         frame->noise = neph_noise_from_two_seeds(image, second);
     else if (frame->engine->stochastic)
         frame->noise = neph_noise_from_variance(image);
+    frame->noise_doubt = neph_doubt_read(image);
     neph_image_destroy(second);
     return status;
 }

@@ -53,6 +53,7 @@ struct neph_frame_result {
     struct neph_speed speed; /* of warm frames, without start-up; repeats 0: not measured */
     struct neph_job job;     /* the job that rendered it, without the scene */
     double noise;            /* standard error of a pixel over the RMS radiance; NaN: none */
+    double noise_doubt;      /* of the noise (base/doubt.h); NaN: not known */
     uint64_t seed;
     double step_optical_depth;              /* largest of a step; NaN: no fixed steps */
     const char *path;                       /* of the frame in the store; NULL: not rendered */
@@ -176,7 +177,8 @@ void neph_validation_junit(const struct neph_validation *validation, struct neph
 void neph_validation_print(const struct neph_validation *validation, FILE *out);
 
 /* Print the verdict, such as "pass", followed by the engines that it does not cover and their
- * number of scenes: not installed, over budget, or with fewer samples than set. No line break. */
+ * number of scenes: not installed, over budget, with fewer samples than set, or with a doubtful
+ * error bar. No line break. */
 void neph_validation_print_verdict(const struct neph_validation *validation, FILE *out);
 
 const char *neph_verdict_name(enum neph_verdict verdict);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/validation.h"
 
+#include "base/doubt.h"
 #include "base/written.h"
 #include "harness/host.h"
 #include "harness/report/page.h"
@@ -17,12 +18,15 @@
 /* null for a deterministic frame. */
 static json_t *noise_json(const struct neph_frame_result *frame)
 {
-    char text[128];
+    char text[128], doubt[NEPH_DOUBT_ROOM];
     if (!(frame->noise > 0.0))
         return json_null();
+    neph_doubt_describe(frame->noise_doubt, doubt, sizeof(doubt));
     snprintf(text, sizeof(text), "noise left in a pixel: %.2g %% of the rms radiance",
              100.0 * frame->noise);
-    return json_pack("{s:f, s:s, s:s}", "value", frame->noise, "unit", "1", "text", text);
+    return json_pack("{s:f, s:s, s:s, s:o, s:s?}", "value", frame->noise, "unit", "1", "text", text,
+                     "doubt", neph_json_number(frame->noise_doubt), "warning",
+                     doubt[0] ? doubt : NULL);
 }
 
 static json_t *frame_json(const struct neph_frame_result *frame)

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/validation.h"
 
+#include "base/doubt.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -67,6 +69,10 @@ static void print_frame(const struct neph_scene_result *scene,
         print_bakes(frame->bakes, out);
     if (frame->study)
         print_study(frame->study, out);
+    char doubt[NEPH_DOUBT_ROOM];
+    neph_doubt_describe(frame->noise_doubt, doubt, sizeof(doubt));
+    if (doubt[0])
+        fprintf(out, "%38s %s\n", "", doubt);
     if (frame->is_look && frame->note[0])
         fprintf(out, "%38s %s\n", "", frame->note);
 }

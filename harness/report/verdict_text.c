@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * The verdict of a run in one sentence. A verdict covers only the compared frames, so the sentence
- * names each engine that is not installed, is over its budget, or has fewer samples than set.
+ * names each engine that is not installed, is over its budget, has fewer samples than set, or has
+ * noise whose size is in doubt.
  */
+#include "base/doubt.h"
 #include "harness/report/validation.h"
 
 /* Compiles only when this file handles every outcome. */
@@ -24,12 +26,18 @@ static bool has_fewer_samples(const struct neph_frame_result *frame)
     return frame->path && !frame->is_look && frame->note[0];
 }
 
+static bool has_doubtful_noise(const struct neph_frame_result *frame)
+{
+    return frame->path && frame->noise_doubt > NEPH_DOUBTFUL;
+}
+
 static const struct shortfall {
     bool (*has)(const struct neph_frame_result *frame);
     const char *before, *after; /* text around an engine's name */
 } shortfalls[] = {{is_missing, ", without ", " (not installed)"},
                   {is_over_budget, ", without ", " (did not fit its budget)"},
-                  {has_fewer_samples, ", with fewer samples than set for ", ""}};
+                  {has_fewer_samples, ", with fewer samples than set for ", ""},
+                  {has_doubtful_noise, ", with an error bar that is not to be trusted of ", ""}};
 
 static int count_scenes(const struct neph_validation *validation, int engine,
                         const struct shortfall *shortfall)

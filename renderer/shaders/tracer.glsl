@@ -73,6 +73,7 @@ layout(push_constant) uniform TracerRun {
     uint first_queue;  // of this dispatch
     uint turns;        // iterations of the outer loop, at most
     uint is_fresh;     // 1: no unfinished paths
+    float noise_scale; // of squared differences, whose squares are then within float32
 } run;
 
 const uint STRATA = NEPH_GPU_STRATA;
@@ -106,7 +107,8 @@ struct TracerPixel {
     vec4 behind;        // background, or sunlight reflected by the surface; black if OPEN; w: eye
                         // depth [m]
     vec4 transmittance; // w: unused
-    vec4 sums[4];       // order1, higher, surface; and squared differences of pairs
+    vec4 sums[4];       // order1, higher, surface; and squared differences of pairs, w: their
+                        // sum over the channels, squared
     vec4 excess[4];     // rounding errors of the sums
 };
 

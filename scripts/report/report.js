@@ -752,7 +752,8 @@
         columns.map(({ find }) => num(cardNumber(find(frame)))),
         isNoisy && num(noise(frame)), num(speed(frame)), num(startUp(frame)),
         words(gatedWords(scene, frame), frame.note
-          && el("div", { class: "small" }, frame.note))))),
+          && el("div", { class: "small" }, frame.note), frame.noise?.warning
+          && el("div", { class: "small" }, frame.noise.warning))))),
     speedNote(scene));
   }
 

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: MIT
 """`neph compare --z`: noise or bias between two renders, with variances from layers, from second
 moments and from repeats. The statistics are tested in tests/metrics/test_z_test.c."""
+import json
+import pathlib
 import random
 import unittest
 import xml.etree.ElementTree
@@ -108,7 +110,7 @@ class Noise(neph_case.NephCase):
         old, new = self.repeats("old", range(10, 13)), self.repeats("new", (20, 25, 27, 31))
         found = self.json("compare", "--z", "-r", old, new)
         self.assertEqual(found["verdict"], "noise")
-        self.assertEqual(found["test"], {"files": 4, "source": "repeats"})
+        self.assertEqual(found["test"], {"files": 4, "source": "repeats", "doubt": None})
         bright = self.repeats("bright", (41, 42, 43), lambda i: 1.05)
         self.neph("compare", "--z", "-r", old, bright, code=1, said="biased")
         # Layers on one side, repeats on the other.
@@ -151,6 +153,62 @@ class Noise(neph_case.NephCase):
                 (("-r", old, plain, negative), 64, "--z compares one test with the reference")):
             self.neph("compare", "--z", *words, code=code, said=said)
         self.neph("flicker", "--z", old, old, code=64, said="use `neph compare --z`")
+
+
+DROPLETS = """
+name: droplets
+title: a thin cloud of droplets, 30 degrees beside the sun
+description: the forward peak of their table is 7,000 times as bright as an even one
+camera: {position_m: [0, 0, 0], look_at_m: [0, 100, -60], vertical_fov_deg: 30}
+sun: {direction: [0, 0.866, 0.5], irradiance_w_per_m2: [3, 3, 3]}
+scattering: multiple
+media:
+  - homogeneous:
+      extinction_per_m: 0.03
+      albedo: [1, 1, 1]
+      PHASE
+      bounds: {min_m: [-1.0e+4, 10, -1.0e+4], max_m: [1.0e+4, 30, 1.0e+4]}
+"""
+TABLE = f"""phase: table
+      phase_table: {neph_case.ROOT}/scenes/catalog/fogbow_droplets.csv"""
+EVEN = "phase: henyey_greenstein\n      asymmetry_g: 0.5"
+DOUBT = "error bar not trusted: a few paths make most of it"
+
+
+class Doubt(neph_case.NephCase):
+    """Frames of both path tracers say when their error bar is not to be trusted."""
+
+    def render(self, phase, engine, samples, **expected):
+        scene = self.put("droplets.yaml", DROPLETS.replace("PHASE", phase))
+        found = self.json("render", scene, "-e", engine, "-s", f"samples={samples}", "--size",
+                          "16x9", "--seed", 1, "-q", "-o", self.folder / f"{engine}_{samples}",
+                          **expected)
+        return found[0]["noise_doubt"], found[0]["exr"]
+
+    def test_frames(self):
+        for engine, samples in ("tracer", 1024), ("oracle", 64):
+            doubt, path = self.render(TABLE, engine, samples, said=DOUBT)
+            self.assertGreater(doubt, 0.1)
+            attributes = frames.read_exr(pathlib.Path(path))[3]
+            self.assertEqual(float(attributes["neph.noise.doubt"]), doubt)
+            self.assertGreater(float(attributes["neph.noise.doubtful_pixels"]), 0.01)
+            doubt, _ = self.render(EVEN, engine, 64)
+            self.assertLess(doubt, 0.01)
+
+    def test_verdicts(self):
+        _, one = self.render(TABLE, "tracer", 1024)
+        _, other = self.render(TABLE, "oracle", 64)
+        done = self.neph("compare", "--z", one, other, "-q", code=None)
+        self.assertIn(DOUBT, done.stdout)
+        self.assertGreater(self.json("compare", "--z", one, other, code=None)["test"]["doubt"], 0.1)
+        out = self.folder / "report"
+        done = self.neph("validate", self.folder / "droplets.yaml", "-e", "oracle,tracer", "-s",
+                         "oracle:samples=64", "-s", "tracer:samples=1024", "--size", "16x9", "-q",
+                         "-o", out, code=None)
+        self.assertIn(DOUBT, done.stdout)
+        self.assertIn("with an error bar that is not to be trusted of", done.stdout)
+        frame = json.loads(next(out.rglob("data.json")).read_text())["scenes"][0]["frames"][0]
+        self.assertIn(DOUBT, frame["noise"]["warning"])
 
 
 if __name__ == "__main__":

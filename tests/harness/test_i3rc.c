@@ -132,12 +132,102 @@ static void test_a_slab_as_case_2(void **state)
     assert_true(transmitted->columns.rms[0] > transmitted->columns.rms[2]);
     neph_assert_close(transmitted->columns.constant, noise, 0.25, 0.0);
     neph_assert_close(reflected->columns.constant, hypot(noise, 0.4 / sqrt(COLUMNS)), 0.25, 0.0);
+    assert_true(transmitted->columns.constant_low < noise);
+    assert_true(transmitted->columns.constant_high > noise);
+    assert_true(fabs(transmitted->columns.fall) < 4.0);
+    assert_true(reflected->columns.worst_score < -4.0 && reflected->columns.worst_p < 0.01);
     /* The trend of T is seen, the noise of R is none. */
-    const double error = transmitted->columns.correlation_error;
-    assert_true(transmitted->columns.correlation_x > 4.0 * error);
-    assert_true(fabs(reflected->columns.correlation_x) < 4.0 * error);
+    assert_true(transmitted->columns.correlation[0] >
+                4.0 * transmitted->columns.correlation_error[0]);
+    assert_true(fabs(reflected->columns.correlation[0]) <
+                4.0 * reflected->columns.correlation_error[0]);
+    assert_true(isnan(reflected->columns.correlation[1]));
     neph_i3rc_finish(&suite);
 }
+
+/* ---- the fit ---- */
+
+enum { PLACES = 200, BATCHES = 32 };
+
+static double draw_normal(uint64_t *seed)
+{
+    const double u = neph_test_uniform(seed, 0.0, 1.0), v = neph_test_uniform(seed, 0.0, 1.0);
+    return sqrt(-2.0 * log(1.0 - u)) * cos(2.0 * M_PI * v);
+}
+
+/* Reflected light of columns, 0.5 + 0.001 i, with noise that differs from column to column:
+ * `noise` times 0.5 to 1.5 in the mean of all batches. */
+static struct neph_fluxes make_stage(double noise, double bias, uint64_t *seed)
+{
+    const struct neph_scene scene = {.name = "none"};
+    const struct neph_flux_domain domain = {.columns_x = PLACES, .columns_z = 1};
+    struct neph_fluxes fluxes = {.sums = NULL};
+    neph_assert_ok(neph_fluxes_create(&scene, &domain, &fluxes, NULL), NULL);
+    for (int b = 0; b < BATCHES; b++) {
+        double values[NEPH_FLUX_COUNT * PLACES] = {0.0};
+        for (int i = 0; i < PLACES; i++)
+            values[NEPH_FLUX_REFLECTED * PLACES + i] = 0.5 + 0.001 * i + bias +
+                                                       noise * (0.5 + (double)i / PLACES) *
+                                                           sqrt(BATCHES) * draw_normal(seed);
+        neph_fluxes_add_batch(&fluxes, values);
+    }
+    return fluxes;
+}
+
+/* Compare with a consensus that has this noise, and column 11 off by `wrong`. `bias`: of the stage
+ * with the fewest paths. */
+static struct neph_i3rc_columns fit(double noise, double constant, double wrong, double bias,
+                                    uint64_t *seed)
+{
+    struct neph_fluxes stages[NEPH_I3RC_STAGES];
+    struct neph_i3rc_number number = {.doubtful_columns = 0};
+    double consensus[PLACES];
+    for (int i = 0; i < PLACES; i++)
+        consensus[i] = 0.5 + 0.001 * i + constant * draw_normal(seed) + (i == 11 ? wrong : 0.0);
+    for (int s = 0; s < NEPH_I3RC_STAGES; s++)
+        stages[s] = make_stage(noise / sqrt(neph_i3rc_stages[s]), s == 0 ? bias : 0.0, seed);
+    neph_assert_ok(neph_i3rc_compare(stages, NEPH_FLUX_REFLECTED, consensus, &number, NULL), NULL);
+    for (int s = 0; s < NEPH_I3RC_STAGES; s++)
+        neph_fluxes_finish(&stages[s]);
+    return number.columns;
+}
+
+/* The 95 % interval of the constant holds the planted one in 95 of 100 fits, of which a binomial
+ * number is within 87 to 100 but once in 2,000; a constant of 0 is told apart in 2.5. */
+static void test_the_constant_has_an_interval(void **state)
+{
+    enum { FITS = 100 };
+    const double noise = 0.05, constant = 0.04;
+    int held = 0, found = 0, risen = 0;
+    uint64_t seed = 8;
+    for (int i = 0; i < FITS; i++) {
+        const struct neph_i3rc_columns columns = fit(noise, constant, 0.0, 0.0, &seed);
+        held += columns.constant_low <= constant && columns.constant_high >= constant;
+        risen += fabs(columns.fall) > 3.0;
+        const struct neph_i3rc_columns none = fit(noise, 0.0, 0.0, 0.0, &seed);
+        found += !isnan(none.constant);
+        assert_true(none.constant_low == 0.0 || !isnan(none.constant));
+    }
+    print_message("%d of %d intervals hold the constant, %d of 0 are told apart from 0\n", held,
+                  FITS, found);
+    assert_true(held >= 87);
+    assert_true(found <= 10);
+    assert_true(risen <= 5);
+}
+
+static void test_what_noise_is_not(void **state)
+{
+    uint64_t seed = 9;
+    const struct neph_i3rc_columns wrong = fit(0.01, 0.01, -0.2, 0.0, &seed);
+    assert_int_equal(wrong.worst_x, 11);
+    assert_true(wrong.worst_score > 5.0 && wrong.worst_p < 1e-4);
+    const struct neph_i3rc_columns right = fit(0.01, 0.01, 0.0, 0.0, &seed);
+    assert_true(right.worst_p > 0.001 && fabs(right.worst_score) < 5.0);
+    /* A difference of the method that is there only with few paths. */
+    assert_true(fit(0.01, 0.01, 0.0, 0.1, &seed).fall > 5.0);
+}
+
+/* ---- files ---- */
 
 /* A flat cloud of one thickness: a slab that fills its topmost layer by half. */
 static void test_a_slab_as_case_3(void **state)
@@ -235,8 +325,10 @@ static void test_bad_files_are_named_with_their_place(void **state)
         assert_int_equal(diag.line, cases[i].line);
         assert_int_equal(diag.column, cases[i].column);
     }
-    const struct neph_diag binary = refuse(folder, "0.1\0 0.2", 8);
+    const struct neph_diag binary = refuse(folder, "0.1\n 0.2\0 0.3", 13);
     assert_non_null(strstr(binary.message, "byte 0"));
+    assert_int_equal(binary.line, 2);
+    assert_int_equal(binary.column, 5);
 }
 
 static void test_wrong_sizes_and_pairs(void **state)

@@ -545,9 +545,11 @@ static void test_clouds_in_the_white_furnace(void **state)
         test_scene_build(&test, clouds[s].build);
         heat(&test);
         const struct neph_tracer_params params = make_params(16, 9, 128);
-        OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
+        struct neph_tracer_stats stats;
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, &stats);
         const struct verdict v = compare(&test, frame, one, NULL);
         judge(clouds[s].name, v, 0.3);
+        assert_true(neph_doubt_of_frame(&stats.doubt) < NEPH_DOUBTFUL);
         assert_true(v.count == 0 || s >= FIRST_OF_CHANCE);
     }
 }
@@ -749,6 +751,32 @@ static void test_seeds_are_independent(void **state)
     assert_true(judge_pair("two seeds", a, b, 0.1) > 300);
 }
 
+/* The doubt from the squares of squared differences is that of normal noise, 2 by the number of
+ * pairs of all pixels, where the light of all paths is alike, and does not depend on the unit of
+ * light, in which the fourth powers would leave float32. */
+static void test_doubt_of_the_variance(void **state)
+{
+    struct test_scene test;
+    double doubts[3];
+    for (int i = 0; i < 3; i++) {
+        build_lit(&test, scene_fogs_and_ball);
+        const float unit = i == 0 ? 1.0f : i == 1 ? 0x1p-40f : 0x1p40f;
+        test.scene.sun.irradiance_w_per_m2 = neph_rgb_scale(test.scene.sun.irradiance_w_per_m2,
+                                                            (double)unit);
+        test.scene.background_w_per_m2_sr = neph_rgb_scale(test.scene.background_w_per_m2_sr,
+                                                           (double)unit);
+        const struct neph_tracer_params params = make_params(24, 14, 64);
+        struct neph_tracer_stats stats;
+        neph_image_destroy(render(*state, &test, &params, &stats));
+        doubts[i] = neph_doubt_of_frame(&stats.doubt);
+    }
+    print_message("doubt %g, %g, %g; of normal noise %g\n", doubts[0], doubts[1], doubts[2],
+                  2.0 / (32 * 24 * 14));
+    assert_true(doubts[0] > 2.0 / (32 * 24 * 14) && doubts[0] < NEPH_DOUBTFUL);
+    neph_assert_close(doubts[1], doubts[0], 1e-6, 0.0);
+    neph_assert_close(doubts[2], doubts[0], 1e-6, 0.0);
+}
+
 /* --- checkpoints, targets, limits --------------------------------------------------------- */
 
 static void refuses(struct neph_vulkan *vulkan, const struct test_scene *test,
@@ -779,6 +807,9 @@ static void test_a_checkpoint_pause_keeps_the_bits(void **state)
     OWNED(image) struct neph_image *rested = render(*state, &test, &params, &rested_stats);
     assert_true(test_same_bits(straight, rested));
     assert_int_equal(straight_stats.collisions, rested_stats.collisions);
+    const double doubt = neph_doubt_of_frame(&straight_stats.doubt);
+    assert_true(doubt > 0.0 && doubt < NEPH_DOUBTFUL);
+    assert_true(doubt == neph_doubt_of_frame(&rested_stats.doubt));
     assert_int_equal(rested_stats.samples, 32);
     OWNED(image)
     struct neph_image *again = render(*state, &test, &params, NULL); /* nothing remains to do */

@@ -7,9 +7,12 @@
 #include "tests/base/scratch.h"
 
 #include "scenes/motion.h"
+#include "scenes/phase_table.h"
 #include "scenes/scene.h"
 #include "scenes/variant.h"
 #include "scenes/volume_file.h"
+#include "scenes/volume_format.h"
+#include "scenes/volume_netcdf.h"
 
 struct loading {
     char *path;
@@ -154,6 +157,29 @@ static void test_variants(void **state)
     neph_scene_destroy(scene);
 }
 
+/* Water and radii of 3 x 2 x 3 nodes; those along z are uneven. */
+struct netcdf {
+    struct neph_netcdf_header header;
+    double x[3], y[2], z[3];
+    float water[18], radii[18];
+};
+
+static struct netcdf make_netcdf(void)
+{
+    struct netcdf made = {.header = {.axes = {{"x", "m", 3, 1}, {"y", "m", 2, 1}, {"z", "m", 3, 1}},
+                                     .names = {"lwc", "re"},
+                                     .units = {"g m-3", "um"},
+                                     .variable_count = 2},
+                          .x = {0, 100, 200},
+                          .y = {0, 100},
+                          .z = {300, 200, 0}};
+    for (int i = 0; i < 18; i++) {
+        made.water[i] = 0.1f * (float)i;
+        made.radii[i] = 10.0f;
+    }
+    return made;
+}
+
 static enum neph_status sweep(void *context, struct neph_diag *diag)
 {
     struct neph_scene *at = NULL;
@@ -195,13 +221,56 @@ static void test_volume_files(void **state)
     assert_int_equal(scratch_count(state), 1);
 }
 
+static enum neph_status read_table(void *context, struct neph_diag *diag)
+{
+    struct neph_arena arena = {NULL};
+    const struct neph_phase_table *table = NULL;
+    const enum neph_status status = neph_phase_table_read(context, &arena, &table, diag);
+    assert_int_equal(table != NULL, status == NEPH_OK);
+    neph_arena_finish(&arena);
+    return status;
+}
+
+static void test_phase_tables(void **state)
+{
+    static char path[] = NEPH_SOURCE_DIR "/tests/fuzz/corpus/phase/isotropic";
+    assert_every_failure_is_reported("a phase function", read_table, path);
+    assert_scene("fogbow");
+}
+
+/* What neph-netcdf wrote, in an operation without the program. */
+static enum neph_status take_netcdf(void *context, struct neph_diag *diag)
+{
+    struct neph_grid *grid = NULL;
+    const struct neph_volume_request request = {
+        .path = "les.nc",
+        .radius_name = "re",
+        .density = NEPH_DENSITY_WATER,
+        .droplets = {.unit = NEPH_DENSITY_WATER},
+        .memory_limit_bytes = 1 << 20,
+    };
+    enum neph_status status = neph_volume_take_netcdf(&request, context, sizeof(struct netcdf),
+                                                      &grid, diag);
+    if (!status)
+        status = neph_grid_seal(grid, diag);
+    neph_grid_destroy(grid);
+    return status;
+}
+
+static void test_netcdf(void **state)
+{
+    struct netcdf output = make_netcdf();
+    assert_every_failure_is_reported("a NetCDF file", take_netcdf, &output);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         scratch_test(test_catalogue),    scratch_test(test_motion),
         scratch_test(test_injections),   scratch_test(test_voxels),
         cmocka_unit_test(test_variants), cmocka_unit_test(test_points),
-        scratch_test(test_volume_files),
+        scratch_test(test_volume_files), cmocka_unit_test(test_phase_tables),
+        cmocka_unit_test(test_netcdf),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -129,8 +129,10 @@ static void test_rows_that_are_no_phase_function(void **state)
         {{0, 60, 120, 180}, {1, -1, 1, 1}, "row 2: the phase function is -1 at 60"},
         {{0, 60, 120, 180}, {1, NAN, 1, 1}, "row 2: the phase function is nan"},
         {{0, 60, NAN, 180}, {1, 1, 1, 1}, "row 3: nan degrees"},
+        {{0, 60, 120, INFINITY}, {1, 1, 1, 1}, "row 4: inf degrees are not in 0..180"},
         {{1, 60, 120, 180}, {1, 1, 1, 1}, "reach from 1 to 180 degrees, not from 0 to 180"},
         {{179, 60, 20, 0}, {1, 1, 1, 1}, "reach from 0 to 179 degrees"},
+        {{-1, 60, 120, 180}, {1, 1, 1, 1}, "row 1: -1 degrees are not in 0..180"},
         {{0, 1e-200, 120, 180}, {1, 1, 1, 1}, "are one angle"},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
@@ -201,6 +203,10 @@ static void test_files(void **state)
         {"0 1\n90\n180 1\n", "line 2: '90' is not an angle"},
         {"0 1\nangle value\n180 1\n", "line 2: 'angle value' is not an angle"},
         {"0 1\n90 inf\n180 1\n", "line 2: "},
+        {"angle value\n# rows\n0 1\n90 -1\n180 1\n", "line 4: the phase function is -1 at 90"},
+        {"0 1\n90 1e999\n180 1\n", "line 2: the phase function is inf at 90"},
+        {"0 1\n\n90 1\n90 1\n180 1\n", "line 4: 90 degrees after 90"},
+        {"0 1\n90 1\n181 1\n", "line 3: 181 degrees are not in 0..180"},
         {"0 0x1p0\n180 1\n", "line 1: "},
         {"0 1\n", "a phase function of 1 rows"},
         {"", "a phase function of 0 rows"},

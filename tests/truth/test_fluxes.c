@@ -5,6 +5,7 @@
  */
 #include "tests/scene_builders.h"
 
+#include "base/doubt.h"
 #include "base/threads.h"
 #include "truth/fluxes.h"
 #include "truth/slab.h"
@@ -226,7 +227,7 @@ static void test_bits_do_not_depend_on_the_threads(void **state)
 {
     const struct neph_scene scene = make_slab(4.0, 0.9, 0.85, 0.5);
     const struct neph_fluxes_params params = make_params(3, 2, 600);
-    const size_t bytes = NEPH_FLUX_COUNT * 6 * sizeof(struct neph_flux_sum);
+    const size_t bytes = NEPH_FLUX_COUNT * 6 * sizeof(struct neph_moments);
     struct neph_fluxes runs[2];
     for (int run = 0; run < 2; run++) {
         neph_set_thread_count(run ? 5 : 1);
@@ -250,8 +251,8 @@ static void test_error_bars_of_rare_paths_are_doubted(void **state)
     struct neph_fluxes fluxes = trace(&scene, &params);
     const struct neph_flux_estimate zenith = neph_flux_of_domain(&fluxes, NEPH_FLUX_ZENITH, 0);
     print_message("zenith %g, doubt %.2g\n", zenith.mean, zenith.doubt);
-    assert_true(zenith.doubt > NEPH_FLUX_DOUBTFUL);
-    assert_true(neph_flux_of_domain(&fluxes, NEPH_FLUX_TRANSMITTED, 0).doubt < NEPH_FLUX_DOUBTFUL);
+    assert_true(zenith.doubt > NEPH_DOUBTFUL);
+    assert_true(neph_flux_of_domain(&fluxes, NEPH_FLUX_TRANSMITTED, 0).doubt < NEPH_DOUBTFUL);
     assert_int_equal(neph_flux_doubtful_columns(&fluxes, NEPH_FLUX_ZENITH, 0), 1);
     neph_fluxes_finish(&fluxes);
 }

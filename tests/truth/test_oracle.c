@@ -244,7 +244,9 @@ static void test_white_furnace_frame(void **state)
     stage.scene.media[0].extinction_color = white;
     stage.scene.media[0].layers[0].extinction_per_m = 20.0;
     const struct neph_oracle_params params = make_oracle_params(32, 18, 16);
-    struct neph_image *frame = render(&stage.scene, &params, NULL);
+    struct neph_oracle_stats stats;
+    struct neph_image *frame = render(&stage.scene, &params, &stats);
+    assert_true(neph_doubt_of_frame(&stats.doubt) < NEPH_DOUBTFUL);
     for (size_t i = 0; i < neph_image_pixel_count(frame); i++)
         /* A roulette that starts below 0.05 may lose or add a path that enters by the surface. */
         neph_assert_close((double)neph_image_channel(frame, "G")[i], 1.0, 0.0,
@@ -291,6 +293,8 @@ static void test_resumed_render_has_the_same_bits(void **state)
     struct neph_image *resumed = render(&stage.scene, &params, &stats);
     assert_same_bits(whole, resumed);
     assert_int_equal(stats.collisions, whole_stats.collisions);
+    assert_true(neph_doubt_of_frame(&stats.doubt) == neph_doubt_of_frame(&whole_stats.doubt));
+    assert_true(stats.doubt.noisy > 0 && neph_doubt_of_frame(&stats.doubt) < NEPH_DOUBTFUL);
     /* The old sums are really used. */
     neph_image_destroy(part);
     part = render(&stage.scene, &params, &stats);
