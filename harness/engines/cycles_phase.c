@@ -25,9 +25,9 @@ struct input {
 
 static const char henyey_greenstein[] = "HENYEY_GREENSTEIN";
 
-/* The nodes Volume Scatter of each kind: property `phase`, share of the scattering, inputs. Cornette
- * and Shanks' phase function is Draine's with alpha 1. Blender's "Mie" is Jendersie and d'Eon's;
- * its parameters are those of scenes/ from 5 um on. */
+/* The nodes Volume Scatter of each kind: property `phase`, share of the scattering, inputs.
+ * Cornette and Shanks have Draine's with alpha 1. Blender's "Mie" is Jendersie and d'Eon's; its parameters
+ * are those of scenes/ from 5 um on. */
 #define AT(member) offsetof(struct neph_phase, member)
 static const struct lobe {
     enum neph_phase_kind kind;
