@@ -26,8 +26,8 @@ struct input {
 static const char henyey_greenstein[] = "HENYEY_GREENSTEIN";
 
 /* The nodes Volume Scatter of each kind: property `phase`, share of the scattering, inputs.
- * Cornette and Shanks have Draine's with alpha 1. Blender's "Mie" is Jendersie and d'Eon's; its parameters
- * are those of scenes/ from 5 um on. */
+ * Cornette and Shanks have Draine's phase function with alpha 1. Blender's "Mie" is Jendersie and
+ * d'Eon's; its parameters are those of scenes/ from 5 um on. */
 #define AT(member) offsetof(struct neph_phase, member)
 static const struct lobe {
     enum neph_phase_kind kind;
