@@ -12,7 +12,7 @@
 #include <string.h>
 
 /* COSINES: of the doubling, at Chebyshev points, between which light of higher orders is
- * interpolated; it is within 1e-3 of 48 points. */
+ * interpolated. Against 48 points the mean of the aureole changes by 2e-3, of others by 5e-4. */
 enum { VIEWS = 2, COSINES = 24 };
 
 const struct neph_angle_range neph_angle_ranges[NEPH_ANGLE_RANGES] = {
