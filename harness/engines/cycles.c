@@ -12,6 +12,7 @@
 #include "harness/engines/bakes.h"
 #include "harness/engines/blender.h"
 #include "harness/engines/cycles_frame.h"
+#include "harness/engines/cycles_phase.h"
 #include "harness/engines/cycles_probe.h"
 #include "harness/engines/frame_check.h"
 #include "scenes/media.h"
@@ -86,7 +87,9 @@ static void describe(const struct neph_cycles_features *features, struct neph_en
     snprintf(info->can, sizeof(info->can), "%s; volumes %s; %s",
              features->has_voxels ? "voxels" : "no voxels: it was built without them",
              features->has_unbiased ? "without bias, or in steps" : "in steps",
-             features->has_rayleigh ? "Rayleigh scattering" : "no Rayleigh scattering");
+             features->has_phases ? "Henyey-Greenstein, two of them, Rayleigh, Draine and "
+                                    "Jendersie-d'Eon"
+                                  : "Henyey-Greenstein only");
 }
 
 static void probe(const struct neph_engine *engine, struct neph_shared_device *device,
@@ -134,8 +137,9 @@ static bool has_spot(const struct neph_scene *scene)
 static const char *find_lack(const struct neph_cycles_features *features,
                              const struct neph_scene *scene, const struct neph_settings *settings)
 {
-    if (neph_cycles_needs_rayleigh(scene) && !features->has_rayleigh)
-        return "Rayleigh phase function, which Blender has from 4.3 on";
+    if (neph_cycles_needs_phases(scene) && !features->has_phases)
+        return "phase functions other than one Henyey-Greenstein, which Blender has from 4.3 on; "
+               "one from blender.org has them, NEPH_BLENDER names it";
     if (neph_scene_needs_voxels(scene) && !features->has_voxels)
         return "voxels: this Blender was built without them (NanoVDB); one from blender.org has "
                "them, NEPH_BLENDER names it";
@@ -150,8 +154,7 @@ static const char *find_lack(const struct neph_cycles_features *features,
 static bool lacks(const struct neph_engine *engine, const struct neph_scene *scene,
                   const struct neph_settings *settings, char *reason, size_t reason_size)
 {
-    const bool needs_features = neph_cycles_needs_rayleigh(scene) ||
-                                neph_scene_needs_voxels(scene) ||
+    const bool needs_features = neph_cycles_needs_phases(scene) || neph_scene_needs_voxels(scene) ||
                                 volume_biased(settings) == UNBIASED;
     struct neph_cycles_features features = {
         .has_voxels = true}; /* assumed for a Blender that is missing */

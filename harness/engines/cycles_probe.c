@@ -36,7 +36,9 @@ static enum neph_status read_about(const struct neph_cycles_session *session,
     const enum neph_status status = neph_cycles_about(session, &about, diag);
     features->has_unbiased = json_is_true(json_object_get(about, "has_unbiased"));
     features->has_spots = json_is_true(json_object_get(about, "has_spots"));
-    features->has_rayleigh = has_word(json_object_get(about, "phases"), "RAYLEIGH");
+    const json_t *phases = json_object_get(about, "phases");
+    features->has_phases = has_word(phases, "RAYLEIGH") && has_word(phases, "DRAINE") &&
+                           has_word(phases, "MIE");
     json_decref(about);
     return status;
 }
@@ -105,7 +107,7 @@ static bool load_features(const char *file, struct neph_cycles_features *feature
         *features = (struct neph_cycles_features){
             .has_voxels = json_is_true(json_object_get(kept, "has_voxels")),
             .has_unbiased = json_is_true(json_object_get(kept, "has_unbiased")),
-            .has_rayleigh = json_is_true(json_object_get(kept, "has_rayleigh")),
+            .has_phases = json_is_true(json_object_get(kept, "has_phases")),
             .has_spots = json_is_true(json_object_get(kept, "has_spots"))};
     json_decref(kept);
     return is_kept;
@@ -137,8 +139,8 @@ enum neph_status neph_cycles_features(int program, struct neph_cycles_features *
             neph_trial_save_result(file, json_pack("{s:s, s:b, s:b, s:b, s:b}", "program", path,
                                                    "has_voxels", features->has_voxels,
                                                    "has_unbiased", features->has_unbiased,
-                                                   "has_rayleigh", features->has_rayleigh,
-                                                   "has_spots", features->has_spots));
+                                                   "has_phases", features->has_phases, "has_spots",
+                                                   features->has_spots));
         if (!status && !with_voxels)
             features->has_voxels = true;
     }

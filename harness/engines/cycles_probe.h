@@ -12,7 +12,7 @@
 struct neph_cycles_features {
     bool has_voxels;   /* renders media from OpenVDB files */
     bool has_unbiased; /* has unbiased volume rendering without steps, which is its default */
-    bool has_rayleigh; /* has Rayleigh's phase function */
+    bool has_phases;   /* has all phase functions of cycles_phase.h, and weights their sums */
     bool has_spots;    /* its version's falloff inside a spot's cone is known */
 };
 

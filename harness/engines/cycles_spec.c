@@ -5,6 +5,7 @@
 #include "harness/engines/cycles_spec.h"
 
 #include "harness/engines/baked_scene.h"
+#include "harness/engines/cycles_phase.h"
 #include "harness/engines/cycles_surface.h"
 #include "harness/engines/scene_json.h"
 
@@ -22,7 +23,7 @@ _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
 enum {
-    SPEC_FORMAT = 5, /* change together with blender_render.py */
+    SPEC_FORMAT = 6, /* change together with blender_render.py */
     VOLUME_STACK = 31,
     SPHERE_SEGMENTS_MIN = 256,
     SPHERE_SEGMENTS_MAX = 2048,
@@ -96,94 +97,9 @@ static double feature_m(const struct neph_medium *medium, double densest)
     return medium->grid ? grid_feature_m(medium, densest) : INFINITY;
 }
 
-static bool has_extinction(const struct neph_medium *medium)
-{
-    if (!neph_medium_is_fog(medium))
-        return medium->extinction_per_m > 0.0 && brightest(medium->extinction_color) > 0.0;
-    for (int i = 0; i < medium->layer_count; i++)
-        if (medium->layers[i].extinction_per_m > 0.0)
-            return brightest(medium->extinction_color) > 0.0;
-    return false;
-}
-
 static double *vector_component(struct neph_vec3 *v, int axis)
 {
     return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z;
-}
-
-static bool boxes_overlap(const struct neph_bounds *a, const struct neph_bounds *b)
-{
-    return a->min_m.x < b->max_m.x && b->min_m.x < a->max_m.x && a->min_m.y < b->max_m.y &&
-           b->min_m.y < a->max_m.y && a->min_m.z < b->max_m.z && b->min_m.z < a->max_m.z;
-}
-
-/* Cycles' "anisotropy" parameter of a phase function. */
-static double asymmetry(const struct neph_phase *phase)
-{
-    return neph_phase_mean_cosine(phase);
-}
-
-/* Phase functions of Cycles, in any supported version. */
-static const char henyey_greenstein[] = "HENYEY_GREENSTEIN", rayleigh[] = "RAYLEIGH";
-static const struct {
-    enum neph_phase_kind kind;
-    const char *word;
-} cycles_phases[] = {
-    {NEPH_PHASE_ISOTROPIC, henyey_greenstein},
-    {NEPH_PHASE_HENYEY_GREENSTEIN, henyey_greenstein},
-    {NEPH_PHASE_RAYLEIGH, rayleigh},
-};
-
-/* The name in Cycles; NULL: not supported. */
-static const char *phase_word(const struct neph_phase *phase)
-{
-    for (size_t i = 0; i < sizeof(cycles_phases) / sizeof(cycles_phases[0]); i++)
-        if (cycles_phases[i].kind == phase->kind)
-            return cycles_phases[i].word;
-    return NULL;
-}
-
-/* Whether a medium needs more than Henyey-Greenstein: Cycles 3.4 has only that one, versions from
- * 4.3 on have others. */
-static bool has_other_phase(const struct neph_medium *medium)
-{
-    return phase_word(&medium->phase) == rayleigh && brightest(medium->albedo) > 0.0 &&
-           has_extinction(medium);
-}
-
-bool neph_cycles_needs_rayleigh(const struct neph_scene *scene)
-{
-    bool needs = false;
-    for (int i = 0; i < scene->medium_count; i++)
-        needs |= has_other_phase(&scene->media[i]);
-    return needs && scene->scattering != NEPH_SCATTERING_NONE;
-}
-
-static bool same_phase(const struct neph_phase *a, const struct neph_phase *b)
-{
-    return asymmetry(a) == asymmetry(b) && phase_word(a) == phase_word(b);
-}
-
-/* Refuse overlapping media with different phase functions: Cycles 3.4 weights their scattering by
- * the plain sum of the phase functions, which is up to twice as bright
- * (tests/harness/test_voxels.c). */
-static enum neph_status check_phases(const struct neph_scene *scene,
-                                     const struct neph_cycles_world *world, struct neph_diag *diag)
-{
-    for (int i = 0; i < scene->medium_count; i++) {
-        if (!phase_word(&scene->media[i].phase))
-            return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "a phase function that Cycles has not");
-        for (int j = 0; j < i; j++) {
-            const struct neph_medium *a = &scene->media[i], *b = &scene->media[j];
-            if (world->used[i] && world->used[j] && brightest(a->albedo) > 0.0 &&
-                brightest(b->albedo) > 0.0 && !same_phase(&a->phase, &b->phase) &&
-                boxes_overlap(&world->containers[i], &world->containers[j]))
-                return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                                 "media of different phase functions in one place (Cycles 3.4 adds "
-                                 "the functions up without weights)");
-        }
-    }
-    return NEPH_OK;
 }
 
 /* Whether the faces of two boxes perpendicular to an axis overlap in projection along it. */
@@ -300,10 +216,10 @@ enum neph_status neph_cycles_world(const struct neph_scene *scene, struct neph_c
     if (neph_scene_has_wide_spot(scene))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s", neph_wide_spot_reason);
     for (int i = 0; i < scene->medium_count && !status; i++)
-        if (has_extinction(&scene->media[i]))
+        if (neph_cycles_has_extinction(&scene->media[i]))
             status = adapt_medium(scene, i, &adapted, diag);
     if (!status && scene->scattering != NEPH_SCATTERING_NONE)
-        status = check_phases(scene, &adapted, diag);
+        status = neph_cycles_check_phases(scene, adapted.containers, diag);
     if (!status)
         status = choose_unit(scene, &adapted, diag);
     if (!status)
@@ -393,10 +309,10 @@ static json_t *medium_json(int index, const struct neph_medium *medium,
                            const struct neph_bounds *container, double length_m)
 {
     json_t *json = json_pack(
-        "{s:o, s:o, s:o, s:o, s:s, s:f, s:o}", "min_m", neph_vector_json(container->min_m), "max_m",
+        "{s:o, s:o, s:o, s:o, s:o, s:o}", "min_m", neph_vector_json(container->min_m), "max_m",
         neph_vector_json(container->max_m), "extinction_color",
         neph_colour_json(medium->extinction_color), "albedo", neph_colour_json(medium->albedo),
-        "phase", phase_word(&medium->phase), "g", asymmetry(&medium->phase), "feature_m",
+        "lobes", neph_cycles_lobes(&medium->phase), "feature_m",
         isinf(length_m) ? json_null() : json_real(length_m));
     char file[NEPH_CYCLES_FILE_NAME_MAX];
     neph_cycles_grid_name(index, file);

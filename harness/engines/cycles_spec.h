@@ -49,9 +49,6 @@ enum neph_status neph_cycles_spec(const struct neph_shot *shot,
                                   const struct neph_cycles_quality *quality, json_t **spec,
                                   double *sphere_error_px, struct neph_diag *diag);
 
-/* Whether a medium needs Rayleigh's phase function, which Blender has from version 4.3 on. */
-bool neph_cycles_needs_rayleigh(const struct neph_scene *scene);
-
 /* Whether any extinction is coloured. Then radiance is rendered as three images, radiance0 to
  * radiance2, each valid in one channel (reason: blender_render.py). */
 bool neph_cycles_is_coloured(const struct neph_scene *scene);

@@ -68,13 +68,19 @@ static struct neph_phase_model fit_draine(const struct neph_phase *droplets)
     return model;
 }
 
+/* Whether droplet_diameter_um is in the model's range. */
+static bool is_diameter(double diameter_um)
+{
+    return diameter_um >= 5.0 && diameter_um <= 50.0;
+}
+
 static struct neph_phase_model fit_jendersie_deon(const struct neph_phase *droplets,
                                                   double radius_um)
 {
     struct neph_phase_model model = {.name = "Jendersie-d'Eon", .log_error = INFINITY};
     const struct neph_phase phase = {.kind = NEPH_PHASE_JENDERSIE_DEON,
                                      .droplet_diameter_um = 2.0 * radius_um};
-    if (2.0 * radius_um >= 5.0 && 2.0 * radius_um <= 50.0)
+    if (is_diameter(2.0 * radius_um))
         keep_better(phase, droplets, &model);
     return model;
 }
@@ -90,4 +96,19 @@ int neph_phase_models(const struct neph_phase *droplets, double radius_um,
         if (isfinite(all[i].log_error))
             models[count++] = all[i];
     return count;
+}
+
+int neph_phase_models_at(const struct neph_phase_model *models, int count, double radius_um,
+                         struct neph_phase_model at[NEPH_PHASE_MODELS_MAX])
+{
+    int kept = 0;
+    for (int m = 0; m < count; m++) {
+        struct neph_phase_model model = models[m];
+        const bool has_diameter = neph_phase_has(model.phase.kind, NEPH_PHASE_PARAMETER_DIAMETER);
+        if (has_diameter)
+            model.phase.droplet_diameter_um = 2.0 * radius_um;
+        if (!has_diameter || is_diameter(2.0 * radius_um))
+            at[kept++] = model;
+    }
+    return kept;
 }

@@ -26,4 +26,10 @@ struct neph_phase_model {
 int neph_phase_models(const struct neph_phase *droplets, double radius_um,
                       struct neph_phase_model models[NEPH_PHASE_MODELS_MAX]);
 
+/* Fills `at` with the models for droplets of another radius: parameters stay, but for a droplet
+ * diameter. Models whose range does not have it are left out. Returns their number. `log_error`
+ * stays that of the fit. */
+int neph_phase_models_at(const struct neph_phase_model *models, int count, double radius_um,
+                         struct neph_phase_model at[NEPH_PHASE_MODELS_MAX]);
+
 #endif

@@ -15,7 +15,7 @@ WIDTH, HEIGHT = 16, 9
 SCENE = "height_fog_down"
 SIZE = ("--size", f"{WIDTH}x{HEIGHT}")
 SCRIPT = "scripts/blender_render.py"
-SEEN = {"has_voxels": True, "has_unbiased": False, "has_rayleigh": False, "has_spots": True}
+SEEN = {"has_voxels": True, "has_unbiased": False, "has_phases": False, "has_spots": True}
 
 
 def image(value, *layers):
@@ -60,7 +60,7 @@ class Blenders(neph_case.NephCase):
         return {e["name"]: e for e in listed if e["name"].startswith("cycles")}
 
     def test_further_ones_are_engines_named_by_their_versions(self):
-        new = {**SEEN, "has_unbiased": True, "has_voxels": False, "has_rayleigh": True}
+        new = {**SEEN, "has_unbiased": True, "has_voxels": False, "has_phases": True}
         found = self.engines(self.blender("a", "3.4.1", SEEN), self.blender("b", "5.2.2", new),
                              self.blender("c", "5.2.0", new) / "blender",
                              self.blender("d", "of today"))
@@ -70,10 +70,10 @@ class Blenders(neph_case.NephCase):
         self.assertEqual([e["available"] for e in found.values()], [True, True, True, False])
         self.assertTrue(found["cycles@unknown"]["broken"])
         self.assertEqual(found["cycles"]["can"],
-                         "voxels; volumes in steps; no Rayleigh scattering")
+                         "voxels; volumes in steps; Henyey-Greenstein only")
         self.assertEqual(found["cycles@5.2"]["can"],
                          "no voxels: it was built without them; volumes without bias, or in steps; "
-                         "Rayleigh scattering")
+                         "Henyey-Greenstein, two of them, Rayleigh, Draine and Jendersie-d'Eon")
 
     def test_the_option_goes_before_the_variable(self):
         good, other = self.blender("a", "3.4.1", SEEN), self.blender("b", "4.3.2", SEEN)
@@ -130,6 +130,23 @@ class Blenders(neph_case.NephCase):
         self.neph("render", "voxel_grid", "-e", "cycles", *SIZE, "-o", self.folder / "out", code=2,
                   said="built without them (NanoVDB)",
                   NEPH_BLENDER=str(self.blender("fog", "5.2.2", fog)))
+
+    def test_phase_functions_of_an_old_one(self):
+        """Sky and fog have Rayleigh's and Henyey-Greenstein's; the fog is given the others."""
+        text = (neph_case.ROOT / f"scenes/catalog/{SCENE}.yaml").read_text()
+        old = str(self.blender("old", "3.4.1", SEEN))
+        for phase, words in (
+                ("draine\n      draine_alpha: 2\n      asymmetry_g: 0.5", "has from 4.3 on"),
+                ("double_henyey_greenstein\n      asymmetry_g: 0.8\n"
+                 "      second_asymmetry_g: -0.2\n      first_share: 0.9", "NEPH_BLENDER names it"),
+                ("draine\n      draine_alpha: 501\n      asymmetry_g: 0.5", "takes 0 to 500"),
+                ("povray_mie_hazy", "povray_mie_hazy, which Cycles does not have")):
+            with self.subTest(phase):
+                path = self.folder / f"{SCENE}.yaml"
+                path.write_text(re.sub(r"phase: .*(\n *asymmetry_g: .*)?", f"phase: {phase}", text))
+                self.assertIn(phase, path.read_text())
+                self.neph("render", path, "-e", "cycles", *SIZE, "-o", self.folder / "out", code=2,
+                          said=words, NEPH_BLENDER=old)
 
     def test_values_below_0_are_for_unbiased_volumes(self):
         new = {**SEEN, "has_unbiased": True}

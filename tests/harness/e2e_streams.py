@@ -122,7 +122,7 @@ class Output(neph_case.NephCase):
     def blender(self, body):
         surroundings = self.put_program("blender", BLENDER.format(body=body))
         neph_case.keep_trial(self.folder / "bin/blender", self.folder, "scripts/blender_render.py",
-                             has_voxels=True, has_unbiased=False, has_rayleigh=False,
+                             has_voxels=True, has_unbiased=False, has_phases=False,
                              has_spots=True)
         return {**surroundings, "XDG_CACHE_HOME": str(self.folder)}
 

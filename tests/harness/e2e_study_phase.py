@@ -74,6 +74,60 @@ class StudyPhase(unittest.TestCase):
         for name in names:
             self.assertLess(rms["30", name, "bow"], rms["0.3", name, "bow"])
 
+    def study(self, *words):
+        """Rows by radius, sun, engine, model and range; the study with 32 directions."""
+        numbers = self.folder / "rows.csv"
+        answer = run("study", "phase", "--nodes", 32, "-q", "--csv", numbers, *words)
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        with open(numbers, newline="", encoding="utf-8") as file:
+            return {(float(row["effective_radius_um"]), float(row["sun_elevation_deg"]),
+                     row["engine"], row["model"], row["range"]): row
+                    for row in csv.DictReader(file)}
+
+    def test_engines_of_single_scattering(self):
+        """In a thin cloud they lack only light that is scattered again: 1 % of the optical depth
+        along the longest rays, and as much towards the peak. They get the same models."""
+        rows = self.study("--optical-depth", "0.003", "-e", "exact,march,povray", "--size", "24x13")
+        for engine in ("exact", "march"):
+            for part in ("forward", "side", "bow"):
+                row = rows[10, 40, engine, "droplets", part]
+                self.assertEqual(row["note"], "single scattering")
+                self.assertTrue(-0.015 < float(row["difference"]) < 0, row)
+        for key, row in rows.items():
+            if key[2] == "march":
+                exact = rows[key[:2] + ("exact",) + key[3:]]
+                self.assertEqual(row["count"], exact["count"])
+                if float(row["count"]) > 0:
+                    self.assertAlmostEqual(float(row["difference"]), float(exact["difference"]),
+                                           delta=1e-3)
+            if key[2:4] in (("povray", "droplets"), ("povray", "Draine")):
+                self.assertRegex(row["note"], "not rendered: .")
+                self.assertEqual((row["difference"], row["count"]), ("", "0"))
+
+    def test_an_engine_of_all_orders(self):
+        """The tracer and doubling agree for droplets without a sharp peak."""
+        rows = self.study("--optical-depth", 1, "--effective-radius", 0.5, "-e",
+                          "tracer+samples=128", "--size", "24x14", "-o", self.folder / "out")
+        for part in ("forward", "side", "bow"):
+            row = rows[0.5, 40, "tracer+samples=128", "droplets", part]
+            error = float(row["error"])
+            self.assertTrue(0 < error < 0.05, row)
+            self.assertLess(abs(float(row["difference"])), 4 * error, row)
+
+    def test_models_at_other_radii_and_suns(self):
+        """Models keep their parameters; a diameter of 4 um is not in Jendersie-d'Eon's range."""
+        rows = self.study("--optical-depth", 0.01, "--other-radii", 2, "--other-elevations", 20)
+        self.assertEqual(len(rows), 6 * (2 * 4 + 2 * 3))
+        self.assertIn((10, 20, "doubling", "Jendersie-d'Eon", "bow"), rows)
+        self.assertNotIn((2, 40, "doubling", "Jendersie-d'Eon", "bow"), rows)
+        for words, said in ((("--other-radii", "5,40"), "--other-radii 40: 0.5 to 30 um"),
+                            (("--other-elevations", 2), "--other-elevations 2: 3 to 90 degrees"),
+                            (("-e", "none"), "there is no engine 'none'"),
+                            (("-e", "tracer+none=1"), "none")):
+            bad = run("study", "phase", "--optical-depth", 1, *words)
+            self.assertEqual(bad.returncode, 64, bad.stderr)
+            self.assertIn(said, bad.stderr)
+
     def test_droplets_as_the_phase_function_of_a_scene(self):
         """The CSV of neph droplets is a table: exact, march and tracer draw the same frame."""
         printed = run("droplets", "--csv", self.folder / "droplets.csv")

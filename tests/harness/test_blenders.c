@@ -193,7 +193,7 @@ static void test_one_that_works(void **state)
     assert_true(info.available);
     assert_string_equal(info.version, "Blender 3.4.1");
     assert_string_equal(info.warning, "");
-    assert_string_equal(info.can, "voxels; volumes in steps; no Rayleigh scattering");
+    assert_string_equal(info.can, "voxels; volumes in steps; Henyey-Greenstein only");
     assert_false(info.is_unstepped);
 }
 
@@ -227,10 +227,10 @@ static void test_layers_in_full(void **state)
 {
     struct fake fake = good;
     fake.has_long_names = true;
-    fake.phases = "[\"RAYLEIGH\"]";
+    fake.phases = "[\"RAYLEIGH\",\"DRAINE\",\"MIE\"]";
     const struct neph_engine_info info = run_probe(*state, &fake);
     assert_true(info.available);
-    assert_says(info.can, "; Rayleigh");
+    assert_says(info.can, "Rayleigh, Draine");
 }
 
 /* A version newer than all tested ones is tried. */
@@ -329,7 +329,7 @@ static void test_missing_features_of_a_blender(void **state)
     assert_true(run_probe(bench, &good).available);
     scene.media[0].phase.kind = NEPH_PHASE_RAYLEIGH;
     assert_false(neph_engine_can_render(&neph_engine_cycles, &scene, &settings, reason, 512));
-    assert_says(reason, "Rayleigh");
+    assert_says(reason, "Blender has from 4.3 on");
     scene.scattering = NEPH_SCATTERING_NONE;
     assert_true(neph_engine_can_render(&neph_engine_cycles, &scene, &settings, reason, 512));
     neph_assert_ok(neph_settings_set(&neph_engine_cycles, &settings, "volume_biased=off", &diag),

@@ -304,6 +304,59 @@ static void test_spec_of_emission(void **state)
     json_decref(spec);
 }
 
+/* The nodes of each kind whose sum is its phase function; kinds without nodes are refused. */
+static void test_spec_of_phases(void **state)
+{
+    static const struct {
+        struct neph_phase phase;
+        const char *lobes; /* NULL: refused */
+    } cases[] = {
+        {{.kind = NEPH_PHASE_ISOTROPIC},
+         "[{'phase':'HENYEY_GREENSTEIN','share':1.0,'inputs':{'Anisotropy':0.0}}]"},
+        {{.kind = NEPH_PHASE_HENYEY_GREENSTEIN, .g = -0.25},
+         "[{'phase':'HENYEY_GREENSTEIN','share':1.0,'inputs':{'Anisotropy':-0.25}}]"},
+        {{.kind = NEPH_PHASE_RAYLEIGH}, "[{'phase':'RAYLEIGH','share':1.0,'inputs':{}}]"},
+        {{.kind = NEPH_PHASE_DOUBLE_HENYEY_GREENSTEIN,
+          .g = 0.75,
+          .second_g = -0.5,
+          .first_share = 0.875},
+         "[{'phase':'HENYEY_GREENSTEIN','share':0.875,'inputs':{'Anisotropy':0.75}},"
+         "{'phase':'HENYEY_GREENSTEIN','share':0.125,'inputs':{'Anisotropy':-0.5}}]"},
+        {{.kind = NEPH_PHASE_CORNETTE_SHANKS, .g = 0.5},
+         "[{'phase':'DRAINE','share':1.0,'inputs':{'Anisotropy':0.5,'Alpha':1.0}}]"},
+        {{.kind = NEPH_PHASE_DRAINE, .g = 0.5, .draine_alpha = 500.0},
+         "[{'phase':'DRAINE','share':1.0,'inputs':{'Anisotropy':0.5,'Alpha':500.0}}]"},
+        {{.kind = NEPH_PHASE_DRAINE, .g = 0.5, .draine_alpha = 501.0}, NULL},
+        {{.kind = NEPH_PHASE_JENDERSIE_DEON, .droplet_diameter_um = 12.5},
+         "[{'phase':'MIE','share':1.0,'inputs':{'Diameter':12.5}}]"},
+        {{.kind = NEPH_PHASE_TABLE}, NULL},
+        {{.kind = NEPH_PHASE_POVRAY_MIE_HAZY}, NULL},
+        {{.kind = NEPH_PHASE_POVRAY_MIE_MURKY}, NULL},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct stage stage;
+        set_box_stage(&stage, 0.3)->phase = cases[i].phase;
+        if (!cases[i].lobes) {
+            assert_cannot(&stage, cases[i].phase.kind == NEPH_PHASE_DRAINE
+                                      ? "draine with Alpha 501: Cycles takes 0 to 500"
+                                      : neph_phase_words[cases[i].phase.kind]);
+            continue;
+        }
+        char expected[256];
+        snprintf(expected, sizeof(expected), "%s", cases[i].lobes);
+        for (char *at = expected; *at; at++)
+            *at = *at == '\'' ? '"' : *at;
+        json_t *spec = NULL;
+        double error_px = 0.0;
+        assert_int_equal(make_cycles_spec(&stage, &spec, &error_px), NEPH_OK);
+        const json_t *medium = json_array_get(json_object_get(spec, "media"), 0);
+        char *lobes = json_dumps(json_object_get(medium, "lobes"), JSON_COMPACT);
+        assert_string_equal(lobes, expected);
+        free(lobes);
+        json_decref(spec);
+    }
+}
+
 static void test_spec_refuses_nan(void **state)
 {
     json_t *spec = NULL;
@@ -719,6 +772,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_tiny_frames_are_refused),
         cmocka_unit_test(test_spec_is_data),
         cmocka_unit_test(test_spec_of_emission),
+        cmocka_unit_test(test_spec_of_phases),
         cmocka_unit_test(test_spec_refuses_nan),
     };
     const struct CMUnitTest engine_tests[] = {
