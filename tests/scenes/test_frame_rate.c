@@ -74,6 +74,9 @@ static void assert_same_moment(const struct neph_scene *a, double frame_a,
     assert_true(sun_a.irradiance_w_per_m2.r == sun_b.irradiance_w_per_m2.r);
     assert_same(neph_scene_wind_displacement_m(a, frame_a),
                 neph_scene_wind_displacement_m(b, frame_b));
+    for (int i = 0; i < a->light_count; i++)
+        assert_same(neph_scene_light(a, i, frame_a).position_m,
+                    neph_scene_light(b, i, frame_b).position_m);
     for (int i = 0; i < a->solid_count; i++) {
         const struct neph_solid solid_a = neph_scene_solid(a, i, frame_a);
         const struct neph_solid solid_b = neph_scene_solid(b, i, frame_b);
