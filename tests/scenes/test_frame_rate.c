@@ -108,6 +108,21 @@ static void test_all_that_moves_is_at_its_place_at_60_hz(void **state)
     }
 }
 
+/* A lamp and a camera at 3 m/s. */
+static void test_lights_have_their_speed_at_60_hz(void **state)
+{
+    struct neph_scene *own = load("stress", "lamp_walk"), *fast = load("stress", "lamp_walk");
+    neph_assert_ok(neph_scene_set_frame_rate(fast, 60.0, NULL), NULL);
+    assert_string_not_equal(own->hash, fast->hash);
+    for (int frame = 0; frame < own->frame_count; frame++) {
+        assert_same_moment(own, frame, fast, 2 * frame);
+        neph_assert_close(neph_scene_light(fast, 0, frame).position_m.z, -2.0 - 3.0 * frame / 60.0,
+                          1e-12, 0.0);
+    }
+    neph_scene_destroy(own);
+    neph_scene_destroy(fast);
+}
+
 /* The hash is the hash of the motion: the way back restores it, a rate of 0 is the scene's own. */
 static void test_the_hash_is_of_the_rate(void **state)
 {
