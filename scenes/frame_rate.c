@@ -34,6 +34,9 @@ enum neph_status neph_scene_set_frame_rate(struct neph_scene *scene, double rate
     stretch_keys(scene->camera_keys, scene->camera_key_count, sizeof(*scene->camera_keys), ratio);
     stretch_keys(scene->sun_keys, scene->sun_key_count, sizeof(*scene->sun_keys), ratio);
     stretch_keys(scene->wind_keys, scene->wind_key_count, sizeof(*scene->wind_keys), ratio);
+    for (int i = 0; i < scene->light_count; i++)
+        stretch_keys(scene->lights[i].keys, scene->lights[i].key_count,
+                     sizeof(*scene->lights[i].keys), ratio);
     for (int i = 0; i < scene->mover_count; i++)
         stretch_keys(scene->movers[i].keys, scene->movers[i].key_count,
                      sizeof(*scene->movers[i].keys), ratio);

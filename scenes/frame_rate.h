@@ -12,9 +12,9 @@
  * 0 is its own. */
 const char *neph_frame_rate_obstacle(const struct neph_scene *scene, double rate_hz);
 
-/* Moves all keys of a scene without an obstacle, so that camera, sun, wind and solids are at the
- * same place at the same time, and computes its hash. The scene owns its keys. Injections stay at
- * their frames. Errors: neph_scene_hash(). */
+/* Moves all keys of a scene without an obstacle, so that camera, sun, lights, wind and
+ * solids are at the same place at the same time, and computes its hash. The scene owns its keys.
+ * Injections stay at their frames. Errors: neph_scene_hash(). */
 enum neph_status neph_scene_set_frame_rate(struct neph_scene *scene, double rate_hz,
                                            struct neph_diag *diag);
 

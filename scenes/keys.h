@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Keyframes of a scene: of its camera, sun, wind and solids. Maps frames to frames of the keys, and
- * interpolates between keys.
+ * Keyframes of a scene: of its camera, sun, lights, wind and solids. Maps frames to frames of the
+ * keys, and interpolates between keys.
  */
 #ifndef NEPH_SCENES_KEYS_H
 #define NEPH_SCENES_KEYS_H

@@ -112,7 +112,7 @@ static const struct {
     {"title description physics", finish_texts},
     {"display", neph_finish_chain},
     {"solids scattering", neph_finish_solids},
-    {"solids lights", finish_lights},
+    {"solids lights frames", finish_lights},
     {"camera frames solids", finish_views},
     {"wind frames media", finish_wind},
     {"inject camera media", finish_injections},

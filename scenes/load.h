@@ -77,7 +77,10 @@ enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_writ
 void neph_solids_hash(const struct neph_scene *scene, FILE *text);
 void neph_movers_hash(const struct neph_scene *scene, FILE *text);
 
-/* Refuses a light inside a solid: it would light nothing. */
+/* Whether two directions, of any length but 0, have a unique great circle between them. */
+bool neph_has_great_circle(struct neph_vec3 a, struct neph_vec3 b);
+
+/* Refuses a light inside a solid, where it would light nothing; one with keys in any frame. */
 enum neph_status neph_check_lights(const struct neph_reader *reader,
                                    const struct neph_scene *scene);
 

@@ -16,8 +16,8 @@
 #define SUN_KEY(member) offsetof(struct neph_sun_key, member)
 #define WIND_KEY(member) offsetof(struct neph_wind_key, member)
 
-/* Two sun directions nearer to opposite than this have no unique great circle between them. */
-#define SUN_SINE_MIN 1e-6
+/* Two directions nearer to opposite than this have no unique great circle between them. */
+#define OPPOSITE_SINE_MIN 1e-6
 #define DRIFT_MAX_M NEPH_FAR_M /* the range in which a file may place a medium */
 
 #define BRIGHT 1e9       /* a float32 pixel can represent the sum of 1e29 of them */
@@ -107,6 +107,12 @@ static const struct neph_field sun_fields[] = {
     {0},
 };
 
+bool neph_has_great_circle(struct neph_vec3 a, struct neph_vec3 b)
+{
+    return neph_vec3_length(neph_vec3_add(neph_vec3_normalize(a), neph_vec3_normalize(b))) >=
+           OPPOSITE_SINE_MIN;
+}
+
 static enum neph_status check_sun_key(const struct neph_reader *reader,
                                       const struct neph_sun_key *keys, int index)
 {
@@ -115,9 +121,7 @@ static enum neph_status check_sun_key(const struct neph_reader *reader,
     const enum neph_status status = neph_check_direction(reader, path.text, key->direction);
     if (status || index == 0)
         return status;
-    const struct neph_vec3 sum = neph_vec3_add(neph_vec3_normalize(key->direction),
-                                               neph_vec3_normalize(key[-1].direction));
-    if (neph_vec3_length(sum) >= SUN_SINE_MIN)
+    if (neph_has_great_circle(key->direction, key[-1].direction))
         return NEPH_OK;
     return neph_refuse(reader, path.text,
                        "at frame %g the sun is opposite to its place at frame %g (sun.keys[%d]); "

@@ -58,7 +58,7 @@ bool neph_scene_is_cut(const struct neph_scene *scene, double frame_from, double
     return false;
 }
 
-/* --- sun and wind ---------------------------------------------------------------------------- */
+/* --- sun, lights and wind -------------------------------------------------------------------- */
 
 struct neph_sun neph_scene_sun(const struct neph_scene *scene, double frame)
 {
@@ -73,6 +73,29 @@ struct neph_sun neph_scene_sun(const struct neph_scene *scene, double frame)
         .direction = slerp(a->direction, b->direction, span.part),
         .irradiance_w_per_m2 = mix_rgb(a->irradiance_w_per_m2, b->irradiance_w_per_m2, span.part),
     };
+}
+
+struct neph_light neph_place_light(const struct neph_light *light, double key_frame)
+{
+    struct neph_light placed = *light;
+    placed.keys = NULL;
+    placed.key_count = 0;
+    if (light->key_count == 0)
+        return placed;
+    const struct neph_light_key *keys = light->keys;
+    const struct neph_span span = neph_span_at(keys, sizeof(*keys), light->key_count, key_frame);
+    const struct neph_light_key *a = &keys[span.from], *b = &keys[span.to];
+    const double part = b->cut ? 0.0 : span.part;
+    placed.position_m = neph_mix(a->position_m, b->position_m, part);
+    placed.intensity_w_per_sr = mix_rgb(a->intensity_w_per_sr, b->intensity_w_per_sr, part);
+    if (light->is_spot)
+        placed.axis = part > 0.0 ? slerp(a->axis, b->axis, part) : a->axis;
+    return placed;
+}
+
+struct neph_light neph_scene_light(const struct neph_scene *scene, int index, double frame)
+{
+    return neph_place_light(&scene->lights[index], neph_scene_time_frame(scene, frame));
 }
 
 static struct neph_vec3 velocity_at(const struct neph_scene *scene, double key_frame)
@@ -189,10 +212,18 @@ struct neph_solid neph_scene_solid(const struct neph_scene *scene, int index, do
 
 /* --- content of frames ----------------------------------------------------------------------- */
 
+static bool has_moving_lights(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->light_count; i++)
+        if (scene->lights[i].key_count > 0)
+            return true;
+    return false;
+}
+
 bool neph_scene_moves(const struct neph_scene *scene)
 {
     return scene->sun_key_count > 0 || scene->wind_key_count > 0 || scene->mover_count > 0 ||
-           scene->clear_count > 0;
+           scene->clear_count > 0 || has_moving_lights(scene);
 }
 
 /* All content of a frame that changes over time; only doubles, so that bytes can be compared. */
@@ -233,10 +264,24 @@ static bool are_solids_same(const struct neph_scene *scene, double frame_a, doub
     return true;
 }
 
+static bool are_lights_same(const struct neph_scene *scene, double frame_a, double frame_b)
+{
+    for (int i = 0; i < scene->light_count; i++) {
+        const struct neph_light a = neph_scene_light(scene, i, frame_a);
+        const struct neph_light b = neph_scene_light(scene, i, frame_b);
+        if (memcmp(&a.position_m, &b.position_m, sizeof(a.position_m)) != 0 ||
+            memcmp(&a.axis, &b.axis, sizeof(a.axis)) != 0 ||
+            memcmp(&a.intensity_w_per_sr, &b.intensity_w_per_sr, sizeof(a.intensity_w_per_sr)) != 0)
+            return false;
+    }
+    return true;
+}
+
 bool neph_scene_are_frames_equal(const struct neph_scene *scene, double frame_a, double frame_b)
 {
     const struct transforms a = transforms_at(scene, frame_a), b = transforms_at(scene, frame_b);
-    return memcmp(&a, &b, sizeof(a)) == 0 && are_solids_same(scene, frame_a, frame_b);
+    return memcmp(&a, &b, sizeof(a)) == 0 && are_lights_same(scene, frame_a, frame_b) &&
+           are_solids_same(scene, frame_a, frame_b);
 }
 
 bool neph_scene_is_static(const struct neph_scene *scene)
@@ -320,6 +365,8 @@ enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
     made->scene.camera_keys = &made->camera_key;
     made->scene.camera_key_count = 1;
     made->scene.sun = neph_scene_sun(scene, frame);
+    for (int i = 0; i < scene->light_count; i++)
+        made->scene.lights[i] = neph_scene_light(scene, i, frame);
     void *behind = place_media(made, neph_scene_wind_displacement_m(scene, frame));
     if (has_own_solids(scene)) {
         place_solids(scene, frame, behind);

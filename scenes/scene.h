@@ -156,7 +156,15 @@ struct neph_sun {
     struct neph_rgb irradiance_w_per_m2; /* on a plane perpendicular to the direction */
 };
 
-/* A point light or a spot light (scenes/lights.h). */
+struct neph_light_key {
+    double frame;
+    struct neph_vec3 position_m;
+    struct neph_rgb intensity_w_per_sr;
+    struct neph_vec3 axis; /* unit; unused for a point light */
+    bool cut;              /* the light jumps here; until then it stays at the key before */
+};
+
+/* A point light or a spot light (scenes/lights.h); with keys as it is in frame 0. */
 struct neph_light {
     struct neph_vec3 position_m;
     struct neph_rgb intensity_w_per_sr; /* of a spot: within its inner angle */
@@ -164,6 +172,8 @@ struct neph_light {
     struct neph_vec3 axis; /* unit, from the light */
     /* Cosines of the angles from the axis at which the falloff begins and ends. */
     double inner_cosine, outer_cosine; /* inner > outer */
+    int key_count;                     /* 0: the light is static; else >= 2 */
+    struct neph_light_key *keys;
 };
 
 /* Orders of scattering; the same meaning in all engines. */

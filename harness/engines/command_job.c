@@ -53,7 +53,7 @@ static json_t *job_json(const struct neph_engine *engine, const struct neph_shot
                              (json_int_t)shot->seed);
     neph_json_set(&json, "camera", camera_json(&camera));
     neph_json_set(&json, "sun", neph_sun_json(&sun));
-    neph_json_set(&json, "lights", neph_lights_json(scene));
+    neph_json_set(&json, "lights", neph_lights_json(scene, shot->frame));
     neph_json_set(&json, "wind_displacement_m",
                   neph_vector_json(neph_scene_wind_displacement_m(scene, shot->frame)));
     neph_json_set(&json, "background_w_per_m2_sr", neph_colour_json(scene->background_w_per_m2_sr));

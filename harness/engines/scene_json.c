@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/engines/scene_json.h"
 
+#include "scenes/motion.h"
+
 json_t *neph_vector_json(struct neph_vec3 v)
 {
     return json_pack("[fff]", v.x, v.y, v.z);
@@ -30,10 +32,12 @@ static json_t *light_json(const struct neph_light *light)
                          : json_null());
 }
 
-json_t *neph_lights_json(const struct neph_scene *scene)
+json_t *neph_lights_json(const struct neph_scene *scene, double frame)
 {
     json_t *lights = json_array();
-    for (int i = 0; i < scene->light_count; i++)
-        neph_json_add(&lights, light_json(&scene->lights[i]));
+    for (int i = 0; i < scene->light_count; i++) {
+        const struct neph_light light = neph_scene_light(scene, i, frame);
+        neph_json_add(&lights, light_json(&light));
+    }
     return lights;
 }

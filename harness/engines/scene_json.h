@@ -15,8 +15,8 @@ json_t *neph_colour_json(struct neph_rgb c);
 /* {direction, irradiance_w_per_m2}; null: no sun. */
 json_t *neph_sun_json(const struct neph_sun *sun);
 
-/* [{position_m, intensity_w_per_sr, cone}, ..]; a cone is null, or its axis and the cosines of its
- * angles. */
-json_t *neph_lights_json(const struct neph_scene *scene);
+/* The lights of a frame: [{position_m, intensity_w_per_sr, cone}, ..]; a cone is null, or its axis
+ * and the cosines of its angles. */
+json_t *neph_lights_json(const struct neph_scene *scene, double frame);
 
 #endif

@@ -55,7 +55,8 @@ static void add_mistake(const struct neph_fit *fit, const struct neph_fit_mistak
                         char *text, size_t size)
 {
     const bool both = mistake->extinction != 1.0 && mistake->albedo != 1.0;
-    add(text, size, "%s (%s%s", mistake->name, mistake->detail, mistake->detail[0] ? ": " : "");
+    const char *between = mistake->detail[0] && !mistake->is_opacity_twice ? ": " : "";
+    add(text, size, "%s (%s%s", mistake->name, mistake->detail, between);
     if (mistake->extinction != 1.0)
         add_factor("extinction", mistake->extinction, mistake->found[0],
                    &fit->held.list[NEPH_FIT_EXTINCTION], text, size);

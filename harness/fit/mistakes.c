@@ -38,6 +38,14 @@ static struct factors absorption_missing(double albedo)
     return (struct factors){albedo, 1.0 / albedo};
 }
 
+/* Light that was integrated along a ray is blended by the opacity of the ray once more (Godot until
+ * pull request 112494), so no factor of it is the same for all rays. */
+static struct factors apply_opacity_twice(double albedo)
+{
+    (void)albedo;
+    return (struct factors){1.0, 1.0};
+}
+
 static const struct row {
     const char *name, *detail;
     struct factors factors;
@@ -68,6 +76,10 @@ static const struct row {
     {"scattering taken for extinction", "no absorption", {0, 0}, absorption_missing},
     {"a missing 4 pi", "the phase function is not divided by it", {1.0, FOUR_PI}, NULL},
     {"a 4 pi too much", "scattered light is divided by it twice", {1.0, 1.0 / FOUR_PI}, NULL},
+    {"opacity applied twice",
+     "scattered light times 1 - transmittance",
+     {0, 0},
+     apply_opacity_twice},
     {"density in 1/km taken for 1/m", "", {1000.0, 1.0}, NULL},
     {"density in 1/m taken for 1/km", "", {0.001, 1.0}, NULL},
 };
@@ -80,6 +92,11 @@ static struct factors find_factors(const struct row *row, double albedo)
     return albedo > 0.0 ? row->find(albedo) : (struct factors){1.0, 1.0};
 }
 
+static bool is_opacity_twice(const struct row *row)
+{
+    return row->find == apply_opacity_twice;
+}
+
 bool neph_fit_mistake_at(int index, double albedo, struct neph_fit_mistake *mistake)
 {
     if (index < 0 || index >= ROWS)
@@ -88,7 +105,8 @@ bool neph_fit_mistake_at(int index, double albedo, struct neph_fit_mistake *mist
     *mistake = (struct neph_fit_mistake){.name = rows[index].name,
                                          .detail = rows[index].detail,
                                          .extinction = factors.extinction,
-                                         .albedo = factors.albedo};
+                                         .albedo = factors.albedo,
+                                         .is_opacity_twice = is_opacity_twice(&rows[index])};
     return true;
 }
 
@@ -98,6 +116,7 @@ static struct neph_fit_base make_base(const struct neph_scene *scene, int index)
 {
     struct neph_fit_base base = neph_fit_scene_base();
     base.id = index + 1;
+    base.is_opacity_twice = is_opacity_twice(&rows[index]);
     for (int m = 0; m < scene->medium_count; m++) {
         const struct neph_rgb albedo = scene->media[m].albedo;
         const struct factors r = find_factors(&rows[index], albedo.r),
@@ -125,9 +144,12 @@ static bool is_far(const struct neph_fit_estimate *found, double factor)
            (factor * tolerance < found->low || factor > found->high * tolerance);
 }
 
-/* Whether a base has the same factors for all channels and media, as the unknowns have. */
+/* Whether a base only has factors that are the same for all channels and media, as the unknowns
+ * have. */
 static bool is_uniform(const struct neph_scene *scene, const struct neph_fit_base *base)
 {
+    if (base->is_opacity_twice)
+        return false;
     for (int m = 0; m < scene->medium_count; m++) {
         const struct neph_rgb e = base->extinction[m], a = base->albedo[m];
         if (e.r != e.g || e.g != e.b || a.r != a.g || a.g != a.b || e.r != base->extinction[0].r ||
@@ -193,7 +215,8 @@ static bool is_one(double factor)
 static bool can_explain(const struct neph_fit *fit, const struct neph_fit_base *base,
                         const struct neph_fit_mistake *mistake)
 {
-    const bool has_extinction = !is_one(mistake->extinction), has_albedo = !is_one(mistake->albedo);
+    const bool has_extinction = !is_one(mistake->extinction),
+               has_albedo = mistake->is_opacity_twice || !is_one(mistake->albedo);
     return (has_extinction || has_albedo) &&
            (fit->is_free[NEPH_FIT_EXTINCTION] || !has_extinction) &&
            (fit->is_free[NEPH_FIT_ALBEDO] || !has_albedo) &&

@@ -15,6 +15,7 @@
 struct neph_fit_mistake {
     const char *name, *detail; /* detail: a variant, or "" */
     double extinction, albedo; /* the factors; of a variant by albedo, for the first medium's red */
+    bool is_opacity_twice;     /* scattered light is multiplied by 1 - transmittance */
     double found[2];           /* what explains the frame best within the tolerance */
     double squares;            /* sum of the squared residuals of that */
 };

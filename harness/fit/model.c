@@ -261,6 +261,13 @@ static double phase_factor(const struct neph_fit_model *model, const struct neph
     return neph_phase_per_sr(&phase, model->cosines[pixel]) / own;
 }
 
+static struct neph_rgb apply_opacity(const struct light *light)
+{
+    const struct neph_rgb through = light->transmittance;
+    return neph_rgb_mul(light->volume,
+                        (struct neph_rgb){1.0 - through.r, 1.0 - through.g, 1.0 - through.b});
+}
+
 enum neph_status neph_fit_predict(struct neph_fit_model *model, const struct neph_fit_base *base,
                                   const struct neph_fit_point *point,
                                   enum neph_fit_transfer transfer, double *predicted,
@@ -276,9 +283,11 @@ enum neph_status neph_fit_predict(struct neph_fit_model *model, const struct nep
         }
         const double factor = albedo * phase_factor(model, point, i);
         const struct light *light = &lights[i];
-        const double radiance[3] = {factor * light->volume.r + light->behind.r,
-                                    factor * light->volume.g + light->behind.g,
-                                    factor * light->volume.b + light->behind.b};
+        const struct neph_rgb volume = base->is_opacity_twice ? apply_opacity(light)
+                                                              : light->volume;
+        const double radiance[3] = {factor * volume.r + light->behind.r,
+                                    factor * volume.g + light->behind.g,
+                                    factor * volume.b + light->behind.b};
         for (int c = 0; c < 3; c++)
             predicted[c] = neph_fit_transfer_apply(transfer, radiance[c]);
         predicted[3] = light->transmittance.r;

@@ -29,10 +29,11 @@ enum neph_fit_transfer {
     NEPH_FIT_TRANSFER_COUNT,
 };
 
-/* Factors of the scene's media, per channel: those of a mistake (harness/fit/mistakes.h). */
+/* Changes of the scene's media, those of a mistake (harness/fit/mistakes.h), per channel. */
 struct neph_fit_base {
-    int id; /* equal ids have equal factors */
+    int id; /* equal ids have equal changes */
     struct neph_rgb extinction[NEPH_SCENE_MEDIA_MAX], albedo[NEPH_SCENE_MEDIA_MAX];
+    bool is_opacity_twice; /* scattered light is multiplied by 1 - transmittance of the ray */
 };
 
 struct neph_fit_model;

@@ -10,10 +10,10 @@
 
 #include "base/option_rows.h"
 #include "renderer/march_params.h"
-#include "renderer/realtime/suns.h"
+#include "renderer/realtime/light_history.h"
 
 /* The upper limit of override_wake (tile_index/settings.toml). */
-_Static_assert(NEPH_RT_SUNS_MAX == 64, "override_wake");
+_Static_assert(NEPH_RT_LIGHT_HISTORY_MAX == 64, "override_wake");
 
 /* Removed on 2026-11-29; these messages go with the next release. */
 static const char *const gone[] = {

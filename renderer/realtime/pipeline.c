@@ -8,12 +8,12 @@
 #include "renderer/march_split.h"
 #include "renderer/realtime/images.h"
 #include "renderer/realtime/injection.h"
+#include "renderer/realtime/light_history.h"
 #include "renderer/realtime/march_settings.h"
 #include "renderer/realtime/moment.h"
 #include "renderer/realtime/output_elision.h"
 #include "renderer/realtime/scene_cache.h"
 #include "renderer/realtime/stillness.h"
-#include "renderer/realtime/suns.h"
 #include "renderer/realtime/watch.h"
 #include "scenes/motion.h"
 
@@ -49,7 +49,7 @@ struct neph_realtime {
     uint32_t frame_count; /* frames rendered so far */
     bool has_past;
     struct neph_rt_transforms past;
-    struct neph_rt_sun_history suns;
+    struct neph_rt_light_history lights;
     struct neph_rt_static_content stillness;
     struct neph_rt_scene_cache kept;
     bool has_mirrored_past; /* of the mirrored camera (inject.mirror) */
@@ -810,21 +810,23 @@ static void set_solid_motion(struct neph_realtime *realtime, const struct neph_s
                                       follows_solids(realtime, scene);
 }
 
-/* Flags from the sun history that rays cannot find: whether the two samples of a gradient see the
- * same phase of a flashing sun (samples of the medium are 4 frames apart, samples behind it as many
- * as the jitter has places), and whether texels that the override leaves out have old light. */
-static void set_sun_flags(struct neph_realtime *realtime, const struct neph_realtime_frame *frame)
+/* Flags from the light history that rays cannot find: whether the two samples of a gradient see the
+ * same phase of a flashing light (samples of the medium are 4 frames apart, samples behind it as
+ * many as the jitter has places), and whether texels that the override leaves out have old
+ * light. */
+static void set_light_flags(struct neph_realtime *realtime, const struct neph_scene *static_scene)
 {
     struct neph_gpu_view *view = realtime->device.view;
     const uint32_t number = realtime->frame_count;
-    const struct neph_sun sun = neph_scene_sun(frame->scene, frame->frame);
     const bool is_tested = view->settings[RT_CHANGE_STROBE] != 0.0f;
     const uint32_t places = (uint32_t)view->settings[RT_TAA_JITTER_LENGTH];
     const uint32_t awake = (uint32_t)view->settings[RT_OVERRIDE_WAKE];
-    neph_rt_sun_history_add(&realtime->suns, number, &sun);
-    view->strobes_medium = is_tested && neph_rt_sun_history_is_periodic(&realtime->suns, 4);
-    view->strobes_behind = is_tested && neph_rt_sun_history_is_periodic(&realtime->suns, places);
-    view->resting |= number / 4 % 2 == 1 && neph_rt_sun_history_has_jump(&realtime->suns, awake);
+    neph_rt_light_history_add(&realtime->lights, number, static_scene);
+    view->strobes_medium = is_tested && neph_rt_light_history_is_periodic(&realtime->lights, 4);
+    view->strobes_behind = is_tested &&
+                           neph_rt_light_history_is_periodic(&realtime->lights, places);
+    view->resting |= number / 4 % 2 == 1 &&
+                     neph_rt_light_history_has_jump(&realtime->lights, awake);
 }
 
 /* Whether rays see only the content that neph_rt_static_content_update() compares: no light that is
@@ -904,7 +906,7 @@ static enum neph_status render_size(struct neph_realtime *realtime,
     *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
     neph_rt_view_set_transforms(view, frame->scene, &now, past, realtime->frame_count);
     set_solid_motion(realtime, frame->scene);
-    set_sun_flags(realtime, frame);
+    set_light_flags(realtime, static_scene);
     status = update_static_state(realtime, frame, is_mirrored, image, static_scene, &made.given,
                                  diag);
     made.moment = make_march_transforms(view, &now);

@@ -7,6 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void copy_light(const struct neph_light *light, struct neph_light *copy)
+{
+    copy->position_m = light->position_m;
+    copy->intensity_w_per_sr = light->intensity_w_per_sr;
+    copy->is_spot = light->is_spot;
+    copy->axis = light->axis;
+    copy->inner_cosine = light->inner_cosine;
+    copy->outer_cosine = light->outer_cosine;
+}
+
 static void copy_content(const struct neph_scene *static_scene, struct neph_rt_content *content)
 {
     memset(content, 0, sizeof(*content)); /* with the padding, for memcmp */
@@ -14,8 +24,8 @@ static void copy_content(const struct neph_scene *static_scene, struct neph_rt_c
     content->sun.direction = static_scene->sun.direction;
     content->sun.irradiance_w_per_m2 = static_scene->sun.irradiance_w_per_m2;
     content->background_w_per_m2_sr = static_scene->background_w_per_m2_sr;
-    memcpy(content->lights, static_scene->lights,
-           (size_t)static_scene->light_count * sizeof(static_scene->lights[0]));
+    for (int i = 0; i < static_scene->light_count; i++)
+        copy_light(&static_scene->lights[i], &content->lights[i]);
     neph_gpu_scene_pack_media(static_scene, content->media);
 }
 

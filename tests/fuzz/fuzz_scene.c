@@ -33,6 +33,10 @@ static void require_still(const struct neph_scene *scene, double frame)
     fuzz_require(neph_scene_at(scene, frame, &still, NULL) == NEPH_OK, "time can be stopped");
     fuzz_require(fabs(neph_vec3_length(still->sun.direction) - 1.0) < 1e-9,
                  "the direction of the sun is a unit vector");
+    for (int i = 0; i < still->light_count; i++)
+        fuzz_require(!still->lights[i].is_spot ||
+                         fabs(neph_vec3_length(still->lights[i].axis) - 1.0) < 1e-9,
+                     "the axis of a spot is a unit vector");
     fuzz_require(neph_scene_time_frame(scene, frame) <= frame, "pauses do not go forward");
     int width_px = 7, height_px = 5;
     neph_scene_frame_size(scene, frame, &width_px, &height_px);

@@ -138,6 +138,18 @@ class Mistakes(FitCase):
                         self.check_mistake(found, name)
                         self.check_factor(found, "albedo", factor)
 
+    def test_opacity_applied_twice(self):
+        """Light of the volume, blended by the opacity of its ray once more."""
+        for scene_name in SCENES:
+            channels, scene = self.render(scene_name), self.scene(scene_name)
+            blended = {**channels, **{
+                c: [r - v * t for r, v, t in zip(channels[c], channels[f"volume.{c}"],
+                                                 channels[f"transmittance.{c}"])] for c in "RGB"}}
+            for form, kept in FORMS.items():
+                with self.subTest(scene=scene_name, form=form):
+                    found = self.found(self.write(blended, kept), scene, code=1)
+                    self.check_mistake(found, "opacity applied twice")
+
     def test_srgb(self):
         for scene_name in SCENES:
             channels, scene = self.render(scene_name), self.scene(scene_name)

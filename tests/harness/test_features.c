@@ -20,6 +20,7 @@ struct stage {
     struct test_scene test;
     struct neph_camera_key camera_keys[2];
     struct neph_sun_key sun_keys[2];
+    struct neph_light_key light_keys[2];
     struct neph_wind_key wind_keys[1];
     struct neph_solid_key solid_keys[2];
     struct neph_mover mover;
@@ -200,6 +201,20 @@ static void lights(struct stage *stage)
                                                       .intensity_w_per_sr = {1.0, 1.0, 1.0}};
 }
 
+static void moving_light(struct stage *stage)
+{
+    lights(stage);
+    struct neph_light *light = &stage->test.scene.lights[0];
+    stage->light_keys[0] = (struct neph_light_key){0, light->position_m, light->intensity_w_per_sr,
+                                                   light->axis, false};
+    stage->light_keys[1] = stage->light_keys[0];
+    stage->light_keys[1].frame = 10.0;
+    stage->light_keys[1].position_m.x += 1.0;
+    light->keys = stage->light_keys;
+    light->key_count = 2;
+    stage->test.scene.frame_count = 11;
+}
+
 static void wind(struct stage *stage)
 {
     stage->wind_keys[0].velocity_m_per_s = (struct neph_vec3){1, 0, 0};
@@ -256,6 +271,7 @@ static const struct feature {
     {"`orthographic_height_m`", ANY_KIND, ANY_LIGHT, orthographic},
     {"`camera.keys`", ANY_KIND, ANY_LIGHT, moving_camera},
     {"`sun.keys`", ANY_KIND, ANY_LIGHT, moving_sun},
+    {"`lights[].keys`", ANY_KIND, ANY_LIGHT, moving_light},
     {"`wind`", ANY_DRIFT, ANY_LIGHT, wind},
     {"`solids[].*.motion`", ANY_KIND, ANY_LIGHT, moving_solid},
 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engines get static scenes: an engine that writes its input into the frame shows sun and wind of
- * the frame, under the scene's name, hash and frame number.
+ * Engines get static scenes: an engine that writes its input into the frame shows sun, light and
+ * wind of the frame, under the scene's name, hash and frame number.
  */
 #include "tests/base/scratch.h"
 #include "tests/neph_test.h"
@@ -16,7 +16,7 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     return !neph_scene_moves(scene);
 }
 
-/* R: direction to the sun along x. G: its brightness. B: position of the blob. */
+/* R: direction to the sun along x. G: its brightness, times the light's. B: place of the blob. */
 static enum neph_status paint(const struct neph_shot *shot, struct neph_image **frame,
                               struct neph_cost *cost, struct neph_diag *diag)
 {
@@ -25,7 +25,7 @@ static enum neph_status paint(const struct neph_shot *shot, struct neph_image **
     neph_assert_ok(neph_image_create(shot->width_px, shot->height_px, frame, diag), diag);
     neph_assert_ok(neph_image_add_rgb(*frame, NULL, rgb, diag), diag);
     rgb[0][0] = (float)scene->sun.direction.x;
-    rgb[1][0] = (float)scene->sun.irradiance_w_per_m2.g;
+    rgb[1][0] = (float)(scene->sun.irradiance_w_per_m2.g * scene->lights[0].intensity_w_per_sr.g);
     rgb[2][0] = (float)scene->media[0].gaussian.center_m.z;
     return NEPH_OK;
 }
@@ -44,6 +44,10 @@ static const char text[] =
     "  keys:\n"
     "    - {frame: 0, direction: [0, 1, 0], irradiance_w_per_m2: [0, 0, 0]}\n"
     "    - {frame: 4, direction: [1, 0, 0], irradiance_w_per_m2: [0, 8, 0]}\n"
+    "lights:\n"
+    "  - keys:\n"
+    "      - {frame: 0, position_m: [0, 1, 0], intensity_w_per_sr: [1, 3, 1]}\n"
+    "      - {frame: 4, position_m: [9, 1, 0], intensity_w_per_sr: [1, 7, 1]}\n"
     "wind: {velocity_m_per_s: [0, 0, 10]}\n"
     "scattering: none\n"
     "media:\n"
@@ -74,7 +78,7 @@ static void test_engines_see_the_scene_of_the_frame(void **state)
         const double turned = fmin(keys[i] / 4.0, 1.0); /* of a right angle */
         /* 1e-7: one rounding to float */
         neph_assert_close((double)rgb[0][0], sin(turned * acos(0.0)), 1e-7, 1e-15);
-        neph_assert_close((double)rgb[1][0], 8.0 * turned, 1e-7, 0.0);
+        neph_assert_close((double)rgb[1][0], 8.0 * turned * (3.0 + 4.0 * turned), 1e-7, 0.0);
         neph_assert_close((double)rgb[2][0], 5.0 + 5.0 * keys[i], 1e-7, 0.0);
         assert_string_equal(neph_image_attribute(frame, "neph.scene"), "probe");
         assert_string_equal(neph_image_attribute(frame, "neph.scene_hash"), scene->hash);

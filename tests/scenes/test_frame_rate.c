@@ -74,6 +74,9 @@ static void assert_same_moment(const struct neph_scene *a, double frame_a,
     assert_true(sun_a.irradiance_w_per_m2.r == sun_b.irradiance_w_per_m2.r);
     assert_same(neph_scene_wind_displacement_m(a, frame_a),
                 neph_scene_wind_displacement_m(b, frame_b));
+    for (int i = 0; i < a->light_count; i++)
+        assert_same(neph_scene_light(a, i, frame_a).position_m,
+                    neph_scene_light(b, i, frame_b).position_m);
     for (int i = 0; i < a->solid_count; i++) {
         const struct neph_solid solid_a = neph_scene_solid(a, i, frame_a);
         const struct neph_solid solid_b = neph_scene_solid(b, i, frame_b);
@@ -103,6 +106,21 @@ static void test_all_that_moves_is_at_its_place_at_60_hz(void **state)
         neph_scene_destroy(fast);
         neph_scene_destroy(slow);
     }
+}
+
+/* A lamp and a camera at 3 m/s. */
+static void test_lights_have_their_speed_at_60_hz(void **state)
+{
+    struct neph_scene *own = load("stress", "lamp_walk"), *fast = load("stress", "lamp_walk");
+    neph_assert_ok(neph_scene_set_frame_rate(fast, 60.0, NULL), NULL);
+    assert_string_not_equal(own->hash, fast->hash);
+    for (int frame = 0; frame < own->frame_count; frame++) {
+        assert_same_moment(own, frame, fast, 2 * frame);
+        neph_assert_close(neph_scene_light(fast, 0, frame).position_m.z, -2.0 - 3.0 * frame / 60.0,
+                          1e-12, 0.0);
+    }
+    neph_scene_destroy(own);
+    neph_scene_destroy(fast);
 }
 
 /* The hash is the hash of the motion: the way back restores it, a rate of 0 is the scene's own. */

@@ -55,6 +55,7 @@ static char *edited(const char *from, const char *to)
 #define LIGHT "direction: [0, 2, 0], irradiance_w_per_m2: [3, 3, 3]"
 #define MODE "scattering: single\n"
 #define LAMP "{position_m: [0, 1, 0], intensity_w_per_sr: [1, 1, 1], cone: "
+#define LAMP_KEY(frame) "{frame: " #frame ", position_m: [0, 5, 0], intensity_w_per_sr: [1, 1, 1]"
 #define BLOB                                                                                       \
     "media:\n  - gaussian: {center_m: [0, 1, 0], width_m: 1, extinction_per_m: 1, albedo: [1, 1, " \
     "1]}"
@@ -121,6 +122,28 @@ static const struct bad {
      MODE "solids: [{sphere: {center_m: [0, 1, 0], radius_m: 2, albedo: [1, 1, 1]}}]\n"
           "lights: [{position_m: [0, 1, 0], intensity_w_per_sr: [1, 1, 1]}]\n",
      8, "inside a solid"},
+    {MODE, MODE "lights: [{position_m: [0, 1, 0], keys: [" LAMP_KEY(0) "}]}]\n", 7, "not both"},
+    {MODE, MODE "lights: [{keys: []}]\n", 7, "1 to 1024"},
+    {MODE, MODE "lights: [{keys: [" LAMP_KEY(5) "},\n" LAMP_KEY(5) "}]}]\n", 8, "keys[1].frame"},
+    {MODE, MODE "lights: [{keys: [" LAMP_KEY(-1) "}]}]\n", 7, "0 to 100000"},
+    {MODE, MODE "lights: [{keys: [{frame: 0, position_m: [0, 5, 0]}]}]\n", 7,
+     "keys[0].intensity_w_per_sr"},
+    {MODE, MODE "lights: [{keys: [" LAMP_KEY(0) ", cut: true}]}]\n", 7, "none before it"},
+    {MODE, MODE "lights: [{keys: [" LAMP_KEY(0) ", axis: [0, 1, 0]}]}]\n", 7, "give it a cone"},
+    {MODE,
+     MODE "lights: [{cone: {axis: [0, 1, 0], inner_deg: 5, outer_deg: 9},\n"
+          "  keys: [" LAMP_KEY(0) ", axis: [0, 0, 0]}]}]\n",
+     8, "length"},
+    {MODE,
+     MODE "lights: [{cone: {axis: [0, 1, 0], inner_deg: 5, outer_deg: 9},\n"
+          "  keys: [" LAMP_KEY(0) "},\n" LAMP_KEY(3) ", axis: [0, -1, 0]}]}]\n",
+     9, "at frame 3 the axis is opposite to the axis at frame 0 (keys[0])"},
+    {MODE,
+     MODE "frames: {count: 4}\n"
+          "solids: [{sphere: {center_m: [0, 1, 0], radius_m: 2, albedo: [1, 1, 1],\n"
+          "  motion: {keys: [{frame: 0}, {frame: 3, move_m: [0, 5.7, 0]}]}}}]\n"
+          "lights: [{keys: [" LAMP_KEY(0) "},\n" LAMP_KEY(1) "}]}]\n",
+     11, "at frame 2 the light is inside a solid"},
     {MODE, MODE "wind: {velocity_m_per_s: [1, 0, 1e6]}\n", 7, "1e6"},
     {MODE,
      MODE "wind: {velocity_m_per_s: [1, 0, 0], keys: [{frame: 0, velocity_m_per_s: [1, 0, 0]}]}\n",

@@ -41,7 +41,8 @@ static const struct wrong {
      "  - {position_m: [0, 1, 0], intensity_w_per_sr: [-1, 1, 1]}\n"
      "  - {position_m: [0, far, 0], intensity_w_per_sr: [1, 1, 1]}\n"
      "  - {position_m: [0, 1, 0]}\n",
-     {"5: -1 is outside", "6: found 'far'", "7: missing key 'lights[2].intensity_w_per_sr'"}},
+     {"5: -1 is outside", "6: found 'far'",
+      "7: lights[2]: give position_m and intensity_w_per_sr"}},
     /* A misspelled key is not reported as missing, too; the other keys of its mapping are read. */
     {"sun: {direktion: [0, 1, 0], irradiance_w_per_m2: [1, 1]}\n"
      "media:\n"

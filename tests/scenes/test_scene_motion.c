@@ -440,6 +440,78 @@ static void test_still_scene_has_no_time_left(void **state)
     neph_scene_destroy(scene);
 }
 
+/* --- lights ---------------------------------------------------------------------------------- */
+
+/* A spot that moves, turns by a right angle and goes on in frame 8; a static point; a light with
+ * one key. */
+static const char keyed_lights[] =
+    "frames: {count: 20, pauses: [{frame: 12, count: 5}]}\n"
+    "lights:\n"
+    "  - cone: {axis: [0, -3, 0], inner_deg: 10, outer_deg: 20}\n"
+    "    keys:\n"
+    "      - {frame: 0, position_m: [1, 2, 3], intensity_w_per_sr: [0, 0, 0]}\n"
+    "      - {frame: 4, position_m: [1, 2, 7], intensity_w_per_sr: [0, 0, 0], axis: [2, 0, 0]}\n"
+    "      - {frame: 8, position_m: [9, 2, 7], intensity_w_per_sr: [1, 2, 4], cut: true}\n"
+    "      - {frame: 16, position_m: [9, 4, 7], intensity_w_per_sr: [3, 2, 0]}\n"
+    "  - {position_m: [0, 9, 0], intensity_w_per_sr: [1, 1, 1]}\n"
+    "  - keys: [{frame: 5, position_m: [0, 8, 0], intensity_w_per_sr: [2, 1, 1]}]\n";
+
+static void test_lights_are_where_their_keys_say(void **state)
+{
+    static const struct {
+        double frame;
+        struct neph_vec3 position_m, axis;
+        struct neph_rgb intensity;
+    } cases[] = {
+        {-1, {1, 2, 3}, {0, -1, 0}, {0, 0, 0}},     {0, {1, 2, 3}, {0, -1, 0}, {0, 0, 0}},
+        {1, {1, 2, 4}, {0.5, 0, 0}, {0, 0, 0}},     {4, {1, 2, 7}, {1, 0, 0}, {0, 0, 0}},
+        {7.5, {1, 2, 7}, {1, 0, 0}, {0, 0, 0}},     {8, {9, 2, 7}, {0, -1, 0}, {1, 2, 4}},
+        {12, {9, 3, 7}, {0, -1, 0}, {2, 2, 2}},     {17, {9, 3, 7}, {0, -1, 0}, {2, 2, 2}},
+        {19, {9, 3.5, 7}, {0, -1, 0}, {2.5, 2, 1}}, {99, {9, 4, 7}, {0, -1, 0}, {3, 2, 0}},
+    };
+    struct neph_scene *scene = load_three(camera, sun, keyed_lights);
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        const struct neph_light light = neph_scene_light(scene, 0, cases[i].frame);
+        struct neph_vec3 axis = cases[i].axis;
+        if (axis.x == 0.5) /* a quarter of the right angle */
+            axis = (struct neph_vec3){sin(M_PI / 8.0), -cos(M_PI / 8.0), 0};
+        assert_vec3(light.position_m, cases[i].position_m, 0.0, 0.0);
+        assert_vec3(light.axis, axis, 1e-15, 0.0);
+        assert_memory_equal(&light.intensity_w_per_sr, &cases[i].intensity,
+                            sizeof(light.intensity_w_per_sr));
+        assert_true(light.is_spot && light.key_count == 0 && !light.keys);
+    }
+    assert_vec3(scene->lights[0].axis, (struct neph_vec3){0, -1, 0}, 0.0, 0.0);
+    assert_true(neph_scene_light(scene, 1, 9).position_m.y == 9.0);
+    assert_int_equal(scene->lights[2].key_count, 0); /* one key: a static light */
+    assert_true(scene->lights[2].position_m.y == 8.0);
+    assert_true(scene->lights[2].intensity_w_per_sr.r == 2.0);
+    neph_scene_destroy(scene);
+}
+
+/* The static scene of a frame has the lights of that frame, and no keys; the scene itself is
+ * unchanged. */
+static void test_still_lights_are_the_moved_ones(void **state)
+{
+    struct neph_scene *scene = load_three(camera, sun, keyed_lights), *still = NULL;
+    struct neph_diag diag = {.line = 0};
+    assert_true(neph_scene_moves(scene));
+    for (int frame = 0; frame < scene->frame_count; frame++) {
+        neph_assert_ok(neph_scene_at(scene, frame, &still, &diag), &diag);
+        const struct neph_light light = neph_scene_light(scene, 0, frame);
+        assert_false(neph_scene_moves(still));
+        assert_vec3(still->lights[0].position_m, light.position_m, 0.0, 0.0);
+        assert_vec3(still->lights[0].axis, light.axis, 0.0, 0.0);
+        assert_true(still->lights[0].intensity_w_per_sr.b == light.intensity_w_per_sr.b);
+        assert_true(still->lights[0].inner_cosine == scene->lights[0].inner_cosine);
+        assert_true(neph_scene_light(still, 0, 3).position_m.z == light.position_m.z);
+        neph_scene_destroy(still);
+    }
+    assert_true(scene->lights[0].key_count == 4 && scene->lights[0].position_m.z == 3.0);
+    assert_false(neph_scene_is_static(scene));
+    neph_scene_destroy(scene);
+}
+
 /* Each kind of key by itself gives another moment, and a pause gives none. */
 static void test_different_moments_differ(void **state)
 {
@@ -470,6 +542,11 @@ static void test_different_moments_differ(void **state)
          "sun: {keys: [{frame: 2, direction: [0, 1, 0], irradiance_w_per_m2: [3, 3, 3]},\n"
          "             {frame: 3, direction: [0, 1, 1], irradiance_w_per_m2: [3, 3, 3]}]}\n",
          "", 3, 9, true},
+        {camera, sun, keyed_lights, 0, 1, false},
+        {camera, sun, keyed_lights, 4, 7, true},
+        {camera, sun, keyed_lights, 7, 8, false},
+        {camera, sun, keyed_lights, 12, 17, true},
+        {camera, sun, keyed_lights, 17, 18, false},
         {"camera: {keys: [{frame: 0, position_m: [0, 1, 50], look_at_m: [0, 1, 0]},\n"
          "                {frame: 5, position_m: [0, 1, 50], look_at_m: [0, 2, 0]}],\n"
          "         vertical_fov_deg: 40}\n",

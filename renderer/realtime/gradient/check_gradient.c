@@ -4,10 +4,9 @@
  * that are marched twice: 0 in constant light, 1 where everything has changed, and the gain of
  * light that changes uniformly.
  */
+#include "renderer/realtime/light_history.h"
 #include "renderer/realtime/tile_index/check_reference_slots.h"
 #include "tests/renderer/sequence_test.h"
-
-#include "renderer/realtime/suns.h"
 
 static float random_light(uint64_t *seed)
 {
@@ -134,7 +133,7 @@ static void test_it_needs_the_split(void **state)
     }
 }
 
-/* --- suns that flash ------------------------------------------------------------------------- */
+/* --- lights that flash ----------------------------------------------------------------------- */
 
 static struct neph_sun make_sun(double irradiance, double angle_rad)
 {
@@ -143,6 +142,13 @@ static struct neph_sun make_sun(double irradiance, double angle_rad)
         .direction = {cos(angle_rad), sin(angle_rad), 0.0},
         .irradiance_w_per_m2 = {irradiance, irradiance, irradiance},
     };
+}
+
+static void add_sun(struct neph_rt_light_history *history, uint32_t number,
+                    const struct neph_sun *sun)
+{
+    const struct neph_scene scene = {.sun = *sun};
+    neph_rt_light_history_add(history, number, &scene);
 }
 
 /* Irradiances of consecutive frames, ended by -1; whether they flash with a period of four. */
@@ -165,13 +171,13 @@ static void test_periodic_flashes(void **state)
         {{4, 3.2, 2.4, 1.6, 0.8, 1.6, 2.4, 3.2, 4, 3.2, 2.4, -1}, false},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct neph_rt_sun_history suns = {.count = 0};
+        struct neph_rt_light_history history = {.count = 0};
         for (uint32_t n = 0; cases[i].irradiance[n] >= 0.0; n++) {
             const struct neph_sun sun = make_sun(cases[i].irradiance[n], 1.0);
-            neph_rt_sun_history_add(&suns, 60 + n, &sun); /* past the end of the ring */
-            neph_rt_sun_history_add(&suns, 60 + n, &sun); /* again, as for a mirrored view */
+            add_sun(&history, 60 + n, &sun); /* past the end of the ring */
+            add_sun(&history, 60 + n, &sun); /* again, as for a mirrored view */
         }
-        assert_int_equal(neph_rt_sun_history_is_periodic(&suns, 4), cases[i].flashes);
+        assert_int_equal(neph_rt_light_history_is_periodic(&history, 4), cases[i].flashes);
     }
 }
 
@@ -179,30 +185,65 @@ static void test_periodic_flashes(void **state)
  * restarts the history. */
 static void test_flashes_of_other_periods(void **state)
 {
-    struct neph_rt_sun_history suns = {.count = 0};
+    struct neph_rt_light_history history = {.count = 0};
     for (uint32_t n = 0; n < 80; n++) {
         const struct neph_sun sun = make_sun(4.0, n % 7 < 3 ? 1.0 : 1.2);
-        neph_rt_sun_history_add(&suns, n, &sun);
+        add_sun(&history, n, &sun);
     }
     for (uint32_t period = 1; period < 40; period++)
-        assert_int_equal(neph_rt_sun_history_is_periodic(&suns, period),
-                         period % 7 == 0 && period <= NEPH_RT_SUNS_MAX / 2);
+        assert_int_equal(neph_rt_light_history_is_periodic(&history, period),
+                         period % 7 == 0 && period <= NEPH_RT_LIGHT_HISTORY_MAX / 2);
     const struct neph_sun sun = make_sun(4.0, 1.0);
-    neph_rt_sun_history_add(&suns, 100, &sun);
-    assert_false(neph_rt_sun_history_is_periodic(&suns, 7));
+    add_sun(&history, 100, &sun);
+    assert_false(neph_rt_light_history_is_periodic(&history, 7));
 }
 
 /* Jumps within the given number of frames, limited by the length of the history. */
 static void test_a_sun_that_jumps(void **state)
 {
-    struct neph_rt_sun_history suns = {.count = 0};
-    assert_false(neph_rt_sun_history_has_jump(&suns, 8));
+    struct neph_rt_light_history history = {.count = 0};
+    assert_false(neph_rt_light_history_has_jump(&history, 8));
     for (uint32_t n = 0; n < 100; n++) {
         const struct neph_sun sun = make_sun(n < 20 ? 4.0 : 5.0, 0.09 * n);
-        neph_rt_sun_history_add(&suns, n, &sun);
+        add_sun(&history, n, &sun);
         for (uint32_t pictures = 0; pictures < 40; pictures += 8)
-            assert_int_equal(neph_rt_sun_history_has_jump(&suns, pictures),
+            assert_int_equal(neph_rt_light_history_has_jump(&history, pictures),
                              n >= 20 && n - 20 < pictures);
+    }
+}
+
+/* The second of two lights: a flash or a step of its intensity or axis counts, its place and the
+ * axis of a point light do not. */
+static void test_lights_flash_and_jump(void **state)
+{
+    static const struct {
+        double intensity[2], angle_rad[2], x_m[2];
+        bool is_spot, differs;
+    } cases[] = {
+        {{4, 1}, {0, 0}, {0, 0}, false, true},    {{4, 0}, {0, 0}, {0, 0}, true, true},
+        {{4, 3.7}, {0, 0}, {0, 0}, true, false},  {{4, 4}, {0, 0.2}, {0, 0}, true, true},
+        {{4, 4}, {0, 0.2}, {0, 0}, false, false}, {{4, 4}, {0, 0.05}, {0, 0}, true, false},
+        {{4, 4}, {0, 0}, {0, 9}, true, false},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct neph_rt_light_history flash = {.count = 0}, step = {.count = 0};
+        struct neph_scene scene = {.light_count = 2};
+        struct neph_light *light = &scene.lights[1];
+        for (uint32_t n = 0; n < 20; n++) {
+            for (int is_step = 0; is_step < 2; is_step++) {
+                const int at = is_step ? n >= 10 : n % 4 == 0;
+                *light = (struct neph_light){.is_spot = cases[i].is_spot};
+                light->position_m.x = cases[i].x_m[at];
+                light->intensity_w_per_sr.g = cases[i].intensity[at];
+                light->axis = (struct neph_vec3){cos(cases[i].angle_rad[at]),
+                                                 sin(cases[i].angle_rad[at]), 0};
+                neph_rt_light_history_add(is_step ? &step : &flash, n, &scene);
+            }
+            assert_int_equal(neph_rt_light_history_has_jump(&step, 8),
+                             cases[i].differs && n >= 10 && n < 18);
+        }
+        assert_int_equal(neph_rt_light_history_is_periodic(&flash, 4), cases[i].differs);
+        assert_false(neph_rt_light_history_is_periodic(&flash, 3));
     }
 }
 
