@@ -24,7 +24,7 @@ static inline size_t neph_solid_tree_nodes(size_t count)
 {
     const size_t trees = count < 3 ? count : 3, full = NEPH_GPU_LEAF_SOLIDS;
     const size_t leaves = (count + (full - 1) * trees) / full;
-    return 2 * leaves <= count ? 2 * leaves - 1 : count;
+    return 2 * leaves > count ? count : leaves > 0 ? 2 * leaves - 1 : 0;
 }
 
 #endif

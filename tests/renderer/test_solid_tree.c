@@ -96,8 +96,22 @@ static void test_every_solid_is_in_one_leaf(void **state)
     free(gpu);
 }
 
+static void test_without_solids_there_are_no_nodes(void **state)
+{
+    struct neph_gpu_solids *gpu = calloc(1, sizeof(*gpu));
+    neph_solid_tree_build(gpu, 0);
+    assert_int_equal(neph_solid_tree_nodes(0), 0);
+    assert_int_equal(gpu->solid_nodes[0].leaf, 0);
+    for (uint32_t count = 1; count <= NEPH_GPU_SOLIDS_MAX; count++)
+        assert_in_range(neph_solid_tree_nodes(count), 1, NEPH_GPU_SOLID_NODES_MAX);
+    free(gpu);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_solid_is_in_one_leaf)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_solid_is_in_one_leaf),
+        cmocka_unit_test(test_without_solids_there_are_no_nodes),
+    };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
