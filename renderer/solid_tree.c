@@ -5,6 +5,8 @@
 
 #include <math.h>
 
+_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+
 enum { LEAF = NEPH_GPU_LEAF_SOLIDS, SOLIDS_MAX = NEPH_GPU_SOLIDS_MAX };
 
 enum tree { UNBOUNDED, WIDE, OTHERS, TREE_COUNT };
