@@ -45,7 +45,8 @@ static const struct neph_cli_option options[] = {
     {"sun-elevation", 0, "DEG", "Elevation of the sun", NEPH_CLI_REAL, AT(sun_elevation_deg), "40",
      3, 90},
     {"nodes", 0, "N",
-     "Directions per hemisphere: 64 resolve the fogbow to 1 %, 128 the glory and the aureole",
+     "Directions per hemisphere; at optical depth 0.3 radiances still grow by 4 to 6 % from 64 to "
+     "160",
      NEPH_CLI_INTEGER, AT(nodes), "64", 32, 256},
     {"other-radii", 0, "UM[,UM]",
      "Effective radii in um of further droplets; the models keep their parameters, but for the "
