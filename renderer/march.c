@@ -78,8 +78,7 @@ static const char *find_obstacle_to_diffused(const struct neph_scene *scene)
                    "channels";
         if (neph_phase_is_coloured(&scene->media[i].phase))
             return "a phase function that differs between the channels: diffusion is solved once "
-                   "for "
-                   "all channels";
+                   "for all channels";
         if (albedo.r != albedo.g || albedo.g != albedo.b)
             return "an albedo that differs between the channels: diffusion is solved once for all "
                    "channels";

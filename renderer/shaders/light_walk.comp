@@ -173,10 +173,8 @@ void find_next_events()
                 find_fog_collision(m);
 }
 
-// The directions of a phase function that depends on the channel are drawn for one channel, and the
-// path has light of this one only, three times as much.
-const bool PHASES_COLOURED = COLOURED && HAS_PHASE_TABLES;
-
+// If phase functions depend on the channel, directions are drawn for one channel, and the path has
+// light of this one only, three times as much.
 vec3 first_throughput()
 {
     vec3 only = vec3(0.0);

@@ -52,6 +52,7 @@ layout(constant_id = 0) const uint KINDS = 0xffffffffu; // bit k: the scene has 
 // A medium's extinction or phase function depends on the channel.
 const bool COLOURED = (TRAITS & NEPH_GPU_COLOURED) != 0u;
 const bool HAS_PHASE_TABLES = (TRAITS & NEPH_GPU_PHASE_TABLES) != 0u;
+const bool PHASES_COLOURED = COLOURED && HAS_PHASE_TABLES; // the channels of one may differ
 const bool ORTHOGRAPHIC = (TRAITS & NEPH_GPU_ORTHOGRAPHIC) != 0u; // the camera is orthographic
 
 // enum neph_medium_kind

@@ -29,7 +29,7 @@ const uint PHASE_TABLE = NEPH_PHASES_IN_SHADERS(PHASE_ONE);
 // inlined.
 #define is_phase_table(kind) (HAS_PHASE_TABLES && (kind) == PHASE_TABLE)
 // Whether its channels may differ.
-#define is_phase_coloured(kind) (COLOURED && is_phase_table(kind))
+#define is_phase_coloured(kind) (PHASES_COLOURED && (kind) == PHASE_TABLE)
 #else
 #define is_phase_table(kind) false
 #define is_phase_coloured(kind) false

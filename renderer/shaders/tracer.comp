@@ -469,12 +469,9 @@ bool sample_surface_lamp(vec3 normal, inout vec3 sun_per_sr)
     return true;
 }
 
-// If phase functions depend on the channel, the next direction weighs the channels. The light of
-// the shadow ray, which arrives later, gets its weights before that.
-const bool PHASES_COLOURED = COLOURED && HAS_PHASE_TABLES;
-
-// Weighs the channels by the densities with which they would have drawn a direction. The bound is
-// that of a hero whose weight is nothing.
+// Weighs the channels by the densities with which they would have drawn a direction, if phase
+// functions depend on the channel. The light of the shadow ray, which arrives later, gets its
+// weights before that. At the bound the hero's own weight is less than 1e-30.
 void weigh_direction(vec3 drawn_per_sr)
 {
     vec3 ratios = drawn_per_sr / max(drawn_per_sr[path.hero], 1e-30);

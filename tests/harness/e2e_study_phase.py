@@ -203,8 +203,8 @@ class StudyPhase(unittest.TestCase):
                 self.assertLess(abs(z), 4.0, (engine, name))
 
     def test_three_channels_of_traced_light_and_fluxes(self):
-        """march_traced to 5 %: four times the noise of its light in this frame. Fluxes of a slab to
-        four standard errors."""
+        """march_traced to 4 %: the ratio of two frames' means scatters by 0.9 % over five seeds.
+        Fluxes of a slab to four standard errors."""
         scenes = self.write_channels()
         whole = self.render(scenes["multiple", "all"], "march_traced")
         fluxes = {}
@@ -221,7 +221,7 @@ class StudyPhase(unittest.TestCase):
             scenes["multiple", name].write_text(text)
         for c, name in enumerate("RGB"):
             own = self.render(scenes["multiple", str(c)], "march_traced")
-            self.assertAlmostEqual(sum(whole[name]) / sum(own[name]), 1.0, delta=0.05, msg=name)
+            self.assertAlmostEqual(sum(whole[name]) / sum(own[name]), 1.0, delta=0.04, msg=name)
             for flux in ("reflected", "transmitted", "absorbed"):
                 mine, alone = fluxes["all"][flux], fluxes[str(c)][flux]
                 error = math.hypot(mine["standard_error"][c], alone["standard_error"][0])
