@@ -611,6 +611,8 @@ static bool measures_error(const struct neph_comparison *asked)
     return false;
 }
 
+/* Measure a frame. The histogram and the meter stop at Ctrl-C: the histogram is counted first and
+ * kept last, so that both end with the same frame. */
 static enum neph_status measure_frame(struct pass *pass, struct work *work, int frame,
                                       struct neph_diag *diag)
 {
@@ -633,19 +635,22 @@ static enum neph_status measure_frame(struct pass *pass, struct work *work, int 
     if (!status && work == pass->works) /* all comparisons have the same test frames */
         neph_frozen_add(&work->frozen, before, work->test);
     work->frozen = pass->works[0].frozen;
+    work->made->has_largest_error = measures_error(work->asked);
+    struct neph_error_histogram histogram = work->made->histogram;
+    if (!status && work->made->has_largest_error && work->asked->with_histogram)
+        status = neph_histogram_add(&histogram, work->reference, work->test, diag);
     if (!status)
         status = name_file(
             neph_meter_frame(work->meter, work->reference, work->second, work->test, diag), path,
             diag);
     if (!status && work->asked->with_movement)
         status = add_movement(work, diag);
-    work->made->has_largest_error = measures_error(work->asked);
     if (!status && work->made->has_largest_error)
         neph_largest_error_add(&work->made->largest_error, work->reference, work->test, frame);
-    if (!status && work->made->has_largest_error && work->asked->with_histogram)
-        status = neph_histogram_add(&work->made->histogram, work->reference, work->test, diag);
     if (!status)
         status = send_maps(work, frame, diag);
+    if (!status)
+        work->made->histogram = histogram;
     work->done_count += !status;
     return status;
 }
