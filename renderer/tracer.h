@@ -21,6 +21,8 @@
  * - One path serves all three channels, with the balance heuristic over the channels (B. Miller, I.
  *   Georgiev, W. Jarosz, "A Null-Scattering Path Integral Formulation of Light Transport", SIGGRAPH
  *   2019).
+ * - Where a phase function reaches the device as a table, which may have a narrow peak, a part of
+ *   the directions is drawn around the sun by that phase function (truth/oracle.h).
  * - With single scattering the first collision is sampled in proportion to the sunlight that
  *   arrives there (truth/lit_flight.h). With Horizon clouds, where free flights would miss it, in
  *   proportion to a guess of that light, and ratio tracking with raised majorants determines the

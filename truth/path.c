@@ -37,6 +37,11 @@ struct path {
     double roulette;       /* Russian roulette below this value */
     double sun_depth;      /* guessed depth to the sun, if the light from this point must have low
                             * noise; else 0 */
+    double sunlit;         /* transmittance of the sunlight at this event, */
+    double sunlit_sum;     /* and of all events so far */
+    double sunward;        /* what the next event scatters of its sunlight, over that of isotropic
+                            * scattering; at least 1 */
+    const struct neph_phase *peak; /* draws directions towards the sun; NULL: nothing does */
 };
 
 static const struct neph_rgb black = {0, 0, 0};
@@ -82,7 +87,7 @@ static double largest_path_value(const struct path *path)
 
 static bool survives(struct path *path)
 {
-    const double most = largest_path_value(path);
+    const double most = path->sunward * largest_path_value(path);
     if (most >= path->roulette)
         return true;
     if (neph_random_uniform(path->random) * path->roulette >= most)
@@ -104,14 +109,16 @@ static struct neph_rgb transmittance(const struct path *path, struct neph_vec3 d
 }
 
 /* Sunlight of the path if the point scatters `per_sr` of it towards the camera. */
-static struct neph_rgb sunlight(const struct path *path, struct neph_rgb per_sr)
+static struct neph_rgb sunlight(struct path *path, struct neph_rgb per_sr)
 {
+    path->sunlit = 0.0;
     const struct neph_sun *sun = &path->scene->sun;
     if (!sun->present || (per_sr.r == 0.0 && per_sr.g == 0.0 && per_sr.b == 0.0) ||
         !neph_scene_is_sun_visible(path->scene, path->at_m))
         return black;
-    const struct neph_rgb light = neph_rgb_mul(
-        sun->irradiance_w_per_m2, transmittance(path, sun->direction, path->sun_depth));
+    const struct neph_rgb through = transmittance(path, sun->direction, path->sun_depth);
+    path->sunlit = fmax(through.r, fmax(through.g, through.b));
+    const struct neph_rgb light = neph_rgb_mul(sun->irradiance_w_per_m2, through);
     return neph_rgb_mul(neph_rgb_mul(path_value(path), light), per_sr);
 }
 
@@ -222,31 +229,68 @@ static void weigh_direction(struct path *path, struct neph_rgb drawn)
     weigh(path, ratio);
 }
 
-/* Choose a new direction with the density `per_sr()` of the path's channel: `own`, or, with point
- * lights, sometimes one towards a light. The value is multiplied by the remaining weight of the
- * scattering. */
+/* Part of the directions that are drawn towards the sun. It raises the weight of all others, so it is
+ * small deep in a cloud, where the next event has no sunlight either, and after many sunlit events.
+ * Any part that does not depend on the direction leaves the mean as it is. */
+static double sunward_share(struct path *path)
+{
+    if (!path->peak)
+        return 0.0;
+    path->sunlit_sum += path->sunlit;
+    return path->sunlit / (1.0 + path->sunlit_sum);
+}
+
+static struct neph_rgb peak_per_sr(const struct path *path, const struct neph_phase *peak)
+{
+    return neph_phase_rgb_per_sr(peak, neph_vec3_dot(path->direction, path->scene->sun.direction));
+}
+
+/* The weight of a direction; where rounding at the edge of a table leaves no density, 0. */
+static double direction_weight(double wanted, double drawn)
+{
+    return drawn > 0.0 ? wanted / drawn : 0.0;
+}
+
+/* Choose a new direction with the density `per_sr()` of the path's channel: `own`, or sometimes one
+ * towards a point light, or one around the sun with the density `peak`, because few paths meet a
+ * diffraction peak by chance. The value is multiplied by the remaining weight of the scattering. */
 static void turn(struct path *path, struct neph_vec3 own,
                  struct neph_rgb (*per_sr)(const void *context, struct neph_vec3 direction),
-                 const void *context, bool is_coloured)
+                 const void *context, bool is_coloured, const struct neph_phase *peak)
 {
-    const double share = NEPH_LIGHT_DIRECTIONS;
     const struct neph_scene *scene = path->scene;
     path->direction = own;
-    if (scene->light_count == 0 || scene->scattering != NEPH_SCATTERING_MULTIPLE) {
+    path->sunward = 1.0;
+    const bool is_last = scene->scattering != NEPH_SCATTERING_MULTIPLE;
+    const double lamp_share = scene->light_count > 0 ? NEPH_LIGHT_DIRECTIONS : 0.0;
+    const double sun_share = sunward_share(path);
+    if (is_last || lamp_share + sun_share == 0.0) {
         if (is_coloured)
             weigh_direction(path, per_sr(context, own));
         return;
     }
-    if (neph_random_uniform(path->random) < share)
+    const double choice = neph_random_uniform(path->random);
+    if (choice < lamp_share)
         path->direction = neph_light_direction_sample(scene, path->at_m, path->random);
+    else if (choice < lamp_share + sun_share) {
+        const struct neph_phase drawn = neph_phase_channel(peak, path->channel);
+        path->direction = neph_phase_sample(&drawn, scene->sun.direction, path->random);
+    }
     const struct neph_rgb wanted = per_sr(context, path->direction);
-    const double lamps = share * neph_light_direction_per_sr(scene, path->at_m, path->direction);
-    const struct neph_rgb drawn = {(1.0 - share) * wanted.r + lamps,
-                                   (1.0 - share) * wanted.g + lamps,
-                                   (1.0 - share) * wanted.b + lamps};
-    path->value[0] *= wanted.r / drawn.r;
-    path->value[1] *= wanted.g / drawn.g;
-    path->value[2] *= wanted.b / drawn.b;
+    const double lamps = lamp_share > 0.0
+                             ? lamp_share *
+                                   neph_light_direction_per_sr(scene, path->at_m, path->direction)
+                             : 0.0;
+    const struct neph_rgb sunward = sun_share > 0.0 ? peak_per_sr(path, peak) : black;
+    const double rest = 1.0 - lamp_share - sun_share;
+    const struct neph_rgb drawn = {rest * wanted.r + lamps + sun_share * sunward.r,
+                                   rest * wanted.g + lamps + sun_share * sunward.g,
+                                   rest * wanted.b + lamps + sun_share * sunward.b};
+    path->value[0] *= direction_weight(wanted.r, drawn.r);
+    path->value[1] *= direction_weight(wanted.g, drawn.g);
+    path->value[2] *= direction_weight(wanted.b, drawn.b);
+    if (sun_share > 0.0)
+        path->sunward = fmax(1.0, 4.0 * M_PI * fmax(sunward.r, fmax(sunward.g, sunward.b)));
     if (is_coloured)
         weigh_direction(path, drawn);
 }
@@ -295,7 +339,8 @@ static bool leave_medium(struct path *path, int index, struct neph_rgb *light)
     const struct scattered scattered = {&medium->phase, path->direction};
     const struct neph_phase own = neph_phase_channel(&medium->phase, path->channel);
     turn(path, neph_phase_sample(&own, path->direction, path->random), scattered_per_sr, &scattered,
-         neph_phase_is_coloured(&medium->phase));
+         neph_phase_is_coloured(&medium->phase),
+         neph_phase_is_in_shaders(medium->phase.kind) ? path->peak : &medium->phase);
     return largest_path_value(path) > 0.0;
 }
 
@@ -311,8 +356,9 @@ static bool reach_surface(struct path *path, const struct neph_hit *hit)
 
 static bool leave_surface(struct path *path, const struct neph_hit *hit)
 {
-    turn(path, neph_cosine_sample(hit->normal, path->random), reflected_per_sr, &hit->normal,
-         false);
+    path->sunlit = 0.5; /* not known here */
+    turn(path, neph_cosine_sample(hit->normal, path->random), reflected_per_sr, &hit->normal, false,
+         path->peak);
     return largest_path_value(path) > 0.0;
 }
 
@@ -324,7 +370,7 @@ static bool meet_surface(struct path *path, const struct neph_hit *hit, struct n
     const double cosine = neph_vec3_dot(hit->normal, path->scene->sun.direction);
     add(light, sunlight(path, lambertian_per_sr(cosine)));
     add(light, sample_surface_light(path, hit->normal));
-    turn(path, own, reflected_per_sr, &hit->normal, false);
+    turn(path, own, reflected_per_sr, &hit->normal, false, path->peak);
     return largest_path_value(path) > 0.0;
 }
 
@@ -357,6 +403,18 @@ static void follow(struct path *path, struct neph_rgb *direct, struct neph_rgb *
 
 /* ---- camera paths ---------------------------------------------------------------------------- */
 
+/* The phase function by which directions are drawn towards the sun: the first that can have a peak.
+ * NULL: there is none, or no event after the first. */
+static const struct neph_phase *find_peak(const struct neph_scene *scene)
+{
+    if (!scene->sun.present || scene->scattering != NEPH_SCATTERING_MULTIPLE)
+        return NULL;
+    for (int m = 0; m < scene->medium_count; m++)
+        if (!neph_phase_is_in_shaders(scene->media[m].phase.kind))
+            return &scene->media[m].phase;
+    return NULL;
+}
+
 static struct path path_start(const struct neph_scene *scene, const struct neph_tracker *tracker,
                               const struct neph_view *view, struct neph_random *random,
                               struct neph_tracking_cost *cost)
@@ -368,7 +426,8 @@ static struct path path_start(const struct neph_scene *scene, const struct neph_
                         .at_m = view->origin_m,
                         .direction = view->direction,
                         .value = {1.0, 1.0, 1.0},
-                        .probability = {1.0, 1.0, 1.0}};
+                        .probability = {1.0, 1.0, 1.0},
+                        .peak = find_peak(scene)};
     if (!neph_tracker_is_grey(tracker))
         path.channel = (int)(3.0 * neph_random_uniform(random));
     return path;

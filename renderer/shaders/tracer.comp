@@ -73,6 +73,12 @@ const uint RAY_FIRST = 3; // if OPEN: transmittance from a first collision at a 
 const uint RAY_PLACE = 4; // if LAMPS: transmittance from a place on the next segment,
 const uint RAY_LAMP = 5;  // and from a lamp to that place
 
+// Some directions are drawn around the sun (turn()), which waits for the event's sunlight.
+const bool SUNWARD = HAS_PHASE_TABLES && MULTIPLE;
+
+// Transmittance of an event's sunlight that no ray of this kernel samples: a guess.
+const float UNKNOWN_SUNLIT = 0.5;
+
 // Without any other kind of ray the compiler removes their code.
 const bool ONLY_PATHS = SUN_BY_TABLE && !SURFACES && !LAMPS;
 
@@ -119,6 +125,9 @@ struct TracerState {
     float lamp_m;
     uint is_looked_for; // 1: lamp light of the next segment is sampled already
     SunCheck check; // if SUN_BY_TABLE: of the item so far
+    // If SUNWARD.
+    vec3 came_along;  // direction before the event
+    float sunlit_sum; // transmittance of the sunlight, summed over the events of the path
 };
 
 layout(std430, binding = 5) buffer States {
@@ -199,6 +208,7 @@ ViewRay start_path()
     path.raised = 1.0;
     path.sun_depth = 0.0;
     path.is_looked_for = 0;
+    path.sunlit_sum = 0.0;
     return ray;
 }
 
@@ -478,16 +488,44 @@ void weigh_direction(vec3 drawn_per_sr)
     path.channels = min(path.channels * ratios, vec3(1e30));
 }
 
-// Draws some directions towards lamps; the throughput gets the mixture's weight.
-vec3 turn_to_lamps(vec3 next, bool is_medium, Medium by, vec3 normal)
+// The table by which directions are drawn around the sun: the medium's own, or the first.
+float peak_table(bool is_medium, Medium by)
+{
+    if (MEDIA == 1 || (is_medium && by.phase_kind == PHASE_TABLE))
+        return by.g;
+    for (uint m = 0; m < media_count(); m++)
+        if (frame.media[m].phase_kind == PHASE_TABLE)
+            return frame.media[m].g;
+    return 0.0;
+}
+
+// Draws some directions towards lamps, and a share around the sun by a phase function, because few
+// paths meet a diffraction peak by chance (truth/path.c). `next` is drawn by the medium or the
+// surface alone. The throughput gets the mixture's weight. `expected` receives the sunlight that the
+// next event scatters, relative to isotropic scattering, or 1 if it is less.
+vec3 turn(vec3 next, vec3 before, bool is_medium, Medium by, vec3 normal, float sun_share,
+          out float expected)
 {
     uvec4 bits = draw4();
-    if (uniform_from(bits.xyz).x < LAMP_DIRECTIONS)
+    float choice = uniform_from(bits.xyz).x, peak = SUNWARD ? peak_table(is_medium, by) : 0.0;
+    if (LAMPS && choice < LAMP_DIRECTIONS)
         next = draw_lamp_direction(path.origin_m, uniform_from(bits.yzw));
-    vec3 wanted = is_medium ? phase_rgb_per_sr(by.phase_kind, by.g, path.direction, next)
+    else if (SUNWARD && choice < sun_share + (LAMPS ? LAMP_DIRECTIONS : 0.0))
+        next = sample_phase(PHASE_TABLE, phase_channel_g(PHASE_TABLE, peak, path.hero),
+                            sun_direction, uniform_from(bits.yzw).xy);
+    vec3 wanted = is_medium ? phase_rgb_per_sr(by.phase_kind, by.g, before, next)
                             : vec3(max(0.0, dot(normal, next)) / PI);
-    vec3 drawn = mix(wanted, vec3(lamp_direction_per_sr(path.origin_m, next)), LAMP_DIRECTIONS);
-    path.throughput *= wanted / drawn;
+    vec3 drawn = wanted;
+    expected = 1.0;
+    if (LAMPS)
+        drawn = mix(wanted, vec3(lamp_direction_per_sr(path.origin_m, next)), LAMP_DIRECTIONS);
+    if (SUNWARD) {
+        vec3 sunward = phase_rgb_per_sr(PHASE_TABLE, peak, next, sun_direction);
+        drawn += sun_share * (sunward - wanted);
+        if (sun_share > 0.0)
+            expected = max(1.0, 4.0 * PI * max_channel(sunward));
+    }
+    path.throughput *= wanted / max(drawn, vec3(1e-30));
     if (is_medium && is_phase_coloured(by.phase_kind))
         weigh_direction(drawn);
     return next;
@@ -495,12 +533,13 @@ vec3 turn_to_lamps(vec3 next, bool is_medium, Medium by, vec3 normal)
 
 // --- events -------------------------------------------------------------------------------------
 
-// Continues along `direction`, or ends the path: at the highest order, or by roulette.
-void prepare_next(vec3 direction, float u)
+// Continues along `direction`, or ends the path: at the highest order, or by roulette, which
+// compares the light that is expected.
+void prepare_next(vec3 direction, float expected, float u)
 {
     path.next_direction = direction;
     bool goes_on = MULTIPLE || (ENVIRONMENT && path.events == 1);
-    float survival = min(1.0, max_channel(path.throughput) / path.roulette);
+    float survival = min(1.0, max_channel(path.throughput) * expected / path.roulette);
     if (!goes_on || u >= survival)
         path.throughput = vec3(0.0);
     else
@@ -512,10 +551,11 @@ bool is_sun_in_table() { return SUN_BY_TABLE && path.is_surface_first == 0; }
 // Sunlight at an event before transmittance. Roulette compares with isotropic scattering.
 void prepare_sunlight(vec3 per_sr, float u)
 {
+    const float LEAST = SUNWARD ? 1.0 : 1e-30; // turn() needs the transmittance
     path.sun_fraction = vec3(1.0);
     path.sun_roulette = path.sun_depth > 0.0 || is_sun_in_table()
                             ? 0.0
-                            : SUN_ROULETTE / max(4.0 * PI * max_channel(per_sr), 1e-30);
+                            : SUN_ROULETTE / max(4.0 * PI * max_channel(per_sr), LEAST);
     play_sun_roulette(u);
     path.pending = path.throughput * sun_irradiance * (per_sr * path.sun_fraction);
     path.sun_roulette /= max(path.sun_fraction.r, 1.0);
@@ -526,8 +566,8 @@ void prepare_sunlight(vec3 per_sr, float u)
 }
 
 // Adds an event's sunlight from the table, and makes the event the checked one with a probability
-// in proportion to its light (a reservoir). Order 1 has only one event.
-void look_up_sunlight(float u)
+// in proportion to its light (a reservoir). Order 1 has only one event. Returns the transmittance.
+float look_up_sunlight(float u)
 {
     float guessed = guess_sun_transmittance(sun_lattice, path.origin_m, sun_direction);
     float brightest = max_channel(path.pending), most = brightest * guessed;
@@ -535,7 +575,7 @@ void look_up_sunlight(float u)
     if (path.events == 1) {
         path.check.first_guessed = guessed;
         path.check.first_light = path.pending * guessed;
-        return;
+        return guessed;
     }
     path.check.light += path.pending * guessed;
     path.check.most += most;
@@ -544,6 +584,7 @@ void look_up_sunlight(float u)
         path.check.guessed = guessed;
         path.check.color = path.pending / brightest;
     }
+    return guessed;
 }
 
 vec3 light_direction(bool is_lamp)
@@ -556,6 +597,31 @@ bool sees_light(bool is_lamp)
     if (LAMPS && is_lamp)
         return sees_point(path.origin_m, path.lamp_direction, path.lamp_m, path.solid);
     return sees_sun(path.origin_m, path.solid);
+}
+
+// Whether no ray of this kernel samples the sunlight of the event: an earlier kernel has it, or a
+// lamp was chosen in its place.
+bool is_sun_unknown(bool is_lamp)
+{
+    bool is_known_earlier = !OPEN && !(FIRST_BY_PATH && path.stage == STAGE_MEDIUM);
+    return is_lamp || (path.events == 1 && is_known_earlier);
+}
+
+// If SUNWARD: the end of an event, when the transmittance of its sunlight is known. The share of the
+// directions that are drawn around the sun raises the weight of all others, so it is small deep in a
+// cloud, where the next event has no sunlight either, and after many sunlit events. Any share that
+// does not depend on the direction leaves the mean as it is.
+void leave_event(float sunlit)
+{
+    bool is_medium = !SURFACES || path.solid == NO_SOLID;
+    Medium by = only;
+    if (MEDIA != 1 && is_medium)
+        by = frame.media[path.medium];
+    vec3 normal = is_medium ? vec3(0.0) : solid_normal(solids[path.solid], path.origin_m);
+    path.sunlit_sum += sunlit;
+    float expected, share = sunlit / (1.0 + path.sunlit_sum);
+    vec3 next = turn(path.next_direction, path.came_along, is_medium, by, normal, share, expected);
+    prepare_next(next, expected, uniform_from(draw()).x);
 }
 
 // One event: emission, shadow ray, next direction. Not repeated here, unless OPEN, is light that
@@ -595,16 +661,24 @@ void process_event()
         prepare_sunlight(light_per_sr, uniform_from(bits.www).x);
     if (PHASES_COLOURED)
         path.pending *= channel_weights(path.channels);
-    if (LAMPS && MULTIPLE)
-        next = turn_to_lamps(next, is_medium, by, normal);
-    else if (is_medium && is_phase_coloured(by.phase_kind))
-        weigh_direction(phase_rgb_per_sr(by.phase_kind, by.g, path.direction, next));
-    prepare_next(next, u.z);
+    float expected = 1.0, sunlit = is_sun_unknown(is_lamp) ? UNKNOWN_SUNLIT : 0.0;
+    if (SUNWARD) {
+        path.came_along = path.direction;
+        path.next_direction = next;
+    } else {
+        if (LAMPS && MULTIPLE)
+            next = turn(next, path.direction, is_medium, by, normal, 0.0, expected);
+        else if (is_medium && is_phase_coloured(by.phase_kind))
+            weigh_direction(phase_rgb_per_sr(by.phase_kind, by.g, path.direction, next));
+        prepare_next(next, expected, u.z);
+    }
     bool is_lit = path.pending != vec3(0.0) && (!SOLIDS || sees_light(is_lamp));
     if (is_sun_in_table() && is_lit && !is_lamp) {
-        look_up_sunlight(uniform_from(bits.www).x);
+        sunlit = look_up_sunlight(uniform_from(bits.www).x);
         is_lit = false;
     }
+    if (SUNWARD && !is_lit)
+        leave_event(sunlit);
     path.ray = is_lit ? RAY_SUN : RAY_PATH;
     path.raised = is_lit ? majorant_factor(path.sun_depth) : 1.0;
     path.direction = is_lit ? light_direction(is_lamp) : path.next_direction;
@@ -743,6 +817,9 @@ void arrive_with_fraction()
         add_weighted_light(path.pending * path.sun_fraction);
     else
         add_light(path.pending * path.sun_fraction);
+    if (SUNWARD && !is_view)
+        leave_event(LAMPS && path.reach_m < FAR_M ? UNKNOWN_SUNLIT
+                                                  : min(max_channel(path.sun_fraction), 1.0));
     path.ray = RAY_PATH;
     path.raised = 1.0;
     path.direction = path.next_direction;

@@ -438,6 +438,48 @@ static void test_slabs_against_doubling(void **state)
     check_slab(2.0, 0.95, (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, -0.4}, 20000);
 }
 
+/* Henyey-Greenstein, written as two equal lobes: kinds that can have a peak have some directions
+ * drawn around the sun. The mean is that of doubling, or of Henyey-Greenstein itself, and seen from
+ * below, where few paths bring the sunlight by chance, its error is less. */
+static struct neph_phase twice(double g)
+{
+    return (struct neph_phase){NEPH_PHASE_DOUBLE_HENYEY_GREENSTEIN, g, g, 0.5};
+}
+
+static void test_directions_around_the_sun_against_doubling(void **state)
+{
+    check_slab(0.5, 1.0, twice(0.5), 20000);
+    check_slab(4.0, 0.95, twice(0.7), 20000);
+}
+
+static void test_directions_around_the_sun_keep_the_mean(void **state)
+{
+    static const struct line views[] = {{{0, 3, 0}, {0, -0.6, 0.8}}, {{0, -1, 0}, {0, 0.8, 0.6}}};
+    struct neph_solid ground = {.kind = NEPH_SOLID_BOX,
+                                .box = {{-1e9, -5, -1e9}, {1e9, -4, 1e9}},
+                                .albedo = {0.6, 0.5, 0.4}};
+    struct neph_scene scenes[2];
+    for (int i = 0; i < 2; i++) {
+        scenes[i] = slab_scene(1.5, 0.98, twice(0.97), 0.6);
+        scenes[i].solids = &ground;
+        scenes[i].solid_count = 1;
+        scenes[i].media[0].extinction_color = (struct neph_rgb){0.8, 1, 1.2};
+    }
+    scenes[1].media[0].phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.97};
+    for (size_t i = 0; i < COUNT(views); i++) {
+        const struct estimate some = estimate(&scenes[0], fixed_view, &views[i], PART_ALL, 40000);
+        const struct estimate none = estimate(&scenes[1], fixed_view, &views[i], PART_ALL, 40000);
+        for (int j = 0; j < 3; j++) {
+            print_message("%.5f +- %.5f, without %.5f +- %.5f\n", some.mean[j], some.error[j],
+                          none.mean[j], none.error[j]);
+            neph_assert_close(some.mean[j], none.mean[j], 0.0,
+                              sigmas * hypot(some.error[j], none.error[j]));
+            if (i == 1 && neph_test_path_step() == 1)
+                assert_true(some.error[j] < 0.5 * none.error[j]);
+        }
+    }
+}
+
 /* Any vertical profile is equivalent to a slab of its whole depth: fog above black ground, a wide
  * grid with an uneven profile, and the atmosphere of a planet so large that it is flat to 1e-5. */
 static void check_profile(const char *name, struct neph_medium medium, double optical_depth,
