@@ -8,6 +8,7 @@
 #include "scenes/solids.h"
 
 #include "scenes/bounds.h"
+#include "scenes/box_shadow.h"
 
 #include <math.h>
 
@@ -206,59 +207,6 @@ bool neph_scene_is_visible(const struct neph_scene *scene, struct neph_vec3 poin
     return true;
 }
 
-/* An affine function of the distance u along the view ray. */
-struct affine {
-    double constant, slope;
-};
-
-/* Narrows [*u0, *u1] to the part with f(u) <= g(u). */
-static bool clip_less_equal(struct affine f, struct affine g, double *u0, double *u1)
-{
-    const double constant = f.constant - g.constant;
-    const double slope = f.slope - g.slope;
-    if (slope == 0.0)
-        return constant <= 0.0;
-    const double root = -constant / slope;
-    if (slope > 0.0)
-        *u1 = fmin(*u1, root);
-    else
-        *u0 = fmax(*u0, root);
-    return *u0 < *u1;
-}
-
-/* Shadow of a box: all u for which some t >= 0 puts o + u d + t s inside. On each axis t is bounded
- * below and above by affine functions of u; a t exists when every lower bound is below every upper
- * bound (Fourier-Motzkin elimination of t). */
-static bool box_shadow(const struct neph_bounds *box, struct neph_vec3 sun, struct neph_vec3 o,
-                       struct neph_vec3 d, double *u0, double *u1)
-{
-    const double low[3] = {box->min_m.x, box->min_m.y, box->min_m.z};
-    const double high[3] = {box->max_m.x, box->max_m.y, box->max_m.z};
-    const double origin[3] = {o.x, o.y, o.z};
-    const double direction[3] = {d.x, d.y, d.z};
-    const double s[3] = {sun.x, sun.y, sun.z};
-    struct affine lower[4] = {{0.0, 0.0}}; /* t >= 0 */
-    struct affine upper[3];
-    int lower_count = 1, upper_count = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        if (s[axis] == 0.0) {
-            if (!neph_clip_axis(low[axis], high[axis], origin[axis], direction[axis], u0, u1))
-                return false;
-            continue;
-        }
-        const double entry = s[axis] > 0.0 ? low[axis] : high[axis];
-        const double exit = s[axis] > 0.0 ? high[axis] : low[axis];
-        const double slope = -direction[axis] / s[axis];
-        lower[lower_count++] = (struct affine){(entry - origin[axis]) / s[axis], slope};
-        upper[upper_count++] = (struct affine){(exit - origin[axis]) / s[axis], slope};
-    }
-    for (int i = 0; i < lower_count; i++)
-        for (int j = 0; j < upper_count; j++)
-            if (!clip_less_equal(lower[i], upper[j], u0, u1))
-                return false;
-    return *u0 < *u1;
-}
-
 /* Shadow of a sphere: where the nearest point of the sun ray lies ahead, the ray is tested with the
  * cylinder along the sun; where it lies behind, with the sphere itself. */
 static bool sphere_shadow(const struct neph_solid *sphere, struct neph_vec3 sun, struct neph_vec3 o,
@@ -266,12 +214,12 @@ static bool sphere_shadow(const struct neph_solid *sphere, struct neph_vec3 sun,
 {
     const struct neph_vec3 w = neph_vec3_sub(o, sphere->center_m);
     /* The nearest approach is at t*(u) = -(w + u d).s; it is ahead while t* >= 0. */
-    const struct affine behind = {neph_vec3_dot(w, sun), neph_vec3_dot(d, sun)};
-    const struct affine zero = {0.0, 0.0};
+    const struct neph_affine behind = {neph_vec3_dot(w, sun), neph_vec3_dot(d, sun)};
+    const struct neph_affine zero = {0.0, 0.0};
 
     double low = INFINITY, high = -INFINITY;
     double a0 = *u0, a1 = *u1;
-    if (clip_less_equal(behind, zero, &a0, &a1)) {
+    if (neph_clip_less_equal(behind, zero, &a0, &a1)) {
         const struct neph_vec3 w_across = neph_vec3_along(w, sun, -behind.constant);
         const struct neph_vec3 d_across = neph_vec3_along(d, sun, -behind.slope);
         const double speed_squared = neph_vec3_dot(d_across, d_across);
@@ -296,7 +244,7 @@ static bool sphere_shadow(const struct neph_solid *sphere, struct neph_vec3 sun,
         }
     }
     double b0 = *u0, b1 = *u1, s0, s1;
-    if (clip_less_equal(zero, behind, &b0, &b1) && sphere_interval(sphere, o, d, &s0, &s1)) {
+    if (neph_clip_less_equal(zero, behind, &b0, &b1) && sphere_interval(sphere, o, d, &s0, &s1)) {
         b0 = fmax(b0, s0);
         b1 = fmin(b1, s1);
         if (b0 < b1) {
@@ -316,9 +264,9 @@ bool neph_solid_shadow(const struct neph_solid *solid, struct neph_vec3 sun_dire
     double u0 = t0_m, u1 = t1_m;
     const bool hidden = solid->kind == NEPH_SOLID_SPHERE
                             ? sphere_shadow(solid, sun_direction, origin_m, direction, &u0, &u1)
-                            : box_shadow(&solid->box, neph_box_direction(solid, sun_direction),
-                                         to_box_axes(solid, origin_m),
-                                         neph_box_direction(solid, direction), &u0, &u1);
+                            : neph_box_shadow(&solid->box, neph_box_direction(solid, sun_direction),
+                                              to_box_axes(solid, origin_m),
+                                              neph_box_direction(solid, direction), &u0, &u1);
     if (!hidden)
         return false;
     *shadow_t0_m = u0;
@@ -327,40 +275,6 @@ bool neph_solid_shadow(const struct neph_solid *solid, struct neph_vec3 sun_dire
 }
 
 /* --- shadows from a point -------------------------------------------------------------------- */
-
-/* All u for which some factor f >= 1 puts o + u d at L + f (k - L) with k in the box. On each axis
- * o + u d - L lies between f (low - L) and f (high - L), which bound f by affine functions of u, as
- * in box_shadow(). */
-static bool box_point_shadow(const struct neph_bounds *box, struct neph_vec3 light_m,
-                             struct neph_vec3 o, struct neph_vec3 d, double *u0, double *u1)
-{
-    const double light[3] = {light_m.x, light_m.y, light_m.z};
-    const double low[3] = {box->min_m.x, box->min_m.y, box->min_m.z};
-    const double high[3] = {box->max_m.x, box->max_m.y, box->max_m.z};
-    const double origin[3] = {o.x, o.y, o.z}, direction[3] = {d.x, d.y, d.z};
-    struct affine lower[7] = {{1.0, 0.0}}, upper[6];
-    int lower_count = 1, upper_count = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        const struct affine way = {origin[axis] - light[axis], direction[axis]};
-        const struct affine zero = {0.0, 0.0};
-        const double faces[2] = {low[axis] - light[axis], high[axis] - light[axis]};
-        for (int side = 0; side < 2; side++) { /* faces[0] f <= way <= faces[1] f */
-            const struct affine bound = {way.constant / faces[side], way.slope / faces[side]};
-            const bool is_below = (faces[side] < 0.0) == (side == 0);
-            if (faces[side] != 0.0 && is_below)
-                lower[lower_count++] = bound;
-            else if (faces[side] != 0.0)
-                upper[upper_count++] = bound;
-            else if (!clip_less_equal(side ? way : zero, side ? zero : way, u0, u1))
-                return false;
-        }
-    }
-    for (int i = 0; i < lower_count; i++)
-        for (int j = 0; j < upper_count; j++)
-            if (!clip_less_equal(lower[i], upper[j], u0, u1))
-                return false;
-    return *u0 < *u1;
-}
 
 /* Whether a sphere hides one point from another. */
 static bool sphere_hides(const struct neph_solid *sphere, struct neph_vec3 light_m,
@@ -428,9 +342,9 @@ bool neph_solid_point_shadow(const struct neph_solid *solid, struct neph_vec3 li
     double u0 = t0_m, u1 = t1_m;
     const bool hidden = solid->kind == NEPH_SOLID_SPHERE
                             ? sphere_point_shadow(solid, light_m, origin_m, direction, &u0, &u1)
-                            : box_point_shadow(&solid->box, to_box_axes(solid, light_m),
-                                               to_box_axes(solid, origin_m),
-                                               neph_box_direction(solid, direction), &u0, &u1);
+                            : neph_box_point_shadow(&solid->box, to_box_axes(solid, light_m),
+                                                    to_box_axes(solid, origin_m),
+                                                    neph_box_direction(solid, direction), &u0, &u1);
     if (!hidden)
         return false;
     *shadow_t0_m = u0;
