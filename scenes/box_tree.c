@@ -189,6 +189,7 @@ struct neph_box_tree neph_box_tree_build(const struct neph_bounds *boxes, int co
         .nodes = nodes,
         .order = order,
         .node_count = building.node_count,
+        .item_count = count,
         .reach_m = fmax(largest_of(nodes[0].bounds.min_m), largest_of(nodes[0].bounds.max_m)),
     };
 }

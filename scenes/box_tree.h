@@ -20,7 +20,7 @@ struct neph_tree_node {
 struct neph_box_tree {
     struct neph_tree_node *nodes; /* the first is the root */
     int *order;                   /* the items, such that those of a node follow each other */
-    int node_count;
+    int node_count, item_count;
     double reach_m; /* the largest coordinate of the root, as an absolute value */
 };
 

@@ -10,7 +10,7 @@
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 enum { RAILS_MAX = 16 };
 

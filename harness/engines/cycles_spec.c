@@ -20,7 +20,7 @@
 
 /* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 enum {
     SPEC_FORMAT = 6, /* change together with blender_render.py */

@@ -38,7 +38,7 @@
 /* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 #define THREADS_MAX 64
 
@@ -114,6 +114,8 @@ static const char *medium_obstacle(const struct neph_scene *scene)
 static const char *solid_obstacle(const struct neph_scene *scene)
 {
     int mirrors = 0;
+    if (neph_mesh_obstacle(scene))
+        return neph_mesh_obstacle(scene);
     for (int i = 0; i < scene->solid_count; i++) {
         const struct neph_surface *surface = &scene->solids[i].surface;
         if (surface->metalness == 0.0)

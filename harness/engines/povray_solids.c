@@ -10,7 +10,7 @@
 /* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
 _Static_assert(NEPH_POVRAY_KIND_COUNT == 6, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 /* Write one digit of the depth in one channel: depth / range * base^place, wrapped at 1 by POV-Ray.
  * The factor 3 compensates the mean of three pigments. */
