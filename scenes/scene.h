@@ -22,7 +22,8 @@
 
 #define NEPH_SCENE_MEDIA_MAX 8
 #define NEPH_SCENE_LIGHTS_MAX 16
-#define NEPH_SCENE_SOLIDS_MAX 1024 /* after fences are expanded into their bars */
+#define NEPH_SCENE_SOLIDS_MAX 1024     /* after fences are expanded into their bars */
+#define NEPH_SCENE_INSTANCES_MAX 10000 /* solids of meshes, beside these */
 #define NEPH_SCENE_KEYS_MAX 1024
 #define NEPH_FOG_LAYERS_MAX 2
 #define NEPH_SCENE_MOVERS_MAX 16
