@@ -19,12 +19,12 @@ struct neph_mesh_request {
 
 /* Reads the triangles of a file.
  *
- * Assimp reads it in the program neph-mesh (scenes/mesh_program.h), in float32. Polygons are cut
- * into triangles between their corners, concave ones by ear clipping; lines and points are left
- * out. Nodes of glTF are placed by their transforms, and mirrored ones keep their outside; skins
- * and morphs are not applied. Vertices that are equal in all bits become one. Normals (of length 1)
- * and uv are kept where each vertex has them. Open, self-intersecting and non-manifold meshes are
- * read as they are.
+ * ssimp reads it in the program neph-mesh (scenes/mesh_program.h), in float32: refused if that
+ * moves vertices by more than 1e-4 of the size. Polygons are cut into triangles between their
+ * corners, concave ones by ear clipping; lines and points are left out. Nodes of glTF are placed
+ * by their transforms, and mirrored ones keep their outside; skins and morphs are not applied.
+ * Vertices that are equal in all bits become one. Normals (of length 1) and uv are kept where each
+ * vertex has them. Open, self-intersecting and non-manifold meshes are read as they are.
  *
  * No file is opened outside of the folder of `path`, links followed, and inside it only the buffers
  * of glTF: no materials and no textures.

@@ -6,6 +6,7 @@
 #include "scenes/mesh_program.h"
 #include "scenes/mesh_check.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdarg>
@@ -14,6 +15,7 @@
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <new>
 #include <set>
@@ -40,6 +42,9 @@ namespace
 /* Memory for libraries, stacks, and lists of fixed size. */
 constexpr uint64_t base_memory_bytes = uint64_t{512} << 20;
 constexpr size_t listed_names_max = 8;
+
+/* Largest error of a coordinate by rounding, in sizes of the mesh. */
+constexpr double error_max = 1e-4;
 
 /* The arguments from neph. */
 struct request {
@@ -114,7 +119,7 @@ class folder_files : public Assimp::IOSystem
     }
     bool Exists(const char *name) const override
     {
-        return name == path;
+        return name == path || opens_buffers; /* else Open() says it */
     }
     char getOsSeparator() const override
     {
@@ -264,6 +269,7 @@ class triangles
             has_normals &= has_vectors(*each.mesh, each.mesh->mNormals, 1e-12f);
             has_uv &= has_vectors(*each.mesh, each.mesh->mTextureCoords[0], 0.0f);
         }
+        check_steps();
         for (const part &each : parts)
             add_mesh(*each.mesh, each.placed);
         if (indices.empty())
@@ -339,6 +345,27 @@ class triangles
         for (const std::string &name : names)
             list += words("%s'%.40s'", list.empty() ? "" : ", ", name.c_str());
         return names.size() > listed_names_max ? list + ", ..." : list;
+    }
+
+    /* Assimp has rounded coordinates to float32, as those of a map far from its origin. */
+    void check_steps() const
+    {
+        const float huge = std::numeric_limits<float>::max();
+        aiVector3D low(huge), high(-huge);
+        for (const part &each : parts)
+            for (unsigned v = 0; v < each.mesh->mNumVertices; v++)
+                for (unsigned i = 0; i < 3; i++) {
+                    low[i] = std::min(low[i], each.mesh->mVertices[v][i]);
+                    high[i] = std::max(high[i], each.mesh->mVertices[v][i]);
+                }
+        const double size = static_cast<double>((high - low).Length());
+        double farthest = 0.0;
+        for (unsigned i = 0; i < 3; i++)
+            farthest = std::max(farthest, static_cast<double>(std::max(-low[i], high[i])));
+        if (size > 0.0 && std::isfinite(size) && farthest * 0x1p-24 > error_max * size)
+            throw bad_file(words("its size is %g and its coordinates reach %g, where float32 has "
+                                 "steps of %g\tmove it nearer to its origin",
+                                 size, farthest, farthest * 0x1p-23));
     }
 
     /* Faces with one or two corners are points and lines, which a mesh may have, too. */

@@ -388,6 +388,7 @@ static void test_text_at_fault(void **state)
         {"zero.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "line 4, 'f 0 1 2'"},
         {"low.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 1 2\n", "there is no vertex -4"},
         {"uv.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n", "names texture coordinate 1"},
+        {"far.obj", "v 500000 0 0\nv 500001 0 0\nv 500000 1 0\nf 1 2 3\n", "steps of 0.0596"},
         {"two.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n", "three corners or more"},
         {"face.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n", "line 4, 'f 1 2 x'"},
         {"binary.obj", "\1\2\3\4\5\6\7\1\2\3\4\5\6\7\1\2\3\4", "it has no triangles"},
