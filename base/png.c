@@ -164,16 +164,28 @@ static void read_size(struct reader *reader)
     reader->height_px = (int)png_get_image_height(reader->png, reader->info);
 }
 
-static void read_codes(struct reader *reader)
+static void read_codes_of(struct reader *reader, int wanted_type)
 {
     read_size(reader);
     int depth = png_get_bit_depth(reader->png, reader->info);
     int colour_type = png_get_color_type(reader->png, reader->info);
-    if (depth != 16 || colour_type != PNG_COLOR_TYPE_RGB)
+    if (depth != 16 || colour_type != wanted_type)
         fail_and_jump(reader, neph_fail(reader->diag, NEPH_ERR_INPUT,
-                                        "'%s' is a %d-bit %s PNG; only 16-bit RGB is read",
-                                        reader->path, depth, colour_type_name(colour_type)));
-    read_rows(reader, (size_t)reader->width_px * 3 * sizeof(uint16_t));
+                                        "'%s' is a %d-bit %s PNG; only 16-bit %s is read",
+                                        reader->path, depth, colour_type_name(colour_type),
+                                        colour_type_name(wanted_type)));
+    read_rows(reader, (size_t)reader->width_px * (wanted_type == PNG_COLOR_TYPE_RGB ? 3 : 1) *
+                          sizeof(uint16_t));
+}
+
+static void read_rgb_codes(struct reader *reader)
+{
+    read_codes_of(reader, PNG_COLOR_TYPE_RGB);
+}
+
+static void read_grey_codes(struct reader *reader)
+{
+    read_codes_of(reader, PNG_COLOR_TYPE_GRAY);
 }
 
 static void decode(struct reader *reader, void (*read)(struct reader *))
@@ -208,8 +220,9 @@ static enum neph_status read_bytes(struct reader *reader, void (*read)(struct re
     return reader->status;
 }
 
-enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *height_px,
-                                     uint16_t **rgb, struct neph_diag *diag)
+static enum neph_status read_code_file(const char *path, void (*read)(struct reader *),
+                                       int *width_px, int *height_px, uint16_t **codes,
+                                       struct neph_diag *diag)
 {
     struct reader reader = {.path = path, .diag = diag};
     char *file = NULL;
@@ -218,14 +231,26 @@ enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *heigh
     if (status)
         return status;
     reader.file = file;
-    status = read_bytes(&reader, read_codes);
+    status = read_bytes(&reader, read);
     free(file);
     if (status)
         return status;
     *width_px = reader.width_px;
     *height_px = reader.height_px;
-    *rgb = reader.samples;
+    *codes = reader.samples;
     return NEPH_OK;
+}
+
+enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *height_px,
+                                     uint16_t **rgb, struct neph_diag *diag)
+{
+    return read_code_file(path, read_rgb_codes, width_px, height_px, rgb, diag);
+}
+
+enum neph_status neph_png_read_grey16(const char *path, int *width_px, int *height_px,
+                                      uint16_t **grey, struct neph_diag *diag)
+{
+    return read_code_file(path, read_grey_codes, width_px, height_px, grey, diag);
 }
 
 /* ---- images in linear light ------------------------------------------------------------------ */

@@ -35,6 +35,10 @@ enum neph_status neph_png_write_rgb16(const char *path, int width_px, int height
 enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *height_px,
                                      uint16_t **rgb, struct neph_diag *diag);
 
+/* The same, of a 16-bit grey PNG: width * height values. */
+enum neph_status neph_png_read_grey16(const char *path, int *width_px, int *height_px,
+                                      uint16_t **grey, struct neph_diag *diag);
+
 /* Read any PNG (1 to 16 bits; grey, palette or RGB; interlaced or not) as linear R G B by the
  * inverse of the sRGB curve (IEC 61966-2-1:1999), evaluated in double and rounded once. The largest
  * code becomes 1. Attributes of the image:

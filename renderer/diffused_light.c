@@ -13,7 +13,7 @@
 
 /* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 static const uint32_t fill_code[] = {
 #include "shaders/diffuse_fill.comp.inc"

@@ -21,7 +21,7 @@
 _Static_assert(NEPH_GPU_DATA_COUNT == 3, "a new kind");
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 static void set_rgb(float out[3], struct neph_rgb rgb)
 {

@@ -20,7 +20,7 @@ _Static_assert(NEPH_SCENE_MEDIA_MAX == NEPH_GPU_MEDIA_MAX &&
                "room in a frame");
 _Static_assert(NEPH_SCENE_LIGHTS_MAX == NEPH_GPU_LAMPS_MAX, "room for lights");
 _Static_assert(NEPH_SCENE_SOLIDS_MAX == NEPH_GPU_SOLIDS_MAX, "room for solids");
-_Static_assert(NEPH_SOLID_BOX == 0 && NEPH_SOLID_SPHERE == 1 && NEPH_SOLID_KIND_COUNT == 2,
+_Static_assert(NEPH_SOLID_BOX == 0 && NEPH_SOLID_SPHERE == 1 && NEPH_SOLID_KIND_COUNT == 3,
                "solids.glsl's kinds");
 
 struct neph_gpu_solid neph_gpu_solid_pack(const struct neph_solid *solid,

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 enum { LEAF = NEPH_GPU_LEAF_SOLIDS, SOLIDS_MAX = NEPH_GPU_SOLIDS_MAX };
 

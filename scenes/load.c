@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "scenes/errors.h"
 #include "scenes/media.h"
+#include "scenes/mesh.h"
 #include "scenes/volume_scene.h"
 
 #include <ctype.h>
@@ -255,6 +256,8 @@ void neph_scene_destroy(struct neph_scene *scene)
         return;
     for (int i = 0; i < scene->medium_count && !scene->borrows; i++)
         neph_medium_finish(&scene->media[i]);
+    for (int i = 0; i < scene->mesh_count && !scene->borrows; i++)
+        neph_mesh_destroy(scene->meshes[i]);
     if (!scene->borrows)
         neph_arena_finish(&scene->arena);
     free(scene);

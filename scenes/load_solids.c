@@ -1,53 +1,32 @@
 /* SPDX-License-Identifier: MIT
  *
- * An entry of `solids`: a box, a sphere, or a fence, which is many thin boxes.
+ * An entry of `solids`: a box, a sphere, or a fence, which is many thin boxes. Meshes are in
+ * load_mesh.c.
  */
+#include "scenes/load_solids.h"
 #include "scenes/hash_text.h"
-#include "scenes/load.h"
+#include "scenes/mesh.h"
+#include "scenes/solids.h"
 
-#include <stddef.h>
 #include <stdlib.h>
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
-
-enum { RAILS_MAX = 16 };
-
-struct fence {
-    struct neph_vec3 origin_m;
-    int bars;
-    double pitch_m, bar_width_m, bar_depth_m, height_m;
-    int rows;
-    double row_spacing_m;
-    int rail_count;
-    double rail_heights_m[RAILS_MAX], rail_width_m, rail_depth_m;
-    struct neph_rgb albedo;
-};
-
-/* One entry; either a solid or a fence. */
-struct neph_written_solid {
-    struct neph_solid solid;
-    struct fence fence;      /* 0 bars: no fence */
-    struct neph_mover mover; /* without keys: static */
-};
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 /* The rows of solids hash a struct neph_solid, too. */
 _Static_assert(offsetof(struct neph_written_solid, solid) == 0, "a solid comes first");
 
-#define SOLID(member) offsetof(struct neph_written_solid, solid.member)
 #define FENCE(member) offsetof(struct neph_written_solid, fence.member)
 #define MOVER(member) offsetof(struct neph_mover, member)
 #define KEY(member) offsetof(struct neph_solid_key, member)
-
-static const char albedo_note[] = "an albedo above 1 would create energy";
 
 /* --- Surfaces --- */
 
 /* Cycles renders alpha^2 < 1e-7 as a mirror, which is a roughness of 0.0178. */
 static const double smoothest = 0.02;
 
-#define TEXTURE(member) SOLID(surface.texture.member)
+#define TEXTURE(member) NEPH_SOLID_AT(surface.texture.member)
 
 static const char *const pattern_words[] = {"checker", "noise", NULL};
 
@@ -61,24 +40,6 @@ static const struct neph_field texture_fields[] = {
     {0},
 };
 static const struct neph_record texture_record = {.fields = texture_fields};
-
-#define SURFACE                                                                                    \
-    {"albedo", NEPH_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},                          \
-        {"metalness",                                                                              \
-         NEPH_NUMBER,                                                                              \
-         SOLID(surface.metalness),                                                                 \
-         "",                                                                                       \
-         0,                                                                                        \
-         1,                                                                                        \
-         .note = "part of the reflection that is a metal of that colour; the other part is "       \
-                 "Lambertian",                                                                     \
-         .standard = "0",                                                                          \
-         .hashing = NEPH_HASHED_IF_SET},                                                           \
-    {                                                                                              \
-        "roughness", NEPH_NUMBER, SOLID(surface.roughness), "", 0, 1,                              \
-            .note = "of the metal, the root of GGX's alpha; 0 is a mirror, else at least 0.02",    \
-            .standard = "0", .hashing = NEPH_HASHED_WITH_LAST                                      \
-    }
 
 /* --- Motion --- */
 
@@ -118,39 +79,33 @@ static enum neph_status read_motion(struct neph_reader *reader, const yaml_node_
     return status;
 }
 
-static const struct neph_record motion_record = {.fields = motion_fields, .read = read_motion};
-
-#define MOTION                                                                                     \
-    {                                                                                              \
-        "motion", NEPH_RECORD, offsetof(struct neph_written_solid, mover),                         \
-            .record = &motion_record, .standard = "", .hashing = NEPH_HASHED_AS_MADE               \
-    }
+const struct neph_record neph_motion_record = {.fields = motion_fields, .read = read_motion};
 
 static const struct neph_field box_fields[] = {
-    {"min_m", NEPH_THREE, SOLID(box.min_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+    {"min_m", NEPH_THREE, NEPH_SOLID_AT(box.min_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "the lower corner", .hash_name = "box_min_m"},
-    {"max_m", NEPH_THREE, SOLID(box.max_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
+    {"max_m", NEPH_THREE, NEPH_SOLID_AT(box.max_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "the upper corner", .hash_name = "box_max_m"},
-    SURFACE,
+    NEPH_SURFACE_FIELDS,
     {"texture", NEPH_RECORD, .record = &texture_record, .standard = "",
      .note = "on its faces, see Surfaces", .hashing = NEPH_HASHED_IF_SET},
-    MOTION,
+    NEPH_MOTION_FIELD,
     {0},
 };
 
 static const struct neph_field sphere_fields[] = {
-    {"center_m", NEPH_THREE, SOLID(center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
+    {"center_m", NEPH_THREE, NEPH_SOLID_AT(center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
      .note = "of the ball", .hash_name = "sphere_center_m"},
-    {"radius_m", NEPH_NUMBER, SOLID(radius_m), "m", 1e-4, NEPH_PLANET_M, .note = "a planet, too",
-     .hash_name = "sphere_radius_m"},
-    SURFACE,
-    MOTION,
+    {"radius_m", NEPH_NUMBER, NEPH_SOLID_AT(radius_m), "m", 1e-4, NEPH_PLANET_M,
+     .note = "a planet, too", .hash_name = "sphere_radius_m"},
+    NEPH_SURFACE_FIELDS,
+    NEPH_MOTION_FIELD,
     {0},
 };
 
 static const struct neph_field rails_fields[] = {
-    {"heights_m", NEPH_NUMBERS, FENCE(rail_heights_m), "m", 0, 1e4, .least = 1, .most = RAILS_MAX,
-     .count_at = FENCE(rail_count)},
+    {"heights_m", NEPH_NUMBERS, FENCE(rail_heights_m), "m", 0, 1e4, .least = 1,
+     .most = NEPH_RAILS_MAX, .count_at = FENCE(rail_count)},
     {"width_m", NEPH_NUMBER, FENCE(rail_width_m), "m", 1e-4, 1e3, .note = "along Y"},
     {"depth_m", NEPH_NUMBER, FENCE(rail_depth_m), "m", 1e-4, 1e3,
      .note = "along Z, less than bar_depth_m"},
@@ -171,14 +126,15 @@ static const struct neph_field fence_fields[] = {
     {"row_spacing_m", NEPH_NUMBER, FENCE(row_spacing_m), "m", 1e-3, 1e4,
      .standard = "needed by `rows`"},
     {"rails", NEPH_RECORD, .record = &rails_record, .standard = ""},
-    {"albedo", NEPH_THREE, FENCE(albedo), "", 0, 1, .note = albedo_note},
-    MOTION,
+    {"albedo", NEPH_THREE, FENCE(albedo), "", 0, 1, .note = NEPH_ALBEDO_NOTE},
+    NEPH_MOTION_FIELD,
     {0},
 };
 
 /* --- Reading --- */
 
-static enum neph_status check_rails(const struct neph_reader *reader, const struct fence *fence)
+static enum neph_status check_rails(const struct neph_reader *reader,
+                                    const struct neph_fence *fence)
 {
     if (fence->bars < 2)
         return neph_refuse(reader, "rails", "rails need at least two bars to join");
@@ -203,7 +159,7 @@ static enum neph_status check_rails(const struct neph_reader *reader, const stru
 static enum neph_status read_fence(struct neph_reader *reader, const yaml_node_t *node,
                                    const struct neph_record *record, void *target)
 {
-    const struct fence *fence = &((struct neph_written_solid *)target)->fence;
+    const struct neph_fence *fence = &((struct neph_written_solid *)target)->fence;
     const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     if (status)
         return status;
@@ -225,8 +181,8 @@ static enum neph_status read_fence(struct neph_reader *reader, const yaml_node_t
 
 static const char surface_keys[] = "metalness roughness";
 
-static enum neph_status check_surface(const struct neph_reader *reader, const yaml_node_t *node,
-                                      const struct neph_surface *surface)
+enum neph_status neph_check_surface(const struct neph_reader *reader, const yaml_node_t *node,
+                                    const struct neph_surface *surface)
 {
     if (surface->metalness == 0.0 && neph_reader_has(reader, node, "roughness"))
         return neph_refuse(reader, "roughness",
@@ -247,7 +203,7 @@ static enum neph_status read_box(struct neph_reader *reader, const yaml_node_t *
     enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     solid->kind = NEPH_SOLID_BOX;
     if (neph_were_keys_read(reader, surface_keys))
-        status = neph_keep_error(reader, status, check_surface(reader, node, &solid->surface));
+        status = neph_keep_error(reader, status, neph_check_surface(reader, node, &solid->surface));
     if (neph_were_keys_read(reader, "min_m max_m"))
         status = neph_keep_error(reader, status, neph_check_extent(reader, "", &solid->box));
     return status;
@@ -260,7 +216,7 @@ static enum neph_status read_sphere(struct neph_reader *reader, const yaml_node_
     const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     solid->kind = NEPH_SOLID_SPHERE;
     return neph_were_keys_read(reader, surface_keys)
-               ? neph_keep_error(reader, status, check_surface(reader, node, &solid->surface))
+               ? neph_keep_error(reader, status, neph_check_surface(reader, node, &solid->surface))
                : status;
 }
 
@@ -272,6 +228,8 @@ static const struct neph_field solid_fields[] = {
     {"box", NEPH_RECORD, .record = &box_record, .standard = ""},
     {"sphere", NEPH_RECORD, .record = &sphere_record, .standard = ""},
     {"fence", NEPH_RECORD, .record = &fence_record, .standard = ""},
+    {"mesh", NEPH_RECORD, .record = &neph_mesh_record, .standard = ""},
+    {"height_field", NEPH_RECORD, .record = &neph_height_field_record, .standard = ""},
     {0},
 };
 
@@ -299,7 +257,7 @@ static struct neph_solid thin_box(struct neph_vec3 center_m, struct neph_vec3 si
 }
 
 /* The foot of the row's first bar: rows are arranged along -Z, away from a default camera. */
-static struct neph_vec3 row_foot(const struct fence *fence, int row)
+static struct neph_vec3 row_foot(const struct neph_fence *fence, int row)
 {
     struct neph_vec3 foot_m = fence->origin_m;
     if (row)
@@ -307,7 +265,7 @@ static struct neph_vec3 row_foot(const struct fence *fence, int row)
     return foot_m;
 }
 
-static struct neph_solid fence_bar(const struct fence *fence, int row, int bar)
+static struct neph_solid fence_bar(const struct neph_fence *fence, int row, int bar)
 {
     struct neph_vec3 center_m = row_foot(fence, row);
     center_m.x += bar * fence->pitch_m;
@@ -319,7 +277,7 @@ static struct neph_solid fence_bar(const struct fence *fence, int row, int bar)
 }
 
 /* From the centre of the first bar to the centre of the last: its ends are inside them. */
-static struct neph_solid fence_rail(const struct fence *fence, int row, int rail)
+static struct neph_solid fence_rail(const struct neph_fence *fence, int row, int rail)
 {
     const double length_m = (fence->bars - 1) * fence->pitch_m;
     struct neph_vec3 center_m = row_foot(fence, row);
@@ -329,7 +287,7 @@ static struct neph_solid fence_rail(const struct fence *fence, int row, int rail
     return thin_box(center_m, size_m, fence->albedo);
 }
 
-static struct neph_solid *append_fence(const struct fence *fence, struct neph_solid *next)
+static struct neph_solid *append_fence(const struct neph_fence *fence, struct neph_solid *next)
 {
     for (int row = 0; row < fence->rows; row++) {
         for (int bar = 0; bar < fence->bars; bar++)
@@ -342,7 +300,9 @@ static struct neph_solid *append_fence(const struct fence *fence, struct neph_so
 
 static int count_parts(const struct neph_written_solid *written)
 {
-    const struct fence *fence = &written->fence;
+    const struct neph_fence *fence = &written->fence;
+    if (written->solid.kind == NEPH_SOLID_MESH)
+        return neph_count_instances(&written->mesh);
     return fence->bars > 0 ? fence->rows * (fence->bars + fence->rail_count) : 1;
 }
 
@@ -365,6 +325,13 @@ static enum neph_status finish_movers(struct neph_reader *reader,
     return NEPH_OK;
 }
 
+static const char *find_key(const struct neph_written_solid *written)
+{
+    if (written->solid.kind == NEPH_SOLID_MESH)
+        return written->mesh.is_height_field ? "height_field" : "mesh";
+    return written->solid.kind == NEPH_SOLID_BOX ? "box" : "sphere";
+}
+
 /* Runs after all keys were read, because it needs the scattering. */
 static enum neph_status check_metals(const struct neph_reader *reader,
                                      const struct neph_written_scene *written)
@@ -374,14 +341,68 @@ static enum neph_status check_metals(const struct neph_reader *reader,
         return NEPH_OK;
     for (int i = 0; i < written->solid_count; i++) {
         const struct neph_solid *solid = &written->solids[i].solid;
-        const char *kind = solid->kind == NEPH_SOLID_BOX ? "box" : "sphere";
         if (solid->surface.metalness > 0.0)
             status = neph_keep_error(
                 reader, status,
-                neph_refuse(reader, neph_format_path("solids[%d].%s.metalness", i, kind).text,
-                            "a metal reflects other surfaces, and scattering is %s: "
-                            "set scattering: multiple",
-                            neph_scattering_name(written->scene.scattering)));
+                neph_refuse(
+                    reader,
+                    neph_format_path("solids[%d].%s.metalness", i, find_key(&written->solids[i]))
+                        .text,
+                    "a metal reflects other surfaces, and scattering is %s: "
+                    "set scattering: multiple",
+                    neph_scattering_name(written->scene.scattering)));
+    }
+    return status;
+}
+
+/* Adds up the solids of all entries; those of meshes have a limit of their own. */
+static enum neph_status count_solids(const struct neph_reader *reader,
+                                     const struct neph_written_scene *written, int *count)
+{
+    int counts[2] = {0, 0};
+    for (int i = 0; i < written->solid_count; i++) {
+        const bool is_mesh = written->solids[i].solid.kind == NEPH_SOLID_MESH;
+        const int most = is_mesh ? NEPH_SCENE_INSTANCES_MAX : NEPH_SCENE_SOLIDS_MAX;
+        counts[is_mesh] += count_parts(&written->solids[i]);
+        if (counts[is_mesh] > most)
+            return neph_refuse(
+                reader, neph_format_path("solids[%d]", i).text,
+                "the scene would have %d %s; at most %d are allowed", counts[is_mesh],
+                is_mesh ? "instances of meshes" : "solids with its bars and rails", most);
+    }
+    *count = counts[0] + counts[1];
+    return NEPH_OK;
+}
+
+static enum neph_status build_tree(struct neph_reader *reader, struct neph_scene *scene)
+{
+    const size_t bytes = neph_scene_tree_bytes(scene->solid_count);
+    if (bytes == 0)
+        return NEPH_OK;
+    void *memory = neph_arena_allocate(reader->arena, 1, bytes);
+    if (!memory)
+        return neph_fail_memory(reader->diag);
+    scene->solid_tree = neph_scene_tree_build(scene->solids, scene->solid_count, memory);
+    return NEPH_OK;
+}
+
+static enum neph_status make_solids(struct neph_reader *reader, struct neph_written_scene *written)
+{
+    struct neph_scene *scene = &written->scene;
+    struct neph_solid *next = scene->solids;
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < written->solid_count; i++) {
+        struct neph_written_solid *entry = &written->solids[i];
+        const int count = (int)(next - scene->solids);
+        entry->mover.first = count;
+        entry->mover.count = count_parts(entry);
+        if (entry->fence.bars > 0)
+            append_fence(&entry->fence, next);
+        else if (entry->solid.kind != NEPH_SOLID_MESH)
+            *next = entry->solid;
+        else if (!status)
+            status = neph_make_mesh_solids(reader, written, i, count);
+        next += entry->mover.count;
     }
     return status;
 }
@@ -389,34 +410,23 @@ static enum neph_status check_metals(const struct neph_reader *reader,
 enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_written_scene *written)
 {
     struct neph_scene *scene = &written->scene;
-    const enum neph_status status = check_metals(reader, written);
+    int count = 0;
+    enum neph_status status = check_metals(reader, written);
+    if (!status)
+        status = count_solids(reader, written, &count);
+    if (status || count == 0)
+        return status;
+    scene->solids = neph_arena_allocate(reader->arena, (size_t)count, sizeof(*scene->solids));
+    scene->meshes = neph_arena_allocate(reader->arena, (size_t)written->solid_count,
+                                        sizeof(scene->meshes[0]));
+    if (!scene->solids || !scene->meshes)
+        return neph_fail_memory(reader->diag);
+    status = make_solids(reader, written);
     if (status)
         return status;
-    int count = 0;
-    for (int i = 0; i < written->solid_count; i++) {
-        count += count_parts(&written->solids[i]);
-        if (count > NEPH_SCENE_SOLIDS_MAX)
-            return neph_refuse(reader, neph_format_path("solids[%d]", i).text,
-                               "the scene would have %d solids with its bars and rails; at most %d "
-                               "are allowed",
-                               count, NEPH_SCENE_SOLIDS_MAX);
-    }
-    if (count == 0)
-        return NEPH_OK;
-    scene->solids = neph_arena_allocate(reader->arena, (size_t)count, sizeof(*scene->solids));
-    if (!scene->solids)
-        return neph_fail_memory(reader->diag);
     scene->solid_count = count;
-    struct neph_solid *next = scene->solids;
-    for (int i = 0; i < written->solid_count; i++) {
-        written->solids[i].mover.first = (int)(next - scene->solids);
-        written->solids[i].mover.count = count_parts(&written->solids[i]);
-        if (written->solids[i].fence.bars > 0)
-            next = append_fence(&written->solids[i].fence, next);
-        else
-            *next++ = written->solids[i].solid;
-    }
-    return finish_movers(reader, written);
+    status = build_tree(reader, scene);
+    return status ? status : finish_movers(reader, written);
 }
 
 /* --- Hash --- */
@@ -424,9 +434,16 @@ enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_writ
 void neph_solids_hash(const struct neph_scene *scene, FILE *text)
 {
     static const struct neph_field *const fields[NEPH_SOLID_KIND_COUNT] = {
-        [NEPH_SOLID_BOX] = box_fields, [NEPH_SOLID_SPHERE] = sphere_fields};
+        [NEPH_SOLID_BOX] = box_fields,
+        [NEPH_SOLID_SPHERE] = sphere_fields,
+        [NEPH_SOLID_MESH] = neph_mesh_fields};
     for (int i = 0; i < scene->solid_count; i++) {
-        neph_fields_hash(fields[scene->solids[i].kind], &scene->solids[i], text);
+        const struct neph_solid *solid = &scene->solids[i];
+        neph_fields_hash(fields[solid->kind], solid, text);
+        if (solid->kind == NEPH_SOLID_MESH) {
+            neph_put_text(text, "mesh", solid->mesh->hash);
+            neph_put_three(text, "yaw", solid->yaw.axis, solid->yaw.cosine, solid->yaw.sine);
+        }
         neph_put_number(text, "thin", scene->solids[i].thin); /* part of the masks of a frame */
     }
 }

@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 /* --- between keys ---------------------------------------------------------------------------- */
 
@@ -180,14 +180,16 @@ struct neph_vec3 neph_find_earlier_place_m(const struct neph_placing *now,
 /* A solid without rotation keeps its simple form. */
 static struct neph_solid place_solid(const struct neph_placing *placing, struct neph_solid solid)
 {
-    if (solid.kind == NEPH_SOLID_SPHERE) {
+    if (solid.kind == NEPH_SOLID_BOX) {
+        const struct neph_vec3 middle_m = neph_vec3_scale(
+            neph_vec3_add(solid.box.min_m, solid.box.max_m), 0.5);
+        const struct neph_vec3 by_m = neph_vec3_sub(place_point_m(placing, middle_m), middle_m);
+        solid.box = neph_bounds_translate(solid.box, by_m);
+    } else {
         solid.center_m = place_point_m(placing, solid.center_m);
-        return solid;
     }
-    const struct neph_vec3 middle_m = neph_vec3_scale(
-        neph_vec3_add(solid.box.min_m, solid.box.max_m), 0.5);
-    solid.box = neph_bounds_translate(solid.box,
-                                      neph_vec3_sub(place_point_m(placing, middle_m), middle_m));
+    if (solid.kind == NEPH_SOLID_SPHERE)
+        return solid;
     if (placing->turn.sine != 0.0 || placing->turn.cosine != 1.0)
         solid.turn = placing->turn;
     return solid;
@@ -298,7 +300,8 @@ bool neph_scene_is_static(const struct neph_scene *scene)
 struct static_scene {
     struct neph_scene scene;
     struct neph_camera_key camera_key;
-    max_align_t rooms[]; /* for neph_medium_borrow() of each medium, then solids that move */
+    /* For neph_medium_borrow() of each medium, then solids that move, and their tree. */
+    max_align_t rooms[];
 };
 
 static size_t count_units(size_t bytes)
@@ -330,10 +333,19 @@ static bool has_own_solids(const struct neph_scene *scene)
     return scene->mover_count > 0 || neph_scene_injections(scene)->origin_count > 0;
 }
 
-static void place_solids(const struct neph_scene *scene, double frame, struct neph_solid *solids)
+/* Places them in the memory, and then their tree. */
+static void place_solids(const struct neph_scene *scene, double frame, max_align_t *memory,
+                         struct neph_scene *static_scene)
 {
-    for (int i = 0; i < scene->solid_count; i++)
+    const int count = scene->solid_count;
+    struct neph_solid *solids = (void *)memory;
+    for (int i = 0; i < count; i++)
         solids[i] = neph_scene_solid(scene, i, frame);
+    static_scene->solids = solids;
+    static_scene->solid_tree = NULL;
+    if (neph_scene_tree_bytes(count) > 0)
+        static_scene->solid_tree = neph_scene_tree_build(
+            solids, count, memory + count_units((size_t)count * sizeof(*solids)));
 }
 
 /* Removes the keys, whose values are applied now. */
@@ -352,8 +364,9 @@ static void stop_time(struct neph_scene *scene)
 enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
                                struct neph_scene **static_scene, struct neph_diag *diag)
 {
-    const size_t solids = has_own_solids(scene) ? (size_t)scene->solid_count : 0;
-    size_t room = count_units(solids * sizeof(*scene->solids));
+    const int solids = has_own_solids(scene) ? scene->solid_count : 0;
+    size_t room = count_units((size_t)solids * sizeof(*scene->solids)) +
+                  count_units(neph_scene_tree_bytes(solids));
     for (int i = 0; i < scene->medium_count; i++)
         room += count_medium_units(&scene->media[i]);
     struct static_scene *made = calloc(1, sizeof(*made) + room * sizeof(made->rooms[0]));
@@ -367,11 +380,9 @@ enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
     made->scene.sun = neph_scene_sun(scene, frame);
     for (int i = 0; i < scene->light_count; i++)
         made->scene.lights[i] = neph_scene_light(scene, i, frame);
-    void *behind = place_media(made, neph_scene_wind_displacement_m(scene, frame));
-    if (has_own_solids(scene)) {
-        place_solids(scene, frame, behind);
-        made->scene.solids = behind;
-    }
+    max_align_t *behind = place_media(made, neph_scene_wind_displacement_m(scene, frame));
+    if (has_own_solids(scene))
+        place_solids(scene, frame, behind, &made->scene);
     if (neph_scene_is_clear(scene, frame))
         made->scene.medium_count = 0;
     stop_time(&made->scene);
@@ -393,4 +404,7 @@ void neph_scene_shift(struct neph_scene *static_scene, struct neph_vec3 by_m)
         static_scene->solids[i].center_m = neph_vec3_add(static_scene->solids[i].center_m, by_m);
         static_scene->solids[i].box = neph_bounds_translate(static_scene->solids[i].box, by_m);
     }
+    if (static_scene->solid_tree)
+        neph_scene_tree_build(static_scene->solids, static_scene->solid_count,
+                              static_scene->solid_tree);
 }

@@ -22,7 +22,8 @@
 
 #define NEPH_SCENE_MEDIA_MAX 8
 #define NEPH_SCENE_LIGHTS_MAX 16
-#define NEPH_SCENE_SOLIDS_MAX 1024 /* after fences are expanded into their bars */
+#define NEPH_SCENE_SOLIDS_MAX 1024     /* after fences are expanded into their bars */
+#define NEPH_SCENE_INSTANCES_MAX 10000 /* solids of meshes, beside these */
 #define NEPH_SCENE_KEYS_MAX 1024
 #define NEPH_FOG_LAYERS_MAX 2
 #define NEPH_SCENE_MOVERS_MAX 16
@@ -128,6 +129,7 @@ struct neph_medium {
 enum neph_solid_kind {
     NEPH_SOLID_BOX,
     NEPH_SOLID_SPHERE,
+    NEPH_SOLID_MESH, /* of triangles; several solids may share a mesh (scenes/mesh.h) */
     NEPH_SOLID_KIND_COUNT,
 };
 
@@ -137,15 +139,21 @@ struct neph_turn {
     double cosine, sine; /* of its angle; 0, 0: no rotation */
 };
 
+struct neph_mesh; /* scenes/mesh.h */
+
 /* Opaque; Lambertian unless its surface differs. The sun lights it directly when its albedo is not
  * 0. */
 struct neph_solid {
     enum neph_solid_kind kind;
     struct neph_bounds box; /* kind BOX; finite */
-    struct neph_turn turn;  /* of a box, about its centre; none for a static box */
-    struct neph_vec3 center_m;
+    /* Of a box, about its centre, or of a mesh, about center_m; none for a static solid. */
+    struct neph_turn turn;
+    struct neph_vec3 center_m; /* of a mesh: the place of its origin */
     double radius_m;
-    struct neph_rgb albedo; /* base colour */
+    const struct neph_mesh *mesh; /* kind MESH; owned by the scene */
+    double scale_m;               /* > 0: the mesh's unit of length */
+    struct neph_turn yaw;         /* of a mesh, about its y axis, before `turn` */
+    struct neph_rgb albedo;       /* base colour */
     struct neph_surface surface;
     bool thin; /* a bar of a fence: for the thin-object mask */
 };
@@ -269,7 +277,7 @@ struct neph_failing;       /* stress tests: scenes/failing.h */
 struct neph_injections;    /* the real-time renderer: scenes/injection.h */
 
 struct neph_scene {
-    struct neph_arena arena; /* memory of all members, except grids and horizons */
+    struct neph_arena arena; /* memory of all members, except grids, horizons, meshes */
 
     const char *path;        /* the file it came from */
     const char *name;        /* a plain identifier [a-z0-9_]+ */
@@ -310,6 +318,9 @@ struct neph_scene {
 
     int solid_count;
     struct neph_solid *solids;
+    struct neph_box_tree *solid_tree; /* over their bounds (scenes/solids.h); NULL: none */
+    int mesh_count;
+    struct neph_mesh **meshes; /* of its solids */
     int mover_count;
     struct neph_mover *movers; /* of some of the solids */
     int medium_count;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 /* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 /* One block, freed with one call; the scene comes first. */
 struct made {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Both kinds of solids are convex, so a ray meets each in one interval. The shadow of a solid is
+ * Boxes and spheres are convex, so a ray meets each in one interval. The shadow of a solid is
  * convex, too: the points from which the sun is hidden are the solid swept away from the sun. The
  * same is true for a point light at L: with k1 and k2 in the solid and factors a, b >= 1 the middle
  * of L + a (k1 - L) and L + b (k2 - L) is L + (a + b)/2 (k - L), with k between k1 and k2.
@@ -8,11 +8,14 @@
 #include "scenes/solids.h"
 
 #include "scenes/bounds.h"
+#include "scenes/box_shadow.h"
+#include "scenes/mesh.h"
 
 #include <math.h>
+#include <stddef.h>
 
 /* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 /* --- rotated boxes --------------------------------------------------------------------------- */
 
@@ -70,8 +73,58 @@ static struct neph_vec3 half_around(const struct neph_solid *solid)
     return (struct neph_vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
 }
 
+/* --- the space of a mesh --------------------------------------------------------------------- */
+
+/* Both without the scale. */
+static struct neph_vec3 to_mesh_axes(const struct neph_solid *solid, struct neph_vec3 vector)
+{
+    const struct neph_vec3 turned = neph_box_direction(solid, vector);
+    return neph_is_turned(&solid->yaw) ? neph_rotate_back(&solid->yaw, turned) : turned;
+}
+
+static struct neph_vec3 from_mesh_axes(const struct neph_solid *solid, struct neph_vec3 vector)
+{
+    if (neph_is_turned(&solid->yaw))
+        vector = neph_rotate(&solid->yaw, vector);
+    return neph_is_turned(&solid->turn) ? neph_rotate(&solid->turn, vector) : vector;
+}
+
+static struct neph_vec3 to_mesh(const struct neph_solid *solid, struct neph_vec3 point_m)
+{
+    return neph_vec3_scale(to_mesh_axes(solid, neph_vec3_sub(point_m, solid->center_m)),
+                           1.0 / solid->scale_m);
+}
+
+static struct neph_vec3 from_mesh(const struct neph_solid *solid, struct neph_vec3 point)
+{
+    return neph_vec3_along(solid->center_m, from_mesh_axes(solid, point), solid->scale_m);
+}
+
+/* The direction of a ray whose t is in metres. */
+static struct neph_vec3 to_mesh_ray(const struct neph_solid *solid, struct neph_vec3 direction)
+{
+    return neph_vec3_scale(to_mesh_axes(solid, direction), 1.0 / solid->scale_m);
+}
+
+/* Around the corners of the mesh's box. */
+static struct neph_bounds mesh_bounds(const struct neph_solid *solid)
+{
+    const struct neph_bounds *box = &solid->mesh->tree.nodes[0].bounds;
+    struct neph_bounds around = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (int corner = 0; corner < 8; corner++) {
+        const struct neph_vec3 at = from_mesh(
+            solid, (struct neph_vec3){corner & 1 ? box->max_m.x : box->min_m.x,
+                                      corner & 2 ? box->max_m.y : box->min_m.y,
+                                      corner & 4 ? box->max_m.z : box->min_m.z});
+        around = neph_bounds_hull(around, (struct neph_bounds){at, at});
+    }
+    return around;
+}
+
 struct neph_bounds neph_solid_bounds(const struct neph_solid *solid)
 {
+    if (solid->kind == NEPH_SOLID_MESH)
+        return mesh_bounds(solid);
     if (solid->kind == NEPH_SOLID_SPHERE)
         return neph_bounds_around(solid->center_m, solid->radius_m);
     if (!neph_is_turned(&solid->turn))
@@ -84,6 +137,8 @@ struct neph_bounds neph_solid_bounds(const struct neph_solid *solid)
 
 bool neph_solid_contains(const struct neph_solid *solid, struct neph_vec3 point_m)
 {
+    if (solid->kind == NEPH_SOLID_MESH)
+        return neph_mesh_contains(solid->mesh, to_mesh(solid, point_m));
     if (solid->kind == NEPH_SOLID_SPHERE)
         return neph_vec3_length(neph_vec3_sub(point_m, solid->center_m)) <= solid->radius_m;
     return neph_bounds_contain(&solid->box, to_box_axes(solid, point_m));
@@ -151,42 +206,185 @@ static struct neph_vec3 solid_normal(const struct neph_solid *solid, struct neph
     return neph_is_turned(&solid->turn) ? neph_rotate(&solid->turn, normal) : normal;
 }
 
+/* --- trees ----------------------------------------------------------------------------------- */
+
+/* With fewer solids, tests of all take less time than the tree. */
+enum { TREE_FROM = 12 };
+
+struct tree_block {
+    struct neph_box_tree tree;
+    max_align_t rest[]; /* nodes, bounds of the solids, their order */
+};
+
+size_t neph_scene_tree_bytes(int solid_count)
+{
+    const size_t count = (size_t)solid_count;
+    return solid_count < TREE_FROM
+               ? 0
+               : sizeof(struct tree_block) +
+                     (size_t)neph_box_tree_room(solid_count) * sizeof(struct neph_tree_node) +
+                     count * (sizeof(struct neph_bounds) + sizeof(int));
+}
+
+/* Slightly larger: solids round, too. */
+static struct neph_bounds find_tree_bounds(const struct neph_solid *solid)
+{
+    const struct neph_bounds box = neph_solid_bounds(solid);
+    const struct neph_vec3 away = neph_bounds_farthest(&box, (struct neph_vec3){0, 0, 0});
+    const double by_m = 1e-9 * neph_vec3_length(away);
+    const struct neph_vec3 margin_m = {by_m, by_m, by_m};
+    return (struct neph_bounds){neph_vec3_sub(box.min_m, margin_m),
+                                neph_vec3_add(box.max_m, margin_m)};
+}
+
+struct neph_box_tree *neph_scene_tree_build(const struct neph_solid *solids, int solid_count,
+                                            void *memory)
+{
+    struct tree_block *block = memory;
+    struct neph_tree_node *nodes = (void *)block->rest;
+    struct neph_bounds *boxes = (void *)(nodes + neph_box_tree_room(solid_count));
+    for (int i = 0; i < solid_count; i++)
+        boxes[i] = find_tree_bounds(&solids[i]);
+    block->tree = neph_box_tree_build(boxes, solid_count, nodes, (int *)(boxes + solid_count));
+    return &block->tree;
+}
+
+/* NULL: none, or that of other solids. */
+static const struct neph_box_tree *find_tree(const struct neph_scene *scene)
+{
+    const struct neph_box_tree *tree = scene->solid_tree;
+    return tree && tree->item_count == scene->solid_count ? tree : NULL;
+}
+
+/* --- hits ------------------------------------------------------------------------------------ */
+
+struct hit_search {
+    const struct neph_scene *scene;
+    struct neph_tree_ray ray;
+    int nearest; /* -1: none */
+    struct neph_mesh_hit mesh_hit;
+};
+
+/* The distance of a solid, where it is nearer than the nearest, or as near and before it in the
+ * scene. */
+static void try_hit(struct hit_search *search, int index)
+{
+    const struct neph_solid *solid = &search->scene->solids[index];
+    const struct neph_vec3 origin_m = search->ray.origin_m, direction = search->ray.direction;
+    const double limit_m = index < search->nearest ? nextafter(search->ray.limit_m, INFINITY)
+                                                   : search->ray.limit_m;
+    double t0_m, t1_m, t_m;
+    if (solid->kind == NEPH_SOLID_MESH) {
+        const struct neph_mesh_hit hit = neph_mesh_meet(solid->mesh, to_mesh(solid, origin_m),
+                                                        to_mesh_ray(solid, direction), limit_m);
+        if (!(hit.t < INFINITY))
+            return;
+        search->mesh_hit = hit;
+        t_m = hit.t;
+    } else {
+        if (!solid_interval(solid, origin_m, direction, &t0_m, &t1_m))
+            return;
+        t_m = t0_m > 0.0 ? t0_m : t1_m;
+    }
+    if (t_m > 0.0 && t_m < limit_m) {
+        search->ray.limit_m = t_m;
+        search->nearest = index;
+    }
+}
+
+static bool visit_hit(int place, void *context)
+{
+    struct hit_search *search = context;
+    try_hit(search, search->scene->solid_tree->order[place]);
+    return false;
+}
+
 struct neph_hit neph_scene_hit(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                struct neph_vec3 direction)
 {
-    struct neph_hit hit = {.t_m = INFINITY};
-    for (int i = 0; i < scene->solid_count; i++) {
-        double t0_m, t1_m;
-        if (!solid_interval(&scene->solids[i], origin_m, direction, &t0_m, &t1_m))
-            continue;
-        const double t_m = t0_m > 0.0 ? t0_m : t1_m;
-        if (t_m > 0.0 && t_m < hit.t_m) {
-            hit.t_m = t_m;
-            hit.solid = &scene->solids[i];
-        }
-    }
-    if (hit.solid)
+    struct hit_search search = {scene, {origin_m, direction, 0.0, INFINITY}, -1, {0}};
+    const struct neph_box_tree *tree = find_tree(scene);
+    if (tree)
+        neph_tree_walk_ray(tree, &search.ray, visit_hit, &search);
+    for (int i = 0; i < scene->solid_count && !tree; i++)
+        try_hit(&search, i);
+    struct neph_hit hit = {.t_m = search.ray.limit_m};
+    if (search.nearest < 0)
+        return hit;
+    hit.solid = &scene->solids[search.nearest];
+    if (hit.solid->kind != NEPH_SOLID_MESH) {
         hit.normal = solid_normal(hit.solid, neph_vec3_along(origin_m, direction, hit.t_m));
+        return hit;
+    }
+    const struct neph_mesh_data *data = &hit.solid->mesh->data;
+    const int corner = data->triangles[search.mesh_hit.triangle][0];
+    hit.normal = from_mesh_axes(hit.solid, search.mesh_hit.normal);
+    hit.plane_m = neph_vec3_dot(hit.normal, from_mesh(hit.solid, data->positions[corner]));
     return hit;
+}
+
+/* On the plane of a triangle first: the point of a long thin one is far from it. */
+static struct neph_vec3 move_off_triangle(const struct neph_hit *hit, struct neph_vec3 point_m,
+                                          double scale_m)
+{
+    const struct neph_solid *solid = hit->solid;
+    scale_m = fmax(scale_m, neph_vec3_length(solid->center_m) +
+                                2.0 * solid->scale_m * solid->mesh->tree.reach_m);
+    const double below_m = hit->plane_m - neph_vec3_dot(hit->normal, point_m);
+    return neph_vec3_along(point_m, hit->normal, below_m + 1e-12 * scale_m);
 }
 
 struct neph_vec3 neph_hit_outside_m(const struct neph_hit *hit, struct neph_vec3 point_m)
 {
     double scale_m = fmax(1.0, neph_vec3_length(point_m) + hit->t_m);
+    if (hit->solid->kind == NEPH_SOLID_MESH)
+        return move_off_triangle(hit, point_m, scale_m);
     if (hit->solid->kind == NEPH_SOLID_SPHERE)
         scale_m = fmax(scale_m, hit->solid->radius_m);
     return neph_vec3_along(point_m, hit->normal, 1e-12 * scale_m);
 }
 
+struct block_search {
+    const struct neph_scene *scene;
+    struct neph_tree_ray ray;
+};
+
+static bool blocks(const struct block_search *search, int index)
+{
+    const struct neph_solid *solid = &search->scene->solids[index];
+    const struct neph_tree_ray *ray = &search->ray;
+    double t0_m, t1_m;
+    if (solid->kind == NEPH_SOLID_MESH)
+        return neph_mesh_blocks(solid->mesh, to_mesh(solid, ray->origin_m),
+                                to_mesh_ray(solid, ray->direction), shadow_start_m(solid),
+                                ray->limit_m);
+    return solid_interval(solid, ray->origin_m, ray->direction, &t0_m, &t1_m) &&
+           t1_m > shadow_start_m(solid) && t0_m < ray->limit_m;
+}
+
+static bool visit_block(int place, void *context)
+{
+    const struct block_search *search = context;
+    return blocks(search, search->scene->solid_tree->order[place]);
+}
+
+/* Whether a solid is on the ray before a distance. */
+static bool is_blocked(const struct neph_scene *scene, struct neph_vec3 point_m,
+                       struct neph_vec3 direction, double distance_m)
+{
+    struct block_search search = {scene, {point_m, direction, 0.0, distance_m}};
+    const struct neph_box_tree *tree = find_tree(scene);
+    if (tree)
+        return neph_tree_walk_ray(tree, &search.ray, visit_block, &search);
+    for (int i = 0; i < scene->solid_count; i++)
+        if (blocks(&search, i))
+            return true;
+    return false;
+}
+
 bool neph_scene_is_sun_visible(const struct neph_scene *scene, struct neph_vec3 point_m)
 {
-    for (int i = 0; i < scene->solid_count; i++) {
-        double t0_m, t1_m;
-        if (solid_interval(&scene->solids[i], point_m, scene->sun.direction, &t0_m, &t1_m) &&
-            t1_m > shadow_start_m(&scene->solids[i]))
-            return false;
-    }
-    return true;
+    return !is_blocked(scene, point_m, scene->sun.direction, INFINITY);
 }
 
 bool neph_scene_is_visible(const struct neph_scene *scene, struct neph_vec3 point_m,
@@ -194,70 +392,11 @@ bool neph_scene_is_visible(const struct neph_scene *scene, struct neph_vec3 poin
 {
     const struct neph_vec3 toward_m = neph_vec3_sub(other_m, point_m);
     const double distance_m = neph_vec3_length(toward_m);
-    const struct neph_vec3 direction = neph_vec3_scale(toward_m, 1.0 / distance_m);
-    if (distance_m == 0.0)
-        return true;
-    for (int i = 0; i < scene->solid_count; i++) {
-        double t0_m, t1_m;
-        if (solid_interval(&scene->solids[i], point_m, direction, &t0_m, &t1_m) &&
-            t1_m > shadow_start_m(&scene->solids[i]) && t0_m < distance_m)
-            return false;
-    }
-    return true;
+    return distance_m == 0.0 ||
+           !is_blocked(scene, point_m, neph_vec3_scale(toward_m, 1.0 / distance_m), distance_m);
 }
 
-/* An affine function of the distance u along the view ray. */
-struct affine {
-    double constant, slope;
-};
-
-/* Narrows [*u0, *u1] to the part with f(u) <= g(u). */
-static bool clip_less_equal(struct affine f, struct affine g, double *u0, double *u1)
-{
-    const double constant = f.constant - g.constant;
-    const double slope = f.slope - g.slope;
-    if (slope == 0.0)
-        return constant <= 0.0;
-    const double root = -constant / slope;
-    if (slope > 0.0)
-        *u1 = fmin(*u1, root);
-    else
-        *u0 = fmax(*u0, root);
-    return *u0 < *u1;
-}
-
-/* Shadow of a box: all u for which some t >= 0 puts o + u d + t s inside. On each axis t is bounded
- * below and above by affine functions of u; a t exists when every lower bound is below every upper
- * bound (Fourier-Motzkin elimination of t). */
-static bool box_shadow(const struct neph_bounds *box, struct neph_vec3 sun, struct neph_vec3 o,
-                       struct neph_vec3 d, double *u0, double *u1)
-{
-    const double low[3] = {box->min_m.x, box->min_m.y, box->min_m.z};
-    const double high[3] = {box->max_m.x, box->max_m.y, box->max_m.z};
-    const double origin[3] = {o.x, o.y, o.z};
-    const double direction[3] = {d.x, d.y, d.z};
-    const double s[3] = {sun.x, sun.y, sun.z};
-    struct affine lower[4] = {{0.0, 0.0}}; /* t >= 0 */
-    struct affine upper[3];
-    int lower_count = 1, upper_count = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        if (s[axis] == 0.0) {
-            if (!neph_clip_axis(low[axis], high[axis], origin[axis], direction[axis], u0, u1))
-                return false;
-            continue;
-        }
-        const double entry = s[axis] > 0.0 ? low[axis] : high[axis];
-        const double exit = s[axis] > 0.0 ? high[axis] : low[axis];
-        const double slope = -direction[axis] / s[axis];
-        lower[lower_count++] = (struct affine){(entry - origin[axis]) / s[axis], slope};
-        upper[upper_count++] = (struct affine){(exit - origin[axis]) / s[axis], slope};
-    }
-    for (int i = 0; i < lower_count; i++)
-        for (int j = 0; j < upper_count; j++)
-            if (!clip_less_equal(lower[i], upper[j], u0, u1))
-                return false;
-    return *u0 < *u1;
-}
+/* --- shadows from the sun -------------------------------------------------------------------- */
 
 /* Shadow of a sphere: where the nearest point of the sun ray lies ahead, the ray is tested with the
  * cylinder along the sun; where it lies behind, with the sphere itself. */
@@ -266,12 +405,12 @@ static bool sphere_shadow(const struct neph_solid *sphere, struct neph_vec3 sun,
 {
     const struct neph_vec3 w = neph_vec3_sub(o, sphere->center_m);
     /* The nearest approach is at t*(u) = -(w + u d).s; it is ahead while t* >= 0. */
-    const struct affine behind = {neph_vec3_dot(w, sun), neph_vec3_dot(d, sun)};
-    const struct affine zero = {0.0, 0.0};
+    const struct neph_affine behind = {neph_vec3_dot(w, sun), neph_vec3_dot(d, sun)};
+    const struct neph_affine zero = {0.0, 0.0};
 
     double low = INFINITY, high = -INFINITY;
     double a0 = *u0, a1 = *u1;
-    if (clip_less_equal(behind, zero, &a0, &a1)) {
+    if (neph_clip_less_equal(behind, zero, &a0, &a1)) {
         const struct neph_vec3 w_across = neph_vec3_along(w, sun, -behind.constant);
         const struct neph_vec3 d_across = neph_vec3_along(d, sun, -behind.slope);
         const double speed_squared = neph_vec3_dot(d_across, d_across);
@@ -296,7 +435,7 @@ static bool sphere_shadow(const struct neph_solid *sphere, struct neph_vec3 sun,
         }
     }
     double b0 = *u0, b1 = *u1, s0, s1;
-    if (clip_less_equal(zero, behind, &b0, &b1) && sphere_interval(sphere, o, d, &s0, &s1)) {
+    if (neph_clip_less_equal(zero, behind, &b0, &b1) && sphere_interval(sphere, o, d, &s0, &s1)) {
         b0 = fmax(b0, s0);
         b1 = fmin(b1, s1);
         if (b0 < b1) {
@@ -316,9 +455,9 @@ bool neph_solid_shadow(const struct neph_solid *solid, struct neph_vec3 sun_dire
     double u0 = t0_m, u1 = t1_m;
     const bool hidden = solid->kind == NEPH_SOLID_SPHERE
                             ? sphere_shadow(solid, sun_direction, origin_m, direction, &u0, &u1)
-                            : box_shadow(&solid->box, neph_box_direction(solid, sun_direction),
-                                         to_box_axes(solid, origin_m),
-                                         neph_box_direction(solid, direction), &u0, &u1);
+                            : neph_box_shadow(&solid->box, neph_box_direction(solid, sun_direction),
+                                              to_box_axes(solid, origin_m),
+                                              neph_box_direction(solid, direction), &u0, &u1);
     if (!hidden)
         return false;
     *shadow_t0_m = u0;
@@ -327,40 +466,6 @@ bool neph_solid_shadow(const struct neph_solid *solid, struct neph_vec3 sun_dire
 }
 
 /* --- shadows from a point -------------------------------------------------------------------- */
-
-/* All u for which some factor f >= 1 puts o + u d at L + f (k - L) with k in the box. On each axis
- * o + u d - L lies between f (low - L) and f (high - L), which bound f by affine functions of u, as
- * in box_shadow(). */
-static bool box_point_shadow(const struct neph_bounds *box, struct neph_vec3 light_m,
-                             struct neph_vec3 o, struct neph_vec3 d, double *u0, double *u1)
-{
-    const double light[3] = {light_m.x, light_m.y, light_m.z};
-    const double low[3] = {box->min_m.x, box->min_m.y, box->min_m.z};
-    const double high[3] = {box->max_m.x, box->max_m.y, box->max_m.z};
-    const double origin[3] = {o.x, o.y, o.z}, direction[3] = {d.x, d.y, d.z};
-    struct affine lower[7] = {{1.0, 0.0}}, upper[6];
-    int lower_count = 1, upper_count = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        const struct affine way = {origin[axis] - light[axis], direction[axis]};
-        const struct affine zero = {0.0, 0.0};
-        const double faces[2] = {low[axis] - light[axis], high[axis] - light[axis]};
-        for (int side = 0; side < 2; side++) { /* faces[0] f <= way <= faces[1] f */
-            const struct affine bound = {way.constant / faces[side], way.slope / faces[side]};
-            const bool is_below = (faces[side] < 0.0) == (side == 0);
-            if (faces[side] != 0.0 && is_below)
-                lower[lower_count++] = bound;
-            else if (faces[side] != 0.0)
-                upper[upper_count++] = bound;
-            else if (!clip_less_equal(side ? way : zero, side ? zero : way, u0, u1))
-                return false;
-        }
-    }
-    for (int i = 0; i < lower_count; i++)
-        for (int j = 0; j < upper_count; j++)
-            if (!clip_less_equal(lower[i], upper[j], u0, u1))
-                return false;
-    return *u0 < *u1;
-}
 
 /* Whether a sphere hides one point from another. */
 static bool sphere_hides(const struct neph_solid *sphere, struct neph_vec3 light_m,
@@ -428,12 +533,66 @@ bool neph_solid_point_shadow(const struct neph_solid *solid, struct neph_vec3 li
     double u0 = t0_m, u1 = t1_m;
     const bool hidden = solid->kind == NEPH_SOLID_SPHERE
                             ? sphere_point_shadow(solid, light_m, origin_m, direction, &u0, &u1)
-                            : box_point_shadow(&solid->box, to_box_axes(solid, light_m),
-                                               to_box_axes(solid, origin_m),
-                                               neph_box_direction(solid, direction), &u0, &u1);
+                            : neph_box_point_shadow(&solid->box, to_box_axes(solid, light_m),
+                                                    to_box_axes(solid, origin_m),
+                                                    neph_box_direction(solid, direction), &u0, &u1);
     if (!hidden)
         return false;
     *shadow_t0_m = u0;
     *shadow_t1_m = u1;
     return true;
+}
+
+/* --- shadows of all -------------------------------------------------------------------------- */
+
+static void add_mesh_shadows(const struct neph_solid *solid, const struct neph_shadow_ray *ray,
+                             struct neph_shadows *shadows)
+{
+    const struct neph_vec3 light = ray->light_m ? to_mesh(solid, *ray->light_m) : ray->sun;
+    const struct neph_shadow_ray own = {to_mesh(solid, ray->origin_m),
+                                        to_mesh_ray(solid, ray->direction),
+                                        to_mesh_axes(solid, ray->sun),
+                                        ray->light_m ? &light : NULL,
+                                        ray->t0_m,
+                                        ray->t1_m};
+    neph_mesh_add_shadows(solid->mesh, &own, shadows);
+}
+
+void neph_solid_add_shadows(const struct neph_solid *solid, const struct neph_shadow_ray *ray,
+                            struct neph_shadows *shadows)
+{
+    double t0_m, t1_m;
+    if (solid->kind == NEPH_SOLID_MESH)
+        add_mesh_shadows(solid, ray, shadows);
+    else if (ray->light_m
+                 ? neph_solid_point_shadow(solid, *ray->light_m, ray->origin_m, ray->direction,
+                                           ray->t0_m, ray->t1_m, &t0_m, &t1_m)
+                 : neph_solid_shadow(solid, ray->sun, ray->origin_m, ray->direction, ray->t0_m,
+                                     ray->t1_m, &t0_m, &t1_m))
+        neph_shadows_add(shadows, t0_m, t1_m);
+}
+
+struct shadow_search {
+    const struct neph_scene *scene;
+    const struct neph_shadow_ray *ray;
+    struct neph_shadows *shadows;
+};
+
+static bool visit_shadow(int place, void *context)
+{
+    const struct shadow_search *search = context;
+    const int index = search->scene->solid_tree->order[place];
+    neph_solid_add_shadows(&search->scene->solids[index], search->ray, search->shadows);
+    return false;
+}
+
+void neph_scene_add_shadows(const struct neph_scene *scene, const struct neph_shadow_ray *ray,
+                            struct neph_shadows *shadows)
+{
+    struct shadow_search search = {scene, ray, shadows};
+    const struct neph_box_tree *tree = find_tree(scene);
+    if (tree)
+        neph_tree_walk_shadow(tree, ray, shadows, visit_shadow, &search);
+    for (int i = 0; i < scene->solid_count && !tree; i++)
+        neph_solid_add_shadows(&scene->solids[i], ray, shadows);
 }

@@ -47,8 +47,18 @@ const char *neph_metal_obstacle(const struct neph_scene *scene)
     return neph_scene_has_metal(scene) ? "solids of metal: engine surfaces has them" : NULL;
 }
 
+const char *neph_mesh_obstacle(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->solid_count; i++)
+        if (scene->solids[i].kind == NEPH_SOLID_MESH)
+            return "triangle meshes: engines exact, oracle, surfaces, cycles and povray have them";
+    return NULL;
+}
+
 const char *neph_surfaces_obstacle(const struct neph_scene *scene)
 {
+    if (neph_mesh_obstacle(scene))
+        return neph_mesh_obstacle(scene);
     if (neph_scene_is_textured(scene))
         return "solids with a texture: engines exact, oracle and surfaces have them";
     return neph_metal_obstacle(scene);

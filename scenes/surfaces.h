@@ -18,6 +18,9 @@ bool neph_scene_has_metal(const struct neph_scene *scene);
  * words; NULL: no reason. */
 const char *neph_surfaces_obstacle(const struct neph_scene *scene);
 
+/* Why an engine without meshes cannot render the scene; NULL: it has none. */
+const char *neph_mesh_obstacle(const struct neph_scene *scene);
+
 /* neph_surfaces_obstacle() for an engine that supports patterns. */
 const char *neph_metal_obstacle(const struct neph_scene *scene);
 

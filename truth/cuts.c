@@ -97,34 +97,27 @@ static void cut_light(struct neph_cuts *cuts, const struct neph_light *light)
 
 /* ---- all ---- */
 
-/* The shadows of all solids in the range of the cuts, by ascending start; light NULL: of the
- * sun. */
-static int shadows_on_ray(const struct neph_cuts *cuts, const struct neph_light *light,
-                          struct neph_interval shadows[NEPH_SCENE_SOLIDS_MAX])
+/* The shadows of all solids in the range of the cuts; light NULL: of the sun. */
+static void find_shadows(const struct neph_cuts *cuts, const struct neph_light *light,
+                         struct neph_shadows *shadows)
 {
-    int count = 0;
-    for (int i = 0; i < cuts->scene->solid_count; i++) {
-        const struct neph_solid *solid = &cuts->scene->solids[i];
-        struct neph_interval *shadow = &shadows[count];
-        count += light ? neph_solid_point_shadow(solid, light->position_m, cuts->origin_m,
-                                                 cuts->direction, cuts->t0_m, cuts->t1_m,
-                                                 &shadow->low, &shadow->high)
-                       : neph_solid_shadow(solid, cuts->scene->sun.direction, cuts->origin_m,
-                                           cuts->direction, cuts->t0_m, cuts->t1_m, &shadow->low,
-                                           &shadow->high);
-    }
-    /* compare_doubles reads the first member, low. */
-    qsort(shadows, (size_t)count, sizeof(shadows[0]), compare_doubles);
-    return count;
+    const struct neph_shadow_ray ray = {cuts->origin_m,
+                                        cuts->direction,
+                                        cuts->scene->sun.direction,
+                                        light ? &light->position_m : NULL,
+                                        cuts->t0_m,
+                                        cuts->t1_m};
+    shadows->count = 0;
+    neph_scene_add_shadows(cuts->scene, &ray, shadows);
 }
 
-static void make_cuts(struct neph_cuts *cuts, const struct neph_interval *shadows, int shadow_count,
-                      bool scales)
+/* `shadows` NULL: none. */
+static void make_cuts(struct neph_cuts *cuts, const struct neph_shadows *shadows, bool scales)
 {
     const struct neph_scene *scene = cuts->scene;
-    for (int i = 0; i < shadow_count; i++) {
-        neph_cuts_add(cuts, shadows[i].low);
-        neph_cuts_add(cuts, shadows[i].high);
+    for (int i = 0; shadows && i < shadows->count; i++) {
+        neph_cuts_add(cuts, shadows->at_m[i].low);
+        neph_cuts_add(cuts, shadows->at_m[i].high);
     }
     for (int m = 0; m < scene->medium_count; m++) {
         cut_faces(cuts, &scene->media[m].bounds);
@@ -152,16 +145,16 @@ static void start_cuts(struct neph_cuts *cuts, const struct neph_scene *scene,
 }
 
 /* The pieces between cuts outside of all shadows. */
-static int lit_pieces(const struct neph_cuts *cuts, const struct neph_interval *shadows,
-                      int shadow_count, struct neph_interval *pieces)
+static int lit_pieces(const struct neph_cuts *cuts, const struct neph_shadows *shadows,
+                      struct neph_interval *pieces)
 {
     int count = 0, shadow = 0;
     double dark_until_m = -INFINITY;
     for (int i = 0; i + 1 < cuts->count; i++) {
         const double low_m = cuts->at_m[i], high_m = cuts->at_m[i + 1];
         const double middle_m = 0.5 * (low_m + high_m);
-        while (shadow < shadow_count && shadows[shadow].low < middle_m)
-            dark_until_m = fmax(dark_until_m, shadows[shadow++].high);
+        while (shadow < shadows->count && shadows->at_m[shadow].low < middle_m)
+            dark_until_m = shadows->at_m[shadow++].high;
         if (middle_m > dark_until_m && high_m > low_m)
             pieces[count++] = (struct neph_interval){low_m, high_m};
     }
@@ -172,25 +165,25 @@ int neph_lit_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
                     struct neph_vec3 direction, double t0_m, double t1_m, bool scales,
                     struct neph_interval *pieces)
 {
-    struct neph_interval shadows[NEPH_SCENE_SOLIDS_MAX];
-    struct neph_cuts cuts; /* not zero-initialised: it is large */
+    struct neph_shadows shadows; /* these are not zero-initialised: they are large */
+    struct neph_cuts cuts;
     start_cuts(&cuts, scene, origin_m, direction, t0_m, t1_m);
-    const int shadow_count = shadows_on_ray(&cuts, NULL, shadows);
-    make_cuts(&cuts, shadows, shadow_count, scales);
-    return lit_pieces(&cuts, shadows, shadow_count, pieces);
+    find_shadows(&cuts, NULL, &shadows);
+    make_cuts(&cuts, &shadows, scales);
+    return lit_pieces(&cuts, &shadows, pieces);
 }
 
 int neph_light_lit_pieces(const struct neph_scene *scene, const struct neph_light *light,
                           struct neph_vec3 origin_m, struct neph_vec3 direction, double t0_m,
                           double t1_m, struct neph_interval *pieces)
 {
-    struct neph_interval shadows[NEPH_SCENE_SOLIDS_MAX];
-    struct neph_cuts cuts; /* not zero-initialised: it is large */
+    struct neph_shadows shadows; /* these are not zero-initialised: they are large */
+    struct neph_cuts cuts;
     start_cuts(&cuts, scene, origin_m, direction, t0_m, t1_m);
-    const int shadow_count = shadows_on_ray(&cuts, light, shadows);
+    find_shadows(&cuts, light, &shadows);
     cut_light(&cuts, light);
-    make_cuts(&cuts, shadows, shadow_count, true);
-    return lit_pieces(&cuts, shadows, shadow_count, pieces);
+    make_cuts(&cuts, &shadows, true);
+    return lit_pieces(&cuts, &shadows, pieces);
 }
 
 int neph_ray_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
@@ -199,7 +192,7 @@ int neph_ray_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
 {
     struct neph_cuts cuts; /* not zero-initialised: it is large */
     start_cuts(&cuts, scene, origin_m, direction, t0_m, t1_m);
-    make_cuts(&cuts, NULL, 0, true);
+    make_cuts(&cuts, NULL, true);
     int count = 0;
     for (int i = 0; i + 1 < cuts.count; i++)
         if (cuts.at_m[i + 1] > cuts.at_m[i])

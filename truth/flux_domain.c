@@ -14,7 +14,7 @@
 
 /* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 /* Two periods or levels within this part of each other are equal. */
 static const double rounding = 1e-9;

@@ -11,7 +11,7 @@
 
 /* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_REFLECTED_PARTS == 8, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 /* Russian roulette: a path with a throughput below this may be ended (otherwise its value is
  * raised). */
@@ -341,17 +341,17 @@ struct neph_rgb neph_reflected_radiance(const struct neph_reflected_view *view,
 
 static const char *find_obstacle(const struct neph_scene *scene)
 {
-    int mirrors = 0, balls = 0;
+    int mirrors = 0, curved = 0;
     for (int i = 0; i < scene->solid_count; i++) {
         const bool is_mirror = neph_is_mirror(&scene->solids[i].surface);
         mirrors += is_mirror;
-        balls += is_mirror && scene->solids[i].kind == NEPH_SOLID_SPHERE;
+        curved += is_mirror && scene->solids[i].kind != NEPH_SOLID_BOX;
     }
     if (scene->medium_count > 0)
         return "media: this is light between solids in clear air";
-    if ((scene->sun.present || scene->light_count > 0) && (balls > 0 || mirrors > 1))
-        return "sun or lights with a mirrored sphere or several mirrors: no path finds their "
-               "reflected light; give them a roughness";
+    if ((scene->sun.present || scene->light_count > 0) && (curved > 0 || mirrors > 1))
+        return "sun or lights with a mirrored sphere or mesh, or several mirrors: no path finds "
+               "their reflected light; give them a roughness";
     return NULL;
 }
 

@@ -14,6 +14,7 @@
 #include "harness/host.h"
 #include "harness/packages.h"
 #include "harness/serve/http.h"
+#include "scenes/mesh_file.h"
 #include "scenes/volume_file.h"
 
 #include <stdio.h>
@@ -57,6 +58,15 @@ static bool has_netcdf(const char *name)
     return is_there;
 }
 
+static bool has_assimp(const char *name)
+{
+    char *program = NULL;
+    (void)name;
+    const bool is_there = neph_mesh_find_program(&program, NULL) == NEPH_OK;
+    free(program);
+    return is_there;
+}
+
 static bool has_openimageio(const char *name)
 {
     (void)name;
@@ -88,6 +98,11 @@ static const struct {
      has_netcdf,
      "NetCDF files of simulations",
      {"libnetcdf-dev", "netcdf-devel", "netcdf"},
+     ", and build neph again"},
+    {"neph-mesh",
+     has_assimp,
+     "meshes in OBJ, PLY and glTF",
+     {"libassimp-dev", "assimp-devel", "assimp"},
      ", and build neph again"},
     {"neph-image",
      has_openimageio,

@@ -117,12 +117,12 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     (void)settings;
     struct neph_diag diag = {0};
     struct neph_cycles_world world;
-    const bool is_endless = neph_scene_is_endless(scene);
-    if (!is_endless && !neph_cycles_world(scene, &world, &diag))
-        return true;
-    if (reason_size > 0)
-        snprintf(reason, reason_size, "%s", is_endless ? neph_endless_reason : diag.message);
-    return false;
+    const char *cannot = neph_scene_is_endless(scene) ? neph_endless_reason : NULL;
+    if (!cannot && neph_cycles_world(scene, &world, &diag))
+        cannot = diag.message;
+    if (cannot && reason_size > 0)
+        snprintf(reason, reason_size, "%s", cannot);
+    return !cannot;
 }
 
 static bool has_spot(const struct neph_scene *scene)

@@ -21,6 +21,7 @@
 #include "harness/engines/frame_check.h"
 #include "harness/engines/povray_lamps.h"
 #include "harness/engines/povray_light.h"
+#include "harness/engines/povray_mesh.h"
 #include "harness/engines/povray_run.h"
 #include "harness/engines/povray_solids.h"
 #include "harness/engines/trial.h"
@@ -38,7 +39,7 @@
 /* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 #define THREADS_MAX 64
 
@@ -382,6 +383,8 @@ static enum neph_status start(const struct neph_shot *shot, const char *program,
         status = neph_povray_write_ini(directory, diag);
     if (!status)
         status = write_noises(session->shot.scene, directory, diag);
+    if (!status)
+        status = neph_povray_put_meshes(&session->world, directory, diag);
     return status ? status : write_grids(session, directory, diag);
 }
 

@@ -42,7 +42,7 @@
 /* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_POVRAY_KIND_COUNT == 6, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 static const double sun_distance_radii = 2.0; /* no distance exceeds 6e6 units */
 static const double density_peak = 0.999;

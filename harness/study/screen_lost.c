@@ -54,17 +54,21 @@ static double compute_hidden_distance_m(const struct site *site, struct neph_vec
     const struct neph_camera *camera = site->camera;
     const struct neph_vec3 backward = neph_vec3_scale(camera->forward, -1.0);
     const double eye_m = neph_vec3_length(neph_vec3_sub(site->point_m, camera->position_m));
+    const struct neph_shadow_ray ray = {
+        site->point_m, direction,
+        backward,      camera->orthographic_height_m > 0.0 ? NULL : &camera->position_m,
+        0.0,           end_m};
     double first_m = INFINITY;
+    struct neph_shadows shadows; /* not zero-initialised: it is large */
     for (int i = 0; i < site->scene->solid_count; i++) {
         const struct neph_solid *solid = &site->scene->solids[i];
-        double t0_m, t1_m;
-        const bool hides = camera->orthographic_height_m > 0.0
-                               ? neph_solid_shadow(solid, backward, site->point_m, direction, 0.0,
-                                                   end_m, &t0_m, &t1_m)
-                               : neph_solid_point_shadow(solid, camera->position_m, site->point_m,
-                                                         direction, 0.0, end_m, &t0_m, &t1_m);
-        if (hides && t1_m - t0_m > touch * (eye_m + fmin(t1_m, eye_m)))
-            first_m = fmin(first_m, t0_m);
+        shadows.count = 0;
+        neph_solid_add_shadows(solid, &ray, &shadows);
+        for (int k = 0; k < shadows.count; k++) {
+            const struct neph_interval at_m = shadows.at_m[k];
+            if (at_m.high - at_m.low > touch * (eye_m + fmin(at_m.high, eye_m)))
+                first_m = fmin(first_m, at_m.low);
+        }
     }
     return first_m < end_m * (1.0 - touch) ? first_m : INFINITY;
 }

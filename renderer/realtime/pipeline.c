@@ -25,7 +25,7 @@
 _Static_assert(NEPH_RT_RAYS_COUNT == 4, "a new kind");
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 _Static_assert(NEPH_MARCH_MODE_COUNT == 2, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 _Static_assert(NEPH_MARCH_BUFFERS + 2 + RT_RAY_TARGET_COUNT - NEPH_GPU_SCENE_UNIFORMS <=
                    NEPH_KERNEL_STORAGE_MAX,

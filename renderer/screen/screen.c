@@ -5,6 +5,7 @@
 #include "renderer/gpu_scene.h"
 #include "renderer/vulkan_device.h"
 #include "scenes/motion.h"
+#include "scenes/surfaces.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -45,10 +46,11 @@ struct neph_screen_renderer {
 
 bool neph_screen_can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
-    const bool is_clear = scene->medium_count == 0;
-    if (!is_clear)
-        snprintf(reason, reason_size, "media: the screen passes support only solids");
-    return is_clear;
+    const char *cannot = scene->medium_count > 0 ? "media: the screen passes support only solids"
+                                                 : neph_mesh_obstacle(scene);
+    if (cannot)
+        snprintf(reason, reason_size, "%s", cannot);
+    return !cannot;
 }
 
 /* --- sizes ------------------------------------------------------------------------------------ */

@@ -9,7 +9,7 @@
 
 /* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 /* Top of an exponential layer; e^-14 = 8e-7 of its density is left there. */
 static const double top_scale_heights = 14.0;

@@ -5,7 +5,7 @@
 
 /* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
-_Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 static bool is_around(const struct neph_solid *ground, struct neph_vec3 center_m, double radius_m)
 {

@@ -62,7 +62,7 @@ class Install(unittest.TestCase):
 
     def test_nothing_is_left_of_the_build(self):
         programs = {path.name for path in (self.prefix / "bin").iterdir()}
-        optional = {"neph-image", "neph-netcdf"}
+        optional = {"neph-image", "neph-mesh", "neph-netcdf"}
         self.assertEqual(programs - optional, {"neph", "neph-vdb"})
         for name in optional:
             self.assertEqual(name in programs, BUILT.with_name(name).exists(), name)

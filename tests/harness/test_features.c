@@ -3,8 +3,8 @@
  * The table of features in scenes/README.md matches the engines' answers for small scenes that
  * differ in one feature each. `test_features --write` writes the table.
  */
+#include "tests/mesh_builders.h"
 #include "tests/printed_table.h"
-#include "tests/scene_builders.h"
 
 #include "harness/engines/engines.h"
 #include "scenes/media.h"
@@ -26,6 +26,7 @@ struct stage {
     struct neph_mover mover;
     struct neph_grid *grid;
     struct neph_horizon *horizon;
+    struct neph_mesh *mesh;
 };
 
 static void change_medium(struct stage *stage, enum neph_medium_kind kind)
@@ -127,6 +128,15 @@ static void add_only_solids(struct stage *stage)
 {
     solids(stage);
     stage->test.scene.medium_count = 0;
+}
+
+static void meshed(struct stage *stage)
+{
+    solids(stage);
+    if (!stage->mesh)
+        stage->mesh = make_box_mesh((struct neph_vec3){-9, -2, -19}, (struct neph_vec3){9, -1, -1});
+    stage->test.solids[0] = (struct neph_solid){
+        .kind = NEPH_SOLID_MESH, .mesh = stage->mesh, .scale_m = 1, .albedo = {0.5, 0.5, 0.5}};
 }
 
 static void textured(struct stage *stage)
@@ -265,6 +275,7 @@ static const struct feature {
     {"`solids`", ANY_KIND, ANY_LIGHT, solids},
     {"`solids` in clear air", ANY_KIND, ANY_LIGHT, add_only_solids},
     {"`solids` in clear air, and light between them", ANY_KIND, LIGHT(MULTIPLE), add_only_solids},
+    {"`solids[].mesh`, `solids[].height_field`", ANY_KIND, ANY_LIGHT, meshed},
     {"`solids[].*.texture`", ANY_KIND, ANY_LIGHT, textured},
     {"`solids[].*.metalness`", ANY_KIND, LIGHT(MULTIPLE), metal},
     {"`solids[].*.metalness`, `roughness: 0`", ANY_KIND, LIGHT(MULTIPLE), mirror},
@@ -364,6 +375,7 @@ static void print_features(FILE *file)
         print_row(file, &features[i], &stage);
     neph_grid_destroy(stage.grid);
     neph_horizon_destroy(stage.horizon);
+    neph_mesh_destroy(stage.mesh);
 }
 
 /* ---- the file -------------------------------------------------------------------------------- */

@@ -6,6 +6,8 @@
 #include "tests/allocation.h"
 #include "tests/base/scratch.h"
 
+#include "scenes/mesh_file.h"
+#include "scenes/mesh_program.h"
 #include "scenes/motion.h"
 #include "scenes/phase_table.h"
 #include "scenes/scene.h"
@@ -263,6 +265,31 @@ static void test_netcdf(void **state)
     assert_every_failure_is_reported("a NetCDF file", take_netcdf, &output);
 }
 
+/* A triangle, as neph-mesh wrote it. */
+struct mesh {
+    struct neph_mesh_header header;
+    struct neph_mesh_corner corners[3];
+    int32_t triangle[3];
+};
+
+static enum neph_status take_mesh(void *context, struct neph_diag *diag)
+{
+    struct neph_mesh_data data = {0};
+    const size_t size = offsetof(struct mesh, triangle) + sizeof(int32_t[3]);
+    const enum neph_status status = neph_mesh_take(context, size, &data, diag);
+    assert_int_equal(data.positions != NULL, status == NEPH_OK);
+    neph_mesh_data_finish(&data);
+    return status;
+}
+
+static void test_meshes(void **state)
+{
+    struct mesh output = {.header = {3, 1, 1, 1}, .triangle = {0, 1, 2}};
+    for (int v = 0; v < 3; v++)
+        output.corners[v] = (struct neph_mesh_corner){{v, v * v, 0}, {0, 0, 1}, {0, 1}};
+    assert_every_failure_is_reported("a mesh", take_mesh, &output);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -270,7 +297,7 @@ int main(void)
         scratch_test(test_injections),   scratch_test(test_voxels),
         cmocka_unit_test(test_variants), cmocka_unit_test(test_points),
         scratch_test(test_volume_files), cmocka_unit_test(test_phase_tables),
-        cmocka_unit_test(test_netcdf),
+        cmocka_unit_test(test_netcdf),   cmocka_unit_test(test_meshes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * Every key of a scene file that the tables read changes the hash of the scene, except keys whose
- * row declares that no rendered value depends on them. Keys of `volume`, which need files, are in
- * test_volume_placement.c. A key that no scene of every_key/ contains fails here.
+ * row declares that no rendered value depends on them. Keys of `volume` and of meshes, which need
+ * files, are in test_volume_placement.c and test_mesh_scene.c. A key that no scene of every_key/
+ * contains fails here.
  */
 #include "tests/base/scratch.h"
 #include "tests/printed_table.h"
@@ -14,7 +15,8 @@ enum { PATHS_MAX = 400 };
 
 /* Keys not required in every_key/: keys of files, and one that depends on other keys. */
 static const char *const left_out[] = {"media[].volume.", "media[].grid.size",
-                                       "media[].KIND.phase_table"};
+                                       "media[].KIND.phase_table", "solids[].mesh.",
+                                       "solids[].height_field."};
 
 /* Paths of keys without indices: "media[].gaussian.width_m". */
 struct paths {

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Triangle meshes that tests create in memory.
+ */
+#ifndef NEPH_TESTS_MESH_BUILDERS_H
+#define NEPH_TESTS_MESH_BUILDERS_H
+
+#include "tests/scene_builders.h"
+
+#include "scenes/mesh.h"
+
+static inline void test_end_mesh(struct neph_mesh **mesh)
+{
+    neph_mesh_destroy(*mesh);
+}
+
+static inline struct neph_mesh_data allocate_mesh(int vertices, int triangles)
+{
+    struct neph_mesh_data data = {.vertex_count = vertices, .triangle_count = triangles};
+    data.positions = calloc((size_t)vertices, sizeof(*data.positions));
+    data.triangles = calloc((size_t)triangles, sizeof(*data.triangles));
+    assert_true(data.positions && data.triangles);
+    return data;
+}
+
+static inline struct neph_mesh *finish_mesh(struct neph_mesh_data data)
+{
+    struct neph_diag diag = {0};
+    struct neph_mesh *mesh = NULL;
+    neph_assert_ok(neph_mesh_create(&data, &mesh, &diag), &diag);
+    return mesh;
+}
+
+static inline void set_triangle(struct neph_mesh_data *data, int triangle, int a, int b, int c)
+{
+    data->triangles[triangle][0] = a;
+    data->triangles[triangle][1] = b;
+    data->triangles[triangle][2] = c;
+}
+
+/* A box: 8 vertices, 12 triangles, counterclockwise from outside. */
+static inline struct neph_mesh *make_box_mesh(struct neph_vec3 low, struct neph_vec3 high)
+{
+    static const int faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                    {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+    struct neph_mesh_data data = allocate_mesh(8, 12);
+    for (int i = 0; i < 8; i++)
+        data.positions[i] = (struct neph_vec3){i & 1 ? high.x : low.x, i & 2 ? high.y : low.y,
+                                               i & 4 ? high.z : low.z};
+    for (int face = 0; face < 6; face++) {
+        const int *v = faces[face];
+        set_triangle(&data, 2 * face, v[0], v[1], v[2]);
+        set_triangle(&data, 2 * face + 1, v[0], v[2], v[3]);
+    }
+    return finish_mesh(data);
+}
+
+/* A closed lump around the origin: rings of longitude and latitude of radius 1 +- roughness. The
+ * triangles at the poles have a collapsed side. */
+static inline struct neph_mesh_data make_lump(int rings, double roughness, uint64_t *seed)
+{
+    const int around = 2 * rings;
+    struct neph_mesh_data data = allocate_mesh((rings + 1) * around, 2 * rings * around);
+    for (int ring = 0; ring <= rings; ring++)
+        for (int i = 0; i < around; i++) {
+            const bool is_pole = ring == 0 || ring == rings;
+            const double polar = M_PI * ring / rings, azimuth = 2.0 * M_PI * i / around;
+            const double radius = is_pole ? 1.0
+                                          : 1.0 + neph_test_uniform(seed, -roughness, roughness);
+            const double across = is_pole ? 0.0 : sin(polar);
+            data.positions[ring * around + i] = neph_vec3_scale(
+                (struct neph_vec3){across * sin(azimuth), cos(polar), across * cos(azimuth)},
+                radius);
+        }
+    for (int ring = 0; ring < rings; ring++)
+        for (int i = 0; i < around; i++) {
+            const int a = ring * around + i, b = ring * around + (i + 1) % around;
+            const int cell = 2 * (ring * around + i);
+            set_triangle(&data, cell, a, a + around, b);
+            set_triangle(&data, cell + 1, b, a + around, b + around);
+        }
+    return data;
+}
+
+/* Hills over [-size, size]^2 with 2 cells^2 triangles. */
+static inline struct neph_mesh_data make_hills(int cells, double size, double height)
+{
+    const int row = cells + 1;
+    struct neph_mesh_data data = allocate_mesh(row * row, 2 * cells * cells);
+    for (int j = 0; j < row; j++)
+        for (int i = 0; i < row; i++) {
+            const double x = size * (2.0 * i / cells - 1.0), z = size * (2.0 * j / cells - 1.0);
+            const double u = 9.0 * x / size, v = 9.0 * z / size;
+            data.positions[j * row + i] = (struct neph_vec3){
+                x, height * (sin(u) * cos(0.7 * v) + 0.3 * sin(3.1 * u + 2.0 * v)), z};
+        }
+    for (int j = 0; j < cells; j++)
+        for (int i = 0; i < cells; i++) {
+            const int a = j * row + i, cell = 2 * (j * cells + i);
+            set_triangle(&data, cell, a, a + row, a + 1);
+            set_triangle(&data, cell + 1, a + 1, a + row, a + row + 1);
+        }
+    return data;
+}
+
+/* Triangles anywhere within 1 m. */
+static inline struct neph_mesh_data make_soup(int count, double size, uint64_t *seed)
+{
+    struct neph_mesh_data data = allocate_mesh(3 * count, count);
+    for (int i = 0; i < count; i++) {
+        const struct neph_vec3 at = random_point(seed, 1.0);
+        for (int corner = 0; corner < 3; corner++)
+            data.positions[3 * i + corner] = neph_vec3_add(at, random_point(seed, size));
+        set_triangle(&data, i, 3 * i, 3 * i + 1, 3 * i + 2);
+    }
+    return data;
+}
+
+#endif
