@@ -14,6 +14,9 @@ struct neph_written_volume {
     double radius_unit_um;
     const char *axes, *value_unit; /* NULL: not given */
     int time_index;
+    int table_size[3];
+    int interpolation; /* word */
+    int repeat[3];
     int placement, fit_to, up; /* words */
     struct neph_volume_box index_box;
     struct neph_vec3 center_m, size_m; /* placement: fit */
