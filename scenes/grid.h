@@ -22,7 +22,7 @@
 /* Limit of a file, 512^3 floats: 512 MiB; a larger grid is refused with the sizes in words. */
 #define NEPH_GRID_NODES_MAX ((size_t)1 << 27)
 
-#define NEPH_GRID_NOTE_SIZE 200
+#define NEPH_GRID_NOTE_SIZE 400
 
 struct neph_grid {
     int size[3];                /* nodes along x, y, z; 1..NEPH_GRID_SIDE_MAX */

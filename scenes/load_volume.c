@@ -63,10 +63,17 @@ const struct neph_field neph_volume_fields[] = {
     {"radius_grid", NEPH_TEXT, VOLUME(radius_grid),
      .note = "the grid of effective radii (reff of a text), with `water_g_per_m3` or "
              "`droplets_per_cm3`; each voxel "
-             "has the extinction of its radius, and all the phase function of the medium",
+             "has the extinction of its radius, and the medium's phase function (radius_band_um "
+             "gives it others)",
      .least = 1, .most = 64, .standard = "`effective_radius_um` everywhere"},
     {"radius_unit_um", NEPH_NUMBER, VOLUME(radius_unit_um), "um", 1e-6, 1e9,
      .note = "of a radius of 1 in that grid", .standard = "1; the unit that a .nc has"},
+    {"radius_band_um", NEPH_THREE, VOLUME(radius_band), "um", 0, NEPH_DROPLET_RADIUS_MAX_UM,
+     .note = "[low, peak, high]: the part of each voxel that has the medium's phase function, 1 "
+             "where its radius is peak, falling linearly to 0 at low and high; low = peak is 1 "
+             "below, peak = high above. Media of one file with bands from peak to peak are one "
+             "cloud, its phase function interpolated linearly in the radius",
+     .standard = "all radii"},
     {"table_size", NEPH_WHOLES, VOLUME(table_size), "nodes", 1, NEPH_GRID_SIDE_MAX,
      .note = "of a file with numbers and nothing else, whatever its name: x fastest, then y, then "
              "layers from the top down",
@@ -250,19 +257,33 @@ static enum neph_status place_as_file(struct neph_grid *grid,
     return NEPH_OK;
 }
 
+static enum neph_status check_band(const struct neph_reader *reader,
+                                   const struct neph_radius_band *band)
+{
+    const double low_um = band->low_um, peak_um = band->peak_um, high_um = band->high_um;
+    if (low_um <= peak_um && peak_um <= high_um && low_um < high_um)
+        return NEPH_OK;
+    neph_refuse(reader, "radius_band_um", "%g, %g, %g um do not ascend", low_um, peak_um, high_um);
+    neph_hint(reader->diag, "[low, peak, high], of which two may be equal");
+    return NEPH_ERR_INPUT;
+}
+
 /* With radii of its own, a voxel's value must be water or droplets. */
 static enum neph_status check_radii(const struct neph_reader *reader, const yaml_node_t *node,
                                     const char *path, struct neph_written_volume *volume)
 {
+    static const char *const radius_keys[] = {"radius_unit_um", "radius_band_um", NULL};
     struct neph_written_density *density = &volume->common.density;
+    const char *key = find_first_key(reader, node, radius_keys);
     if (!volume->radius_grid)
-        return neph_reader_has(reader, node, "radius_unit_um")
-                   ? neph_refuse(reader, "radius_unit_um", "it needs the key radius_grid")
-                   : NEPH_OK;
+        return key ? neph_refuse(reader, key, "it needs the key radius_grid") : NEPH_OK;
+    const bool has_band = neph_reader_has(reader, node, "radius_band_um");
     const enum neph_density_unit unit = neph_find_density(reader, node);
-    if (unit != NEPH_DENSITY_WATER && unit != NEPH_DENSITY_DROPLETS)
+    if (unit != NEPH_DENSITY_WATER && unit != NEPH_DENSITY_DROPLETS &&
+        !(has_band && unit == NEPH_DENSITY_EXTINCTION))
         return refuse(reader, "radius_grid", "the values of grid are not said to be of droplets",
-                      "give water_g_per_m3 or droplets_per_cm3, 1 where the file has that unit");
+                      "give water_g_per_m3 or droplets_per_cm3, 1 where the file has that unit; "
+                      "extinction_per_m needs a radius_band_um");
     if (neph_reader_has(reader, node, "effective_radius_um"))
         return refuse(reader, "effective_radius_um", "radius_grid is given, too",
                       "leave one of them out");
@@ -271,7 +292,7 @@ static enum neph_status check_radii(const struct neph_reader *reader, const yaml
                       "leave the key out");
     density->radius_in_voxels = true;
     density->unit = unit;
-    return NEPH_OK;
+    return has_band ? check_band(reader, &volume->radius_band) : NEPH_OK;
 }
 
 /* Keys of some formats. */
@@ -304,6 +325,45 @@ static enum neph_status check_spacing(const struct neph_reader *reader,
     return NEPH_OK;
 }
 
+/* A file's axis z points up where that is the convention of its format. */
+static bool is_z_up(const struct neph_reader *reader, const yaml_node_t *node, const char *path,
+                    const struct neph_written_volume *volume)
+{
+    if (neph_reader_has(reader, node, "up"))
+        return volume->up == UP_Z;
+    return neph_volume_is_netcdf(path) || neph_volume_is_text(path) ||
+           neph_reader_has(reader, node, "table_size");
+}
+
+static struct neph_volume_request describe(const struct neph_reader *reader,
+                                           const yaml_node_t *node, const char *path,
+                                           const struct neph_written_volume *volume)
+{
+    const bool has_radius_unit = neph_reader_has(reader, node, "radius_unit_um");
+    const bool has_band = neph_reader_has(reader, node, "radius_band_um");
+    return (struct neph_volume_request){
+        .path = path,
+        .shown = volume->file,
+        .grid_name = volume->grid,
+        .radius_name = volume->radius_grid,
+        .droplets = {volume->common.density.unit, has_radius_unit ? volume->radius_unit_um : 0.0,
+                     volume->common.density.radii.effective_variance,
+                     has_band ? &volume->radius_band : NULL},
+        .axes = volume->axes,
+        .time_index = neph_reader_has(reader, node, "time_index") ? &volume->time_index : NULL,
+        .value_unit = volume->value_unit,
+        .has_length_unit = neph_reader_has(reader, node, "unit_m"),
+        .density = neph_find_density(reader, node),
+        .table_size = neph_reader_has(reader, node, "table_size") ? volume->table_size : NULL,
+        .interpolation = (enum neph_volume_interpolation)volume->interpolation,
+        .is_endless = {volume->repeat[0] == 0, volume->repeat[1] == 0, volume->repeat[2] == 0},
+        .memory_limit_bytes = (size_t)volume->memory_limit_mib << 20,
+        .is_z_up = is_z_up(reader, node, path, volume),
+        .index_box = neph_reader_has(reader, node, "index_box") ? &volume->index_box : NULL,
+        .counts_zeros = volume->fit_to == FIT_TO_ACTIVE,
+        .is_fitted = volume->placement == PLACEMENT_FIT};
+}
+
 enum neph_status neph_finish_volume(struct neph_reader *reader, const yaml_node_t *node,
                                     void *written)
 {
@@ -327,30 +387,7 @@ enum neph_status neph_finish_volume(struct neph_reader *reader, const yaml_node_
     if (!status)
         status = check_format_keys(reader, node, path);
     if (!status) {
-        const struct neph_volume_request request = {
-            .path = path,
-            .shown = volume->file,
-            .grid_name = volume->grid,
-            .radius_name = volume->radius_grid,
-            .droplets = {volume->common.density.unit,
-                         neph_reader_has(reader, node, "radius_unit_um") ? volume->radius_unit_um
-                                                                         : 0.0,
-                         volume->common.density.radii.effective_variance},
-            .axes = volume->axes,
-            .time_index = neph_reader_has(reader, node, "time_index") ? &volume->time_index : NULL,
-            .value_unit = volume->value_unit,
-            .has_length_unit = neph_reader_has(reader, node, "unit_m"),
-            .density = neph_find_density(reader, node),
-            .table_size = is_table ? volume->table_size : NULL,
-            .interpolation = (enum neph_volume_interpolation)volume->interpolation,
-            .is_endless = {volume->repeat[0] == 0, volume->repeat[1] == 0, volume->repeat[2] == 0},
-            .memory_limit_bytes = (size_t)volume->memory_limit_mib << 20,
-            .is_z_up = neph_reader_has(reader, node, "up")
-                           ? volume->up == UP_Z
-                           : neph_volume_is_netcdf(path) || neph_volume_is_text(path) || is_table,
-            .index_box = has_index_box ? &volume->index_box : NULL,
-            .counts_zeros = volume->fit_to == FIT_TO_ACTIVE,
-            .is_fitted = volume->placement == PLACEMENT_FIT};
+        const struct neph_volume_request request = describe(reader, node, path, volume);
         status = neph_volume_read(&request, &medium->grid, reader->diag);
     }
     if (status)

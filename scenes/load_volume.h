@@ -12,7 +12,8 @@ struct neph_written_volume {
     struct neph_written_medium common;
     const char *file, *grid, *radius_grid;
     double radius_unit_um;
-    const char *axes, *value_unit; /* NULL: not given */
+    struct neph_radius_band radius_band;
+    const char *axes, *value_unit;   /* NULL: not given */
     int time_index;
     int table_size[3];
     int interpolation; /* word */

@@ -186,7 +186,7 @@ static enum neph_status convert_radii(const struct neph_volume_request *request,
         droplets.radius_unit_um = 1e6 * factor;
     }
     return neph_droplet_voxels_convert(&droplets, volume->size, volume->values, volume->radii,
-                                       diag);
+                                       volume->note, diag);
 }
 
 /* ---- coordinates ----------------------------------------------------------------------------- */

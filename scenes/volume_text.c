@@ -379,7 +379,7 @@ static enum neph_status convert_values(struct text *text, struct neph_diag *diag
         text->values[i] = isnan(text->values[i]) ? 0.0F : (float)(factor * (double)text->values[i]);
     if (!status && text->radii)
         status = neph_droplet_voxels_convert(&text->request->droplets, text->read, text->values,
-                                             text->radii, diag);
+                                             text->radii, text->note, diag);
     return status;
 }
 
