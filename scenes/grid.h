@@ -22,6 +22,8 @@
 /* Limit of a file, 512^3 floats: 512 MiB; a larger grid is refused with the sizes in words. */
 #define NEPH_GRID_NODES_MAX ((size_t)1 << 27)
 
+#define NEPH_GRID_NOTE_SIZE 400
+
 struct neph_grid {
     int size[3];                /* nodes along x, y, z; 1..NEPH_GRID_SIDE_MAX */
     struct neph_vec3 origin_m;  /* of node (0, 0, 0) */
@@ -31,7 +33,8 @@ struct neph_grid {
     float *values;              /* owned; x fastest, then y, then z; finite, >= 0; dimensionless */
     float maximum;              /* of values */
     char hash[NEPH_HASH_HEX_SIZE]; /* of size and values; set by neph_grid_seal */
-    char note[200]; /* how a reader changed the values of its file, for people; "": not at all */
+    /* How a reader changed the values of its file, for people; "": not at all. */
+    char note[NEPH_GRID_NOTE_SIZE];
 };
 
 /* A grid of zeros. NEPH_ERR_INPUT: a side or the product is out of range, in words. */

@@ -12,8 +12,12 @@ struct neph_written_volume {
     struct neph_written_medium common;
     const char *file, *grid, *radius_grid;
     double radius_unit_um;
-    const char *axes, *value_unit; /* NULL: not given */
+    struct neph_radius_band radius_band;
+    const char *axes, *value_unit;   /* NULL: not given */
     int time_index;
+    int table_size[3];
+    int interpolation; /* word */
+    int repeat[3];
     int placement, fit_to, up; /* words */
     struct neph_volume_box index_box;
     struct neph_vec3 center_m, size_m; /* placement: fit */

@@ -53,26 +53,6 @@ static enum neph_status read_header(const struct neph_volume_source *source, str
     return NEPH_OK;
 }
 
-/* Finds the block of nodes to read. */
-static enum neph_status find_box(const struct neph_volume_request *request,
-                                 const struct header *header, struct neph_volume_box *box,
-                                 struct neph_diag *diag)
-{
-    const int *size = header->size;
-    *box = (struct neph_volume_box){{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
-    if (!request->index_box)
-        return NEPH_OK;
-    *box = *request->index_box;
-    for (int axis = 0; axis < 3; axis++)
-        if (box->first[axis] < 0 || box->last[axis] >= size[axis]) {
-            neph_fail(diag, NEPH_ERR_INPUT, "index_box reaches from %d to %d along %c",
-                      box->first[axis], box->last[axis], "xyz"[axis]);
-            neph_hint(diag, "its nodes have the indices 0 to %d there", size[axis] - 1);
-            return NEPH_ERR_INPUT;
-        }
-    return NEPH_OK;
-}
-
 static void decode(const unsigned char *bytes, int count, int width_bytes, float *to,
                    ptrdiff_t step)
 {
@@ -140,7 +120,7 @@ enum neph_status neph_volume_read_df3(const struct neph_volume_request *request,
     struct neph_grid *made = NULL;
     enum neph_status status = read_header(source, &header, diag);
     if (!status)
-        status = find_box(request, &header, &box, diag);
+        status = neph_volume_find_box(request, header.size, &box, diag);
     if (!status) {
         const struct neph_block block = find_block(&box);
         status = neph_volume_create_grid(request, &neph_axis_turn_none, &block, &turned, &made,

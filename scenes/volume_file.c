@@ -32,6 +32,9 @@ static const struct format formats[] = {
     {".vdb", true, neph_volume_read_vdb, write_vdb},
     {".df3", false, neph_volume_read_df3, neph_volume_write_df3},
     {".nc", true, neph_volume_read_netcdf, NULL},
+    {".dat", true, neph_volume_read_text, NULL},
+    {".lwc", true, neph_volume_read_text, NULL},
+    {".txt", true, neph_volume_read_text, NULL},
 };
 enum { FORMAT_COUNT = sizeof(formats) / sizeof(formats[0]) };
 
@@ -49,7 +52,8 @@ static const struct format *find_format(const char *path)
 static enum neph_status refuse_format(const char *shown, struct neph_diag *diag)
 {
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not a volume file that neph supports", shown);
-    neph_hint(diag, "its name must end in .vdb or .df3, to be read also in .nc");
+    neph_hint(diag,
+              "its name must end in .vdb or .df3, to be read also in .nc, .dat, .lwc or .txt");
     return NEPH_ERR_INPUT;
 }
 
@@ -62,6 +66,12 @@ bool neph_volume_is_netcdf(const char *path)
 {
     const struct format *format = find_format(path);
     return format && format->read == neph_volume_read_netcdf;
+}
+
+bool neph_volume_is_text(const char *path)
+{
+    const struct format *format = find_format(path);
+    return format && format->read == neph_volume_read_text;
 }
 
 bool neph_volume_has_transform(const char *path)
@@ -109,8 +119,12 @@ static enum neph_status read_and_seal(neph_volume_reader *read,
 {
     struct neph_grid *made = NULL;
     enum neph_status status = read(request, source, &made, diag);
-    if (!status)
+    if (!status) {
+        if (request->interpolation)
+            made->is_constant = request->interpolation == NEPH_INTERPOLATION_CONSTANT;
+        memcpy(made->is_endless, request->is_endless, sizeof(made->is_endless));
         status = neph_grid_seal(made, diag);
+    }
     if (status)
         neph_grid_destroy(made);
     else
@@ -123,13 +137,14 @@ enum neph_status neph_volume_read(const struct neph_volume_request *request,
 {
     const char *shown = request->shown ? request->shown : request->path;
     const struct format *format = find_format(request->path);
-    if (!format)
+    if (!format && !request->table_size)
         return refuse_format(shown, diag);
+    neph_volume_reader *read = request->table_size ? neph_volume_read_text : format->read;
     struct neph_diag inner = {.line = 0};
     struct neph_volume_source source = {.file = NULL};
     enum neph_status status = open_file(request->path, &source, &inner);
     if (!status)
-        status = read_and_seal(format->read, request, &source, grid, &inner);
+        status = read_and_seal(read, request, &source, grid, &inner);
     if (source.file)
         fclose(source.file);
     if (status) {

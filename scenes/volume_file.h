@@ -2,7 +2,8 @@
  *
  * Volumes from and to files: OpenVDB (.vdb; float or half grids; scale, translation, rotations by
  * multiples of 90 degrees, and mirrors) and POV-Ray density files (.df3; 8, 16 or 32 bits); from
- * NetCDF files of simulations (.nc; scenes/volume_netcdf.h).
+ * NetCDF files of simulations (.nc; scenes/volume_netcdf.h), and from text files of radiation codes
+ * (.dat, .lwc, .txt, and any with `table_size`; scenes/volume_text.c).
  */
 #ifndef NEPH_SCENES_VOLUME_FILE_H
 #define NEPH_SCENES_VOLUME_FILE_H
@@ -16,8 +17,9 @@
  * box around the active voxels that are not 0, or around all active voxels (with `counts_zeros`, or
  * if all of them are 0); the transform of the file places it. The block of a .df3 is all of its
  * nodes, zeros included: 1 apart, the first at the origin, because the format has no transform. The
- * block of a .nc is all of its nodes, in metres at their coordinates; uneven levels become even
- * ones (scenes/even_levels.h). With `radius_name` each value becomes its extinction.
+ * block of a .nc or a text is all of its nodes, in metres at their coordinates; uneven levels
+ * become even ones (scenes/even_levels.h). A table has the block of a .df3. With `radius_name` each
+ * value becomes its extinction.
  *
  * NEPH_ERR_INPUT; each message names the file and the fault:
  * - it is not readable, truncated, or declares a larger size than it has,
@@ -25,6 +27,7 @@
  *   half grid,
  * - it is rotated by angles other than multiples of 90 degrees, or sheared,
  * - it has NaN, infinite, negative or missing values,
+ * - of a text: a line, whose number is named, is not as its format has it, or a voxel has two,
  * - of a .nc: the unit of values or coordinates is unknown, coordinates do not ascend or descend,
  * - a side is longer than NEPH_GRID_SIDE_MAX, or the nodes need more than `memory_limit_bytes`,
  * - for a fitted block: stray voxels decide its size.
@@ -38,7 +41,10 @@ bool neph_volume_has_transform(const char *path);
 /* Whether the file is NetCDF, by its extension. */
 bool neph_volume_is_netcdf(const char *path);
 
-/* Whether neph_volume_read() knows the extension: ".vdb", ".df3", ".nc". */
+/* Whether the file is a text with a header, by its extension. */
+bool neph_volume_is_text(const char *path);
+
+/* Whether neph_volume_read() knows the extension: ".vdb", ".df3", ".nc", ".dat", ".lwc", ".txt". */
 bool neph_volume_has_known_extension(const char *path);
 
 /* The path of the program that reads and writes .vdb files; the caller frees it. It is the value of

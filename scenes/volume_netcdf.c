@@ -6,7 +6,6 @@
 #include "scenes/volume_netcdf.h"
 
 #include "base/helper.h"
-#include "scenes/even_levels.h"
 #include "scenes/file_units.h"
 #include "scenes/volume_file.h"
 #include "scenes/volume_format.h"
@@ -19,7 +18,6 @@
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_UNIT_KIND_COUNT == 7, "a new kind");
-_Static_assert(NEPH_DENSITY_UNIT_COUNT == 6, "a new unit");
 
 enum { BOX_BYTES = 80 };
 
@@ -50,7 +48,7 @@ struct volume {
     bool is_reversed[3];   /* they descend in the file; here they ascend */
     float *values, *radii; /* owned; radii: NULL without */
     double first[3], spacing[3];
-    char note[sizeof(((struct neph_grid *)0)->note)];
+    char note[NEPH_GRID_NOTE_SIZE];
 };
 
 static void finish_volume(struct volume *volume)
@@ -160,57 +158,15 @@ static enum neph_status take_volume(const struct neph_volume_request *request,
 
 /* ---- units of values ------------------------------------------------------------------------- */
 
-/* The kind of unit that each density needs; UNKNOWN: any, because only proportions count. */
-static const enum neph_unit_kind kinds[NEPH_DENSITY_UNIT_COUNT] = {
-    [NEPH_DENSITY_EXTINCTION] = NEPH_UNIT_EXTINCTION,
-    [NEPH_DENSITY_WATER] = NEPH_UNIT_WATER,
-    [NEPH_DENSITY_DROPLETS] = NEPH_UNIT_NUMBER,
-    [NEPH_DENSITY_VISIBILITY_2] = NEPH_UNIT_UNKNOWN,
-    [NEPH_DENSITY_VISIBILITY_5] = NEPH_UNIT_UNKNOWN,
-    [NEPH_DENSITY_OPTICAL_DEPTH] = NEPH_UNIT_UNKNOWN,
-};
-
-static const char *const kind_units[NEPH_UNIT_KIND_COUNT] = {
-    [NEPH_UNIT_WATER] = "g/m3 or kg/m3",
-    [NEPH_UNIT_NUMBER] = "1/cm3 or 1/m3",
-    [NEPH_UNIT_EXTINCTION] = "1/m or 1/km",
-};
-
-static enum neph_status refuse_unit(const struct neph_volume_request *request, const char *name,
-                                    const char *unit, enum neph_unit_kind kind,
-                                    struct neph_diag *diag)
-{
-    const char *key = neph_density_unit_row(request->density)->key;
-    neph_fail(diag, NEPH_ERR_INPUT, "variable '%s' has %s%.60s%s, and %s needs %s", name,
-              *unit ? "the unit '" : "no unit", unit, *unit ? "'" : "", key,
-              kind_units[kinds[request->density]]);
-    if (kind == NEPH_UNIT_MIXING_RATIO)
-        neph_hint(diag,
-                  "it is a mixing ratio: multiply it by the density of air, such as with "
-                  "ncap2 -s 'lwc=%s*rho' in.nc out.nc, and name that variable",
-                  name);
-    else
-        neph_hint(diag, "value_unit is used in place of the attribute `units` of the file");
-    return NEPH_ERR_INPUT;
-}
-
 static enum neph_status convert_values(const struct neph_volume_request *request,
                                        struct volume *volume, size_t count, struct neph_diag *diag)
 {
-    const char *unit = request->value_unit ? request->value_unit : volume->header.units[0];
-    const enum neph_unit_kind needed = request->density < NEPH_DENSITY_UNIT_COUNT
-                                           ? kinds[request->density]
-                                           : NEPH_UNIT_UNKNOWN;
     double factor = 1.0;
-    const enum neph_unit_kind kind = neph_unit_find(unit, &factor);
-    const bool is_one = request->value_unit && kind == NEPH_UNIT_ONE;
-    if (needed == NEPH_UNIT_UNKNOWN)
-        return NEPH_OK;
-    if (kind != needed && !is_one)
-        return refuse_unit(request, volume->header.names[0], unit, kind, diag);
-    for (size_t i = 0; i < count; i++)
+    const enum neph_status status = neph_volume_find_unit(request, volume->header.names[0],
+                                                          volume->header.units[0], &factor, diag);
+    for (size_t i = 0; i < count && !status && factor != 1.0; i++)
         volume->values[i] = (float)(factor * (double)volume->values[i]);
-    return NEPH_OK;
+    return status;
 }
 
 static enum neph_status convert_radii(const struct neph_volume_request *request,
@@ -230,7 +186,7 @@ static enum neph_status convert_radii(const struct neph_volume_request *request,
         droplets.radius_unit_um = 1e6 * factor;
     }
     return neph_droplet_voxels_convert(&droplets, volume->size, volume->values, volume->radii,
-                                       diag);
+                                       volume->note, diag);
 }
 
 /* ---- coordinates ----------------------------------------------------------------------------- */
@@ -314,35 +270,14 @@ static void reverse_values(struct volume *volume, int axis)
 static enum neph_status make_even(const struct neph_volume_request *request, struct volume *volume,
                                   int axis, struct neph_diag *diag)
 {
+    const struct neph_volume_levels levels = {
+        axis, {volume->levels[axis], volume->size[axis], false}, volume->header.axes[axis].name};
     struct neph_even_levels even;
-    const double *levels = volume->levels[axis];
-    const int count = volume->size[axis];
-    const bool is_even = neph_are_levels_even(levels, count, NEPH_GRID_SIDE_MAX, &even);
+    const enum neph_status status = neph_volume_make_even(
+        request, &levels, volume->size, &volume->values, &even, volume->note, diag);
     volume->first[axis] = even.first;
     volume->spacing[axis] = even.spacing;
-    if (is_even)
-        return NEPH_OK;
-    size_t inner = 1, outer = 1;
-    for (int other = 0; other < 3; other++)
-        *(other < axis ? &inner : &outer) *= other == axis ? 1 : (size_t)volume->size[other];
-    volume->size[axis] = even.count;
-    const enum neph_status status = neph_volume_check_size(request, volume->size, diag);
-    if (status)
-        return status;
-    float *values = calloc(inner * (size_t)even.count * outer, sizeof(*values));
-    if (!values)
-        return neph_fail_memory(diag);
-    const double change = neph_even_levels_resample(levels, count, &even, outer, inner,
-                                                    volume->values, values);
-    free(volume->values);
-    volume->values = values;
-    const size_t used = strlen(volume->note);
-    snprintf(volume->note + used, sizeof(volume->note) - used,
-             "%s%d uneven places along '%.40s' became %d, %.4g m apart: their sum times thickness "
-             "changed by %.1e",
-             used ? "; " : "", count, volume->header.axes[axis].name, even.count, even.spacing,
-             change);
-    return NEPH_OK;
+    return status;
 }
 
 static enum neph_status place_axes(const struct neph_volume_request *request, struct volume *volume,
@@ -368,30 +303,6 @@ static enum neph_status place_axes(const struct neph_volume_request *request, st
 
 /* ---- all ------------------------------------------------------------------------------------- */
 
-static enum neph_status create_grid(const struct neph_volume_request *request,
-                                    const struct volume *volume, struct neph_grid **grid,
-                                    struct neph_diag *diag)
-{
-    const double *o = volume->first, *h = volume->spacing;
-    const struct neph_block block = {{volume->size[0], volume->size[1], volume->size[2]},
-                                     {o[0], o[1], o[2]},
-                                     {h[0], h[1], h[2]}};
-    struct neph_turned_block turned;
-    const enum neph_status status = neph_volume_create_grid(request, &neph_axis_turn_none, &block,
-                                                            &turned, grid, diag);
-    if (status)
-        return status;
-    const float *value = volume->values;
-    for (int k = 0; k < block.size[2]; k++)
-        for (int j = 0; j < block.size[1]; j++) {
-            float *row = (*grid)->values + turned.first + j * turned.step[1] + k * turned.step[2];
-            for (int i = 0; i < block.size[0]; i++)
-                row[i * turned.step[0]] = *value++;
-        }
-    memcpy((*grid)->note, volume->note, sizeof(volume->note));
-    return NEPH_OK;
-}
-
 enum neph_status neph_volume_take_netcdf(const struct neph_volume_request *request,
                                          const void *bytes, size_t size, struct neph_grid **grid,
                                          struct neph_diag *diag)
@@ -410,7 +321,8 @@ enum neph_status neph_volume_take_netcdf(const struct neph_volume_request *reque
     if (!status)
         status = place_axes(request, volume, diag);
     if (!status)
-        status = create_grid(request, volume, grid, diag);
+        status = neph_volume_grid_of(request, volume->size, volume->first, volume->spacing,
+                                     volume->values, volume->note, grid, diag);
     finish_volume(volume);
     free(volume);
     return status;

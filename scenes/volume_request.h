@@ -15,6 +15,14 @@ struct neph_volume_box {
     int first[3], last[3];
 };
 
+/* The density between nodes. */
+enum neph_volume_interpolation {
+    NEPH_INTERPOLATION_OF_FILE, /* constant cells, if the file has the ends of cells; else linear */
+    NEPH_INTERPOLATION_TRILINEAR,
+    NEPH_INTERPOLATION_CONSTANT,
+    NEPH_INTERPOLATION_COUNT,
+};
+
 struct neph_volume_request {
     const char *path;
     /* Name of the file in messages: as the user wrote it, because `path` may contain the value of
@@ -26,9 +34,12 @@ struct neph_volume_request {
     /* Only of NetCDF files; NULL: not given. */
     const char *axes;               /* names of the dimensions along x, y, z, separated by commas */
     const int *time_index;          /* the place along another dimension */
-    const char *value_unit;         /* in place of the attribute `units` */
+    const char *value_unit;         /* in place of that of the file; also of a text file */
     bool has_length_unit;           /* coordinates without a known unit of length are lengths */
     enum neph_density_unit density; /* for which the values must have a unit */
+    const int *table_size;          /* the file is a table of numbers along x, y, z; NULL: not */
+    enum neph_volume_interpolation interpolation;
+    bool is_endless[3]; /* along x, y, z of the world */
     size_t memory_limit_bytes;
     bool is_z_up;                            /* (x, y, z) of the file becomes (x, z, -y) */
     const struct neph_volume_box *index_box; /* the voxels to read; NULL: the file's block */

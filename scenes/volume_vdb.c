@@ -244,7 +244,7 @@ static enum neph_status apply_radii(const struct neph_volume_request *request,
     }
     if (!status)
         status = neph_droplet_voxels_convert(&request->droplets, grid->size, grid->values,
-                                             radii->values, diag);
+                                             radii->values, grid->note, diag);
     neph_grid_destroy(radii);
     return status;
 }

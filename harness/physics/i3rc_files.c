@@ -3,12 +3,9 @@
 
 #include "base/files.h"
 #include "base/path.h"
+#include "scenes/text_numbers.h"
 
-#include <ctype.h>
-#include <errno.h>
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 const char neph_i3rc_address[] =
     "the clouds: https://github.com/RobertPincus/i3rc-monte-carlo-model, I3RC-Examples/Data; the "
@@ -18,80 +15,24 @@ const char neph_i3rc_address[] =
 /* 128 x 128 numbers take a quarter of a megabyte. */
 static const size_t limit_bytes = (size_t)16 << 20;
 
-/* The position in the text of a file. */
-struct cursor {
-    const char *at, *line_start;
-    int line;
-};
-
-static void skip_space(struct cursor *cursor)
-{
-    for (; isspace((unsigned char)*cursor->at); cursor->at++)
-        if (*cursor->at == '\n') {
-            cursor->line++;
-            cursor->line_start = cursor->at + 1;
-        }
-}
-
-/* Locate an error at the cursor's word. */
-static enum neph_status refuse(const char *path, const struct cursor *cursor,
-                               struct neph_diag *diag)
-{
-    if (diag)
-        neph_locate(diag, path, cursor->line, (int)(cursor->at - cursor->line_start) + 1);
-    return NEPH_ERR_INPUT;
-}
-
-static enum neph_status read_value(const struct neph_i3rc_file *file, const char *path,
-                                   struct cursor *cursor, double *value, struct neph_diag *diag)
-{
-    const size_t length = strcspn(cursor->at, " \t\r\n\v\f");
-    char *end;
-    errno = 0;
-    *value = strtod(cursor->at, &end);
-    if (end != cursor->at + length || !isfinite(*value) || errno == ERANGE) {
-        neph_fail(diag, NEPH_ERR_INPUT, "'%.*s' is not %s", length < 40 ? (int)length : 40,
-                  cursor->at, file->what);
-        neph_hint(diag, "numbers such as 0.123 or 1.5E-01, with white space between them");
-        return refuse(path, cursor, diag);
-    }
-    if (*value < file->minimum || *value > file->maximum) {
-        neph_fail(diag, NEPH_ERR_INPUT, "%g is not %s: it must be %g..%g", *value, file->what,
-                  file->minimum, file->maximum);
-        return refuse(path, cursor, diag);
-    }
-    cursor->at = end;
-    return NEPH_OK;
-}
-
-static enum neph_status parse(const struct neph_i3rc_file *file, const char *path, const char *text,
+static enum neph_status parse(const struct neph_i3rc_file *file, struct neph_text_numbers *numbers,
                               double *values, struct neph_diag *diag)
 {
-    struct cursor cursor = {text, text, 1};
     for (int i = 0; i < file->values; i++) {
-        skip_space(&cursor);
-        if (!*cursor.at) {
-            neph_fail(diag, NEPH_ERR_INPUT, "the file ends after %d of %d values", i, file->values);
-            return refuse(path, &cursor, diag);
-        }
-        const enum neph_status status = read_value(file, path, &cursor, &values[i], diag);
+        enum neph_status status = neph_text_next_word(numbers, diag);
+        if (!status && !numbers->word[0])
+            status = neph_fail(diag, NEPH_ERR_INPUT, "the file ends after %d of %d values", i,
+                               file->values);
+        if (!status)
+            status = neph_text_to_number(numbers, file->what, file->minimum, file->maximum,
+                                         &values[i], diag);
         if (status)
             return status;
     }
-    skip_space(&cursor);
-    if (!*cursor.at)
-        return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_INPUT, "more than %d values", file->values);
-    return refuse(path, &cursor, diag);
-}
-
-static enum neph_status refuse_binary(const char *path, const char *text, struct neph_diag *diag)
-{
-    struct cursor cursor = {text, text, 1};
-    for (skip_space(&cursor); *cursor.at; skip_space(&cursor))
-        cursor.at += strcspn(cursor.at, " \t\r\n\v\f");
-    neph_fail(diag, NEPH_ERR_INPUT, "a byte 0: this is no text");
-    return refuse(path, &cursor, diag);
+    const enum neph_status status = neph_text_next_word(numbers, diag);
+    return !status && numbers->word[0]
+               ? neph_fail(diag, NEPH_ERR_INPUT, "more than %d values", file->values)
+               : status;
 }
 
 enum neph_status neph_i3rc_file_read(const char *folder, const struct neph_i3rc_file *file,
@@ -103,13 +44,14 @@ enum neph_status neph_i3rc_file_read(const char *folder, const struct neph_i3rc_
     enum neph_status status = neph_file_read(path.text, limit_bytes, &text, &size, diag);
     if (status)
         return status;
+    struct neph_text_numbers numbers = {.file = fmemopen(text, size, "r")};
     double *made = calloc((size_t)file->values, sizeof(*made));
-    if (!made)
+    if (!made || !numbers.file)
         status = neph_fail_memory(diag);
-    else if (strlen(text) != size)
-        status = refuse_binary(path.text, text, diag);
-    else
-        status = parse(file, path.text, text, made, diag);
+    else if ((status = parse(file, &numbers, made, diag)) && diag)
+        neph_locate(diag, path.text, numbers.line, numbers.column);
+    if (numbers.file)
+        fclose(numbers.file);
     free(text);
     if (status)
         free(made);

@@ -290,6 +290,22 @@ static void test_meshes(void **state)
     assert_every_failure_is_reported("a mesh", take_mesh, &output);
 }
 
+/* A cloud of MYSTIC with radii and uneven layers. */
+static void test_text(void **state)
+{
+    static const char cloud[] = "1 1 2 3\n1 1 0 1 3\n1 1 1 0.5 10\n";
+    static const char scene[] =
+        "title: a probe\n"
+        "camera: {position_m: [0, 1, 50], look_at_m: [0, 1, 0], vertical_fov_deg: 40}\n"
+        "scattering: none\n"
+        "media:\n"
+        "  - volume: {file: cloud.dat, radius_grid: reff, water_g_per_m3: 1, albedo: [1, 1, 1]}\n";
+    char path[SCRATCH_PATH_MAX];
+    neph_assert_ok(
+        neph_file_write(scratch_path(state, path, "cloud.dat"), cloud, strlen(cloud), NULL), NULL);
+    assert_text(state, "a text file", scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -298,6 +314,7 @@ int main(void)
         cmocka_unit_test(test_variants), cmocka_unit_test(test_points),
         scratch_test(test_volume_files), cmocka_unit_test(test_phase_tables),
         cmocka_unit_test(test_netcdf),   cmocka_unit_test(test_meshes),
+        scratch_test(test_text),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

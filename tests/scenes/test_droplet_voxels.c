@@ -7,7 +7,7 @@
 
 #include "base/child.h"
 #include "base/text.h"
-#include "scenes/grid.h"
+#include "scenes/droplet_voxels.h"
 #include "scenes/load_volume.h"
 #include "scenes/media.h"
 
@@ -77,6 +77,67 @@ static void test_each_voxel_has_its_radius(void **state)
     }
 }
 
+static void test_weights_by_hand(void **state)
+{
+    static const struct {
+        struct neph_radius_band band;
+        double radius_um, weight;
+    } cases[] = {
+        {{5, 10, 20}, 4, 0.0},   {{5, 10, 20}, 5, 0.0},     {{5, 10, 20}, 7.5, 0.5},
+        {{5, 10, 20}, 10, 1.0},  {{5, 10, 20}, 12.5, 0.75}, {{5, 10, 20}, 20, 0.0},
+        {{5, 10, 20}, 900, 0.0}, {{10, 10, 20}, 2, 1.0},    {{10, 10, 20}, 10, 1.0},
+        {{10, 10, 20}, 15, 0.5}, {{5, 10, 10}, 10, 1.0},    {{5, 10, 10}, 900, 1.0},
+        {{5, 10, 10}, 6, 0.2},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++)
+        neph_assert_close(neph_radius_band_weight(&cases[i].band, cases[i].radius_um),
+                          cases[i].weight, 0.0, 1e-15);
+    /* Bands from peak to peak have all of each radius. */
+    static const double peaks_um[] = {4.0, 5.5, 9.0, 17.0, 33.0};
+    enum { PEAKS = COUNT(peaks_um) };
+    for (double radius_um = 2.0; radius_um < 50.0; radius_um += 0.37) {
+        double sum = 0.0;
+        for (int b = 0; b < PEAKS; b++) {
+            const struct neph_radius_band band = {peaks_um[b > 0 ? b - 1 : 0], peaks_um[b],
+                                                  peaks_um[b < PEAKS - 1 ? b + 1 : b]};
+            sum += neph_radius_band_weight(&band, radius_um);
+        }
+        neph_assert_close(sum, 1.0, 0.0, 1e-15);
+    }
+}
+
+/* Voxels of 5 to 9 um in bands with peaks of 5, 6.5 and 8.5 um: in each voxel they have what the
+ * medium without bands has, but for a rounding of each in float. */
+static void test_bands_sum_to_the_whole(void **state)
+{
+    static const char *const bands[] = {"[5, 5, 6.5]", "[5, 6.5, 8.5]", "[6.5, 8.5, 8.5]"};
+    static const char keys[] = "grid: water, radius_grid: radius, water_g_per_m3: 1";
+    struct neph_scene *whole, *parts[COUNT(bands)];
+    struct neph_diag diag = {0};
+    neph_assert_ok(load(state, keys, &whole, &diag), &diag);
+    for (size_t b = 0; b < COUNT(bands); b++) {
+        char *with_band = neph_format("%s, radius_band_um: %s", keys, bands[b]);
+        neph_assert_ok(load(state, with_band, &parts[b], &diag), &diag);
+        assert_non_null(strstr(parts[b]->media[0].grid->note, "radius band"));
+        free(with_band);
+    }
+    for (int node = 0; node < 5 * 4 * 3; node++) {
+        double sum = 0.0;
+        for (size_t b = 0; b < COUNT(bands); b++)
+            sum += (double)parts[b]->media[0].grid->values[node];
+        neph_assert_close(sum, (double)whole->media[0].grid->values[node], 0x1p-22, 0.0);
+    }
+    /* Index 1 along x: 6 um. */
+    neph_assert_close((double)parts[1]->media[0].grid->values[1],
+                      (double)whole->media[0].grid->values[1] * 2.0 / 3.0, 0x1p-22, 0.0);
+    for (size_t b = 0; b < COUNT(bands); b++) {
+        assert_string_not_equal(parts[b]->hash, whole->hash);
+        assert_string_not_equal(parts[b]->hash, parts[(b + 1) % COUNT(bands)]->hash);
+        neph_scene_destroy(parts[b]);
+    }
+    neph_scene_destroy(whole);
+}
+
 static void test_errors(void **state)
 {
     static const struct {
@@ -95,6 +156,12 @@ static void test_errors(void **state)
          "volume.effective_radius_um: radius_grid is given, too", "leave one"},
         {"grid: water, radius_unit_um: 1, water_g_per_m3: 1, effective_radius_um: 5",
          "volume.radius_unit_um: it needs the key radius_grid", ""},
+        {"grid: water, radius_band_um: [5, 6, 7], water_g_per_m3: 1, effective_radius_um: 5",
+         "volume.radius_band_um: it needs the key radius_grid", ""},
+        {"grid: water, radius_grid: radius, radius_band_um: [5, 7, 6], water_g_per_m3: 1",
+         "volume.radius_band_um: 5, 7, 6 um do not ascend", "two may be equal"},
+        {"grid: water, radius_grid: radius, radius_band_um: [5, 6, 2000], water_g_per_m3: 1",
+         "volume.radius_band_um", ""},
         {"grid: water, radius_grid: radius, water_g_per_m3: 1, optical_depth: 1",
          "volume.optical_depth: water_g_per_m3 is given, too", "leave one"},
     };
@@ -112,6 +179,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_each_voxel_has_its_radius, samples_setup,
+                                        scratch_teardown),
+        cmocka_unit_test(test_weights_by_hand),
+        cmocka_unit_test_setup_teardown(test_bands_sum_to_the_whole, samples_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(test_errors, samples_setup, scratch_teardown),
     };

@@ -16,15 +16,36 @@ static void test_cells_by_hand(void **state)
     const float values[] = {1, 10, 2, 20, 4, 40, 8, 80};
     struct neph_even_levels even;
     float to[2 * 8];
-    assert_false(neph_are_levels_even(levels, 4, 100, &even));
+    assert_false(neph_are_levels_even((struct neph_levels){levels, 4, false}, 100, &even));
     assert_int_equal(even.count, 7); /* ends at 0, 1, 2, 4 and 7 */
     assert_float_equal(even.first, 0.5, 1e-15);
     assert_float_equal(even.spacing, 1.0, 1e-15);
-    const double change = neph_even_levels_resample(levels, 4, &even, 1, 2, values, to);
+    const double change = neph_even_levels_resample((struct neph_levels){levels, 4, false}, &even,
+                                                    1, 2, values, to);
     static const float expected[] = {1, 10, 2, 20, 4, 40, 4, 40, 8, 80, 8, 80, 8, 80};
     for (size_t i = 0; i < COUNT(expected); i++)
         assert_float_equal(to[i], expected[i], 0);
     assert_float_equal(change, 0.0, 1e-15);
+}
+
+/* Cells whose ends are given: half-ways between levels are not their ends. */
+static void test_ends_by_hand(void **state)
+{
+    const double ends[] = {1.0, 2.0, 5.0};
+    const float values[] = {7, 3};
+    const struct neph_levels cells = {ends, 2, true};
+    struct neph_even_levels even;
+    float to[4];
+    assert_false(neph_are_levels_even(cells, 100, &even));
+    assert_int_equal(even.count, 4);
+    assert_float_equal(even.first, 1.5, 1e-15);
+    assert_float_equal(even.spacing, 1.0, 1e-15);
+    assert_float_equal(neph_even_levels_resample(cells, &even, 1, 1, values, to), 0.0, 1e-15);
+    static const float expected[] = {7, 3, 3, 3};
+    for (size_t i = 0; i < COUNT(expected); i++)
+        assert_float_equal(to[i], expected[i], 0);
+    assert_true(neph_are_levels_even((struct neph_levels){ends, 1, true}, 100, &even));
+    assert_float_equal(even.first, 1.5, 1e-15);
 }
 
 /* Fewer cells than the thinnest level needs: each is the mean of those that it overlaps. */
@@ -34,10 +55,10 @@ static void test_no_more_than_the_most(void **state)
     const float values[] = {1, 2, 4, 8};
     struct neph_even_levels even;
     float to[2];
-    assert_false(neph_are_levels_even(levels, 4, 2, &even));
+    assert_false(neph_are_levels_even((struct neph_levels){levels, 4, false}, 2, &even));
     assert_int_equal(even.count, 2);
     assert_float_equal(even.spacing, 3.5, 1e-15);
-    neph_even_levels_resample(levels, 4, &even, 1, 1, values, to);
+    neph_even_levels_resample((struct neph_levels){levels, 4, false}, &even, 1, 1, values, to);
     assert_float_equal(to[0], (1 + 2 + 1.5 * 4) / 3.5, 1e-6);
     assert_float_equal(to[1], (0.5 * 4 + 3 * 8) / 3.5, 1e-6);
 }
@@ -55,10 +76,10 @@ static void test_nothing_is_lost(void **state)
         levels[i] = levels[i - 1] + 20.0 * pow(1.03, i);
     for (size_t i = 0; i < COUNT(values); i++)
         values[i] = (float)neph_test_uniform(&seed, 0.0, 1.0);
-    assert_false(neph_are_levels_even(levels, LEVELS, 1024, &even));
+    assert_false(neph_are_levels_even((struct neph_levels){levels, LEVELS, false}, 1024, &even));
     to = malloc((size_t)(PLANES * COLUMNS * even.count) * sizeof(*to));
-    const double change = neph_even_levels_resample(levels, LEVELS, &even, PLANES, COLUMNS, values,
-                                                    to);
+    const double change = neph_even_levels_resample((struct neph_levels){levels, LEVELS, false},
+                                                    &even, PLANES, COLUMNS, values, to);
     free(to);
     assert_true(fabs(change) < 2.0 * FLT_EPSILON);
 }
@@ -70,7 +91,7 @@ static void test_even_levels(void **state)
     struct neph_even_levels even;
     for (int i = 0; i < 100; i++)
         levels[i] = (double)(float)(0.1 + 0.1 * i);
-    assert_true(neph_are_levels_even(levels, 100, 1024, &even));
+    assert_true(neph_are_levels_even((struct neph_levels){levels, 100, false}, 1024, &even));
     assert_int_equal(even.count, 100);
     assert_float_equal(even.spacing, 0.1, 1e-8);
 }

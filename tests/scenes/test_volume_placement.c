@@ -148,7 +148,7 @@ static void test_contradictions_are_refused(void **state)
          "index_box"},
         {"file: cloud.df3", "center_m", fit},
         {"file: cloud.df3, placement: file", "has no size and place", fit},
-        {"file: cloud.df3, unit_m: 1", "unit_m", ".df3 has neither"},
+        {"file: cloud.df3, unit_m: 1", "unit_m", ".df3 or a table has neither"},
         {"file: cloud.df3, center_m: [0, 0, 0], longest_side_m: 1, fit_to: values", "fit_to",
          "leave the key out"},
         {"file: cloud.vdb, placement: fill", "one of file, fit", ""},
