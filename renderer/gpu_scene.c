@@ -93,6 +93,11 @@ static struct neph_gpu_medium pack_medium(const struct neph_medium *medium,
     };
     neph_relative_position(gpu.low_m, support.min_m, camera_m);
     neph_relative_position(gpu.high_m, support.max_m, camera_m);
+    neph_relative_position(gpu.bounds_low_m, medium->box.min_m, camera_m);
+    neph_relative_position(gpu.bounds_high_m, medium->box.max_m, camera_m);
+    gpu.turn_axis = (uint32_t)medium->turn.axis;
+    gpu.turn_cosine = (float)medium->turn.cosine;
+    gpu.turn_sine = (float)medium->turn.sine;
     set_rgb(gpu.albedo, medium->albedo);
     set_rgb(gpu.extinction_color, medium->extinction_color);
     set_rgb(gpu.glow, neph_medium_glow(medium));
@@ -580,6 +585,8 @@ static void fill_scene_frame(struct neph_gpu_scene *gpu, const struct neph_scene
     gpu->constants[1] |= encode_known_media(gpu->frame) | (gpu->is_on_cpu ? NEPH_GPU_ON_CPU : 0u);
     for (int i = 0; i < scene->solid_count; i++)
         gpu->constants[1] |= neph_is_turned(&scene->solids[i].turn) ? NEPH_GPU_TURNED : 0u;
+    for (int i = 0; i < scene->medium_count; i++)
+        gpu->constants[1] |= neph_is_turned(&scene->media[i].turn) ? NEPH_GPU_TURNED_MEDIA : 0u;
     fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
     gpu->frame->solids_shade = solids_shade(scene, camera.position_m);
     if (gpu->frame->solids_shade || !gpu->is_on_cpu)
@@ -631,7 +638,8 @@ void neph_gpu_scene_add_fog(struct neph_gpu_scene *gpu, const struct neph_scene 
 {
     const struct neph_vec3 camera_m = neph_scene_camera(scene, frame).position_m;
     const uint32_t known = ~0u << NEPH_GPU_MEDIA_SHIFT &
-                           ~(NEPH_GPU_PHASE_TABLES | NEPH_GPU_CONSTANT_CELLS | NEPH_GPU_OWN_RAYS);
+                           ~(NEPH_GPU_PHASE_TABLES | NEPH_GPU_CONSTANT_CELLS | NEPH_GPU_OWN_RAYS |
+                             NEPH_GPU_TURNED_MEDIA);
     if (!has_effect(fog))
         return;
     const struct neph_gpu_medium *made = add_medium(fog, camera_m, 0, gpu);

@@ -3,6 +3,7 @@
 
 #include "base/threads.h"
 #include "scenes/media.h"
+#include "scenes/solids.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,7 +20,8 @@ static const double thinnest_of_densest = 1e-5;
 
 bool neph_medium_is_whole_grid(const struct neph_medium *medium)
 {
-    if (!medium->grid || medium->grid->is_constant) /* voxel files are trilinear */
+    if (!medium->grid || medium->grid->is_constant || /* voxel files are trilinear */
+        neph_is_turned(&medium->turn))
         return false;
     const struct neph_bounds support = neph_grid_support(medium->grid), *bounds = &medium->bounds;
     return bounds->min_m.x <= support.min_m.x && bounds->max_m.x >= support.max_m.x &&
@@ -375,6 +377,7 @@ struct neph_medium neph_medium_from_bake(const struct neph_medium *medium,
     struct neph_medium baked = *medium;
     baked.kind = NEPH_MEDIUM_GRID;
     baked.bounds = neph_grid_support(bake->grid);
+    baked.turn = (struct neph_turn){0}; /* voxels outside of turned bounds are 0 */
     baked.extinction_per_m = bake->extinction_per_m;
     baked.grid = bake->grid;
     baked.horizon = NULL;

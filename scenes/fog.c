@@ -10,6 +10,7 @@
 #include "scenes/column.h"
 #include "scenes/load_extinction.h"
 #include "scenes/media.h"
+#include "scenes/medium_bounds.h"
 #include "scenes/medium_kind.h"
 
 #include <math.h>
@@ -143,8 +144,8 @@ enum { LADDER_COUNT = 9 };
  * 1e-14 of its total. So at any distance and thickness some piece has the layer's scale. */
 static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 {
-    double near_m, far_m;
-    if (!neph_cuts_clip(cuts, &medium->bounds, &near_m, &far_m))
+    double near_m = cuts->t0_m, far_m = cuts->t1_m;
+    if (!neph_medium_clip(medium, cuts->origin_m, cuts->direction, &near_m, &far_m))
         return;
     const double k_y = cuts->direction.y;
     const double near_y_m = cuts->origin_m.y + near_m * k_y,

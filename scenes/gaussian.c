@@ -5,7 +5,7 @@
  * cancellation: across the centre a sum of two erf; on one side a difference of erfc; over an
  * interval too short for that, Gauss quadrature.
  */
-#include "scenes/bounds.h"
+#include "scenes/medium_bounds.h"
 #include "scenes/medium_kind.h"
 #include "scenes/quadrature.h"
 #include "scenes/radial.h"
@@ -76,7 +76,7 @@ static double bound_per_m(const struct neph_medium *medium, const struct neph_bo
 static void drift(struct neph_medium *medium, struct neph_vec3 by_m)
 {
     medium->gaussian.center_m = neph_vec3_add(medium->gaussian.center_m, by_m);
-    medium->bounds = neph_bounds_translate(medium->bounds, by_m);
+    neph_medium_move_bounds(medium, by_m);
 }
 
 static struct neph_bounds support(const struct neph_medium *medium)

@@ -8,8 +8,10 @@
 #include "scenes/load_extinction.h"
 #include "scenes/load_phase.h"
 #include "scenes/media.h"
+#include "scenes/medium_bounds.h"
 #include "scenes/medium_kind.h"
 #include "scenes/phase_table.h"
+#include "scenes/solids.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -23,6 +25,10 @@ enum {
     FORMS_MAX = NEPH_MEDIUM_FORMS * NEPH_MEDIUM_KIND_COUNT,
     FIELDS_MAX = 48 /* of a form, with the common ones */
 };
+
+/* The default is the first. */
+static const char *const axis_words[] = {"y", "x", "z", NULL};
+static const int axes[] = {1, 0, 2};
 
 /* The keys of every medium. The order of the rows is the order in the hash. */
 static const struct neph_field common_fields[] = {
@@ -57,6 +63,12 @@ static const struct neph_field common_fields[] = {
      NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX,
      .note = "along the longest side of the grid that replaces the medium",
      .standard = "the medium itself", .hashing = NEPH_HASHED_AS_MADE},
+    {"bounds_turn_deg", NEPH_NUMBER, offsetof(struct neph_written_medium, bounds_turn_deg), "deg",
+     -180, 180,
+     .note = "the bounds are turned about their middle, right-handed; the density is not",
+     .standard = "0", .hashing = NEPH_HASHED_AS_MADE},
+    {"bounds_turn_axis", NEPH_WORD, offsetof(struct neph_written_medium, bounds_turn_axis),
+     .words = axis_words, .note = "of that turn", .standard = "y", .hashing = NEPH_HASHED_AS_MADE},
     {0},
 };
 
@@ -146,6 +158,19 @@ static enum neph_status make_voxels(struct neph_medium *medium, int nodes, struc
     return NEPH_OK;
 }
 
+static enum neph_status turn_bounds(const struct neph_reader *reader,
+                                    struct neph_written_medium *written)
+{
+    const double angle_rad = written->bounds_turn_deg * M_PI / 180.0;
+    const struct neph_turn turn = {axes[written->bounds_turn_axis], cos(angle_rad), sin(angle_rad)};
+    if (written->bounds_turn_deg == 0.0)
+        return NEPH_OK;
+    if (!isfinite(written->medium.bounds.min_m.x))
+        return neph_refuse(reader, "bounds_turn_deg", "the medium has no bounds to turn");
+    neph_medium_turn_bounds(&written->medium, &turn);
+    return NEPH_OK;
+}
+
 /* neph_keep_error() for a check whose error may lack a position: it gets the position of the
  * medium. */
 static enum neph_status keep_error_at(struct neph_reader *reader, const yaml_node_t *node,
@@ -206,6 +231,7 @@ static enum neph_status finish(struct neph_reader *reader, const yaml_node_t *no
     if (form->finish && were_fields_read(reader, form->fields))
         status = keep_error_at(reader, node, status, form->finish(reader, node, written));
     status = neph_keep_error(reader, status, finish_density(reader, node, form, written, status));
+    status = neph_keep_error(reader, status, turn_bounds(reader, written));
     if (!status && written->voxels)
         status = keep_error_at(reader, node, status,
                                make_voxels(medium, written->voxels, reader->diag));
@@ -291,6 +317,12 @@ static void hash_medium(const void *target, FILE *text)
     const struct neph_medium_row *row = neph_medium_row(medium->kind);
     neph_put_number(text, "medium", medium->kind);
     neph_fields_hash(bounds_fields, &medium->bounds, text);
+    if (neph_is_turned(&medium->turn)) {
+        neph_fields_hash(bounds_fields, &medium->box, text);
+        neph_put_number(text, "turn_axis", medium->turn.axis);
+        neph_put_number(text, "turn_cosine", medium->turn.cosine);
+        neph_put_number(text, "turn_sine", medium->turn.sine);
+    }
     neph_fields_hash(common_fields, medium, text);
     if (medium->phase.table)
         neph_phase_table_hash(medium->phase.table, text);

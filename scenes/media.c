@@ -7,6 +7,7 @@
 #include "scenes/grid.h"
 
 #include "scenes/emission.h"
+#include "scenes/medium_bounds.h"
 #include "scenes/medium_kind.h"
 
 #include <math.h>
@@ -49,7 +50,7 @@ bool neph_medium_has_closed_form(const struct neph_medium *medium)
 
 double neph_medium_extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m)
 {
-    if (!neph_bounds_contain(&medium->bounds, point_m))
+    if (!neph_medium_contains(medium, point_m))
         return 0.0;
     return rows[medium->kind]->extinction_per_m(medium, point_m);
 }
@@ -57,7 +58,7 @@ double neph_medium_extinction_per_m(const struct neph_medium *medium, struct nep
 double neph_medium_optical_depth(const struct neph_medium *medium, struct neph_vec3 origin_m,
                                  struct neph_vec3 direction, double t0_m, double t1_m)
 {
-    if (!neph_bounds_clip(&medium->bounds, origin_m, direction, &t0_m, &t1_m))
+    if (!neph_medium_clip(medium, origin_m, direction, &t0_m, &t1_m))
         return 0.0;
     return rows[medium->kind]->optical_depth(medium, origin_m, direction, t0_m, t1_m);
 }
@@ -97,7 +98,7 @@ void neph_medium_shift(struct neph_medium *medium, struct neph_vec3 by_m)
         neph_medium_drift(medium, by_m);
         return;
     }
-    medium->bounds = neph_bounds_translate(medium->bounds, by_m);
+    neph_medium_move_bounds(medium, by_m);
     medium->shell.center_m = neph_vec3_add(medium->shell.center_m, by_m);
     medium->tent.center_m = neph_vec3_add(medium->tent.center_m, by_m);
     for (int i = 0; i < medium->layer_count; i++)

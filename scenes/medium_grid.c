@@ -7,6 +7,7 @@
 #include "scenes/hash_text.h"
 #include "scenes/load_volume.h"
 #include "scenes/media.h"
+#include "scenes/medium_bounds.h"
 #include "scenes/medium_kind.h"
 #include "scenes/sheet.h"
 #include "scenes/solids.h"
@@ -41,7 +42,7 @@ static double bound_per_m(const struct neph_medium *medium, const struct neph_bo
 static void drift(struct neph_medium *medium, struct neph_vec3 by_m)
 {
     medium->grid->origin_m = neph_vec3_add(medium->grid->origin_m, by_m);
-    medium->bounds = neph_bounds_translate(medium->bounds, by_m);
+    neph_medium_move_bounds(medium, by_m);
 }
 
 static struct neph_bounds support(const struct neph_medium *medium)

@@ -27,6 +27,8 @@ struct neph_written_medium {
     struct neph_written_density density;
     int voxels; /* nodes along the longest side, for all engines; 0: the medium itself */
     const char *phase_table; /* a file */
+    double bounds_turn_deg;
+    int bounds_turn_axis; /* a word */
 };
 
 /* A form of a medium in a scene file: its key in the list, and the keys below that. */

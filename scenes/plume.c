@@ -10,6 +10,7 @@
  * between. A Gauss rule on pieces of 14 units of the exponent is accurate to rounding everywhere.
  */
 #include "scenes/media.h"
+#include "scenes/medium_bounds.h"
 #include "scenes/medium_kind.h"
 #include "scenes/quadrature.h"
 
@@ -252,7 +253,7 @@ static struct neph_bounds container(const struct neph_scene *scene,
 static void drift(struct neph_medium *medium, struct neph_vec3 by_m)
 {
     medium->plume.foot_m = neph_vec3_add(medium->plume.foot_m, by_m);
-    medium->bounds = neph_bounds_translate(medium->bounds, by_m);
+    neph_medium_move_bounds(medium, by_m);
 }
 
 /* --- its densest place --- */

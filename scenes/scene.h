@@ -97,6 +97,12 @@ struct neph_droplet_radii {
     double effective_variance;
 };
 
+/* Rotation about an axis of the world, right-handed. */
+struct neph_turn {
+    int axis;            /* 0 x, 1 y, 2 z */
+    double cosine, sine; /* of its angle; 0, 0: no rotation */
+};
+
 struct neph_grid;    /* scenes/grid.h */
 struct neph_horizon; /* scenes/horizon.h */
 
@@ -104,7 +110,9 @@ struct neph_horizon; /* scenes/horizon.h */
  * functions of scenes/media.h use the scalar extinction(x); only transmittance has colour. */
 struct neph_medium {
     enum neph_medium_kind kind;
-    struct neph_bounds bounds;            /* the medium exists inside only */
+    struct neph_bounds bounds; /* the medium exists inside only; of turned ones the box around them */
+    struct neph_bounds box;    /* of turned bounds: before the turn about their middle; finite */
+    struct neph_turn turn;     /* none: `bounds` is all */
     struct neph_rgb extinction_color;     /* >= 0 per channel; 1 1 1 is grey */
     struct neph_rgb albedo;               /* 0..1 per channel */
     struct neph_rgb emission_w_per_m2_sr; /* >= 0; per absorption: scenes/emission.h */
@@ -131,12 +139,6 @@ enum neph_solid_kind {
     NEPH_SOLID_SPHERE,
     NEPH_SOLID_MESH, /* of triangles; several solids may share a mesh (scenes/mesh.h) */
     NEPH_SOLID_KIND_COUNT,
-};
-
-/* Rotation about an axis of the world, right-handed. */
-struct neph_turn {
-    int axis;            /* 0 x, 1 y, 2 z */
-    double cosine, sine; /* of its angle; 0, 0: no rotation */
 };
 
 struct neph_mesh; /* scenes/mesh.h */

@@ -2,6 +2,7 @@
 #include "truth/cuts.h"
 
 #include "scenes/media.h"
+#include "scenes/medium_bounds.h"
 #include "scenes/solids.h"
 
 #include <math.h>
@@ -15,10 +16,10 @@ static int compare_doubles(const void *a, const void *b)
 
 /* ---- kinks ---- */
 
-static void cut_faces(struct neph_cuts *cuts, const struct neph_bounds *bounds)
+static void cut_faces(struct neph_cuts *cuts, const struct neph_medium *medium)
 {
-    double near_m, far_m;
-    if (neph_cuts_clip(cuts, bounds, &near_m, &far_m)) {
+    double near_m = cuts->t0_m, far_m = cuts->t1_m;
+    if (neph_medium_clip(medium, cuts->origin_m, cuts->direction, &near_m, &far_m)) {
         neph_cuts_add(cuts, near_m);
         neph_cuts_add(cuts, far_m);
     }
@@ -27,11 +28,14 @@ static void cut_faces(struct neph_cuts *cuts, const struct neph_bounds *bounds)
 /* Cut at the kinks of the optical depth towards the sun: where the sun ray from o + t d changes the
  * face by which it enters or leaves the bounds. The distances to the faces are affine in t; the
  * kinks are where two of them are equal, or one is zero. */
-static void cut_sun_kinks(struct neph_cuts *cuts, const struct neph_bounds *bounds)
+static void cut_sun_kinks(struct neph_cuts *cuts, const struct neph_medium *medium)
 {
-    const struct neph_vec3 s = cuts->scene->sun.direction, o = cuts->origin_m, d = cuts->direction;
-    const double face_m[6] = {bounds->min_m.x, bounds->max_m.x, bounds->min_m.y,
-                              bounds->max_m.y, bounds->min_m.z, bounds->max_m.z};
+    const struct neph_bounds box = neph_medium_own_box(medium);
+    const struct neph_vec3 s = neph_medium_own_direction(medium, cuts->scene->sun.direction),
+                           o = neph_medium_own_point_m(medium, cuts->origin_m),
+                           d = neph_medium_own_direction(medium, cuts->direction);
+    const double face_m[6] = {box.min_m.x, box.max_m.x, box.min_m.y,
+                              box.max_m.y, box.min_m.z, box.max_m.z};
     const double sun[3] = {s.x, s.y, s.z}, origin[3] = {o.x, o.y, o.z}, view[3] = {d.x, d.y, d.z};
     double constant[7] = {0.0}, slope[7] = {0.0}; /* the first entry is the start of the sun ray */
     int count = 1;
@@ -50,13 +54,16 @@ static void cut_sun_kinks(struct neph_cuts *cuts, const struct neph_bounds *boun
 
 /* Cut at the kinks of a light: its rays change their face of the bounds at an edge, which is where
  * the view ray crosses the plane through the light and the edge. */
-static void cut_light_kinks(struct neph_cuts *cuts, const struct neph_bounds *bounds,
+static void cut_light_kinks(struct neph_cuts *cuts, const struct neph_medium *medium,
                             struct neph_vec3 light_m)
 {
-    const double low_m[3] = {bounds->min_m.x, bounds->min_m.y, bounds->min_m.z};
-    const double high_m[3] = {bounds->max_m.x, bounds->max_m.y, bounds->max_m.z};
-    const struct neph_vec3 w = neph_vec3_sub(cuts->origin_m, light_m), d = cuts->direction;
-    const double light[3] = {light_m.x, light_m.y, light_m.z};
+    const struct neph_bounds box = neph_medium_own_box(medium);
+    const double low_m[3] = {box.min_m.x, box.min_m.y, box.min_m.z};
+    const double high_m[3] = {box.max_m.x, box.max_m.y, box.max_m.z};
+    const struct neph_vec3 l = neph_medium_own_point_m(medium, light_m),
+                           w = neph_vec3_sub(neph_medium_own_point_m(medium, cuts->origin_m), l),
+                           d = neph_medium_own_direction(medium, cuts->direction);
+    const double light[3] = {l.x, l.y, l.z};
     const double way_m[3] = {w.x, w.y, w.z}, slope[3] = {d.x, d.y, d.z};
     for (int edge = 0; edge < 12; edge++) {
         const int a = (edge / 4 + 1) % 3, b = (edge / 4 + 2) % 3;
@@ -92,7 +99,7 @@ static void cut_light(struct neph_cuts *cuts, const struct neph_light *light)
         cut_cone(cuts, light, 0.0);
     }
     for (int m = 0; m < cuts->scene->medium_count; m++)
-        cut_light_kinks(cuts, &cuts->scene->media[m].bounds, light->position_m);
+        cut_light_kinks(cuts, &cuts->scene->media[m], light->position_m);
 }
 
 /* ---- all ---- */
@@ -120,8 +127,8 @@ static void make_cuts(struct neph_cuts *cuts, const struct neph_shadows *shadows
         neph_cuts_add(cuts, shadows->at_m[i].high);
     }
     for (int m = 0; m < scene->medium_count; m++) {
-        cut_faces(cuts, &scene->media[m].bounds);
-        cut_sun_kinks(cuts, &scene->media[m].bounds);
+        cut_faces(cuts, &scene->media[m]);
+        cut_sun_kinks(cuts, &scene->media[m]);
         if (scales)
             neph_medium_cut_scales(cuts, &scene->media[m]);
     }

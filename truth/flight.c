@@ -3,6 +3,7 @@
 
 #include "scenes/emission.h"
 #include "scenes/media.h"
+#include "scenes/medium_bounds.h"
 
 #include <math.h>
 #include <string.h>
@@ -48,7 +49,8 @@ static void add_medium_edges(struct neph_flight *flight, const struct neph_mediu
     const struct neph_bounds support = neph_medium_support(medium);
     const struct neph_ray *ray = &flight->ray;
     double t0_m = 0.0, t1_m = ray->end_m;
-    if (!neph_bounds_clip(&support, ray->origin_m, ray->direction, &t0_m, &t1_m))
+    if (!neph_bounds_clip(&support, ray->origin_m, ray->direction, &t0_m, &t1_m) ||
+        !neph_medium_clip(medium, ray->origin_m, ray->direction, &t0_m, &t1_m))
         return;
     add_edge(flight, t0_m);
     add_edge(flight, t1_m);

@@ -2,6 +2,7 @@
 #include "truth/majorant_flight.h"
 
 #include "scenes/media.h"
+#include "scenes/medium_bounds.h"
 
 #include <math.h>
 
@@ -229,6 +230,8 @@ static bool init_part(const struct neph_medium_flight *flight, struct neph_mediu
     part->t1_m = flight->ray.end_m;
     if (is_black(neph_rgb_add(source.sun, source.ambient)) ||
         !neph_bounds_clip(&support, flight->ray.origin_m, flight->ray.direction, &part->t0_m,
+                          &part->t1_m) ||
+        !neph_medium_clip(medium, flight->ray.origin_m, flight->ray.direction, &part->t0_m,
                           &part->t1_m))
         return false;
     if (!neph_medium_has_closed_form(medium))

@@ -6,6 +6,7 @@
 #include "truth/segments.h"
 
 #include "scenes/media.h"
+#include "scenes/medium_bounds.h"
 
 #include <math.h>
 
@@ -122,7 +123,7 @@ static bool shell_start(struct neph_segments *s)
     s->low_m = neph_vec3_length(neph_vec3_along(to_center_m, s->direction, -s->nearest_m));
     const double top_m = shell->radius_m + shell_folds * shell->scale_height_m;
     if (s->low_m >= top_m ||
-        !neph_bounds_clip(&s->medium->bounds, s->origin_m, s->direction, &s->t0_m, &s->end_m))
+        !neph_medium_clip(s->medium, s->origin_m, s->direction, &s->t0_m, &s->end_m))
         return false;
     s->t0_m = fmax(s->t0_m, s->nearest_m - half_chord_m(s, top_m));
     s->end_m = fmin(s->end_m, s->nearest_m + half_chord_m(s, top_m));

@@ -10,6 +10,7 @@
 #include "scenes/grid.h"
 #include "scenes/majorant.h"
 #include "scenes/media.h"
+#include "scenes/medium_bounds.h"
 #include "scenes/phase_colour.h"
 #include "truth/segments.h"
 
@@ -134,7 +135,7 @@ static void collide_inverted(const struct tracked *tracked, int index, const str
 {
     const struct neph_medium *medium = tracked->medium;
     double t0_m = 0.0, t1_m = collision->t_m;
-    if (!neph_bounds_clip(&medium->bounds, ray->origin_m, ray->direction, &t0_m, &t1_m))
+    if (!neph_medium_clip(medium, ray->origin_m, ray->direction, &t0_m, &t1_m))
         return;
     if (has_constant_cells(medium)) {
         collide_cells(tracked, index, ray, channel, t0_m, t1_m, random, collision);

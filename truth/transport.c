@@ -16,6 +16,7 @@
 
 #include "scenes/emission.h"
 #include "scenes/media.h"
+#include "scenes/medium_bounds.h"
 #include "scenes/phase_colour.h"
 #include "scenes/solids.h"
 #include "scenes/surfaces.h"
@@ -359,7 +360,7 @@ static bool scattering_range(const struct ray *ray, double end_m, double *t0_m, 
     *t1_m = -INFINITY;
     for (int m = 0; m < ray->scene->medium_count; m++) {
         double near_m = 0.0, far_m = end_m;
-        if (neph_bounds_clip(&ray->scene->media[m].bounds, ray->origin_m, ray->direction, &near_m,
+        if (neph_medium_clip(&ray->scene->media[m], ray->origin_m, ray->direction, &near_m,
                              &far_m)) {
             *t0_m = fmin(*t0_m, near_m);
             *t1_m = fmax(*t1_m, far_m);

@@ -2,10 +2,17 @@
 #include "harness/engines/baked_scene.h"
 
 #include "scenes/media.h"
+#include "scenes/solids.h"
 
 #include <math.h>
 
 static const double rms_max = 0.5;
+
+/* Fog in bounds that are not turned. */
+static bool is_known(const struct neph_medium *medium)
+{
+    return neph_medium_is_fog(medium) && !neph_is_turned(&medium->turn);
+}
 
 static enum neph_status bake_medium(const struct neph_scene *scene, int index, int resolution,
                                     struct neph_baked_scene *baked, struct neph_diag *diag)
@@ -42,7 +49,7 @@ enum neph_status neph_baked_scene_make(const struct neph_scene *scene, int resol
     for (int i = 0; i < scene->medium_count && !status; i++) {
         const struct neph_medium *medium = &scene->media[i];
         const struct neph_bounds support = neph_medium_support(medium);
-        if (neph_medium_is_fog(medium))
+        if (is_known(medium))
             made.scene.media[made.scene.medium_count++] = *medium;
         else if (neph_medium_extinction_bound_per_m(medium, &support) > 0.0)
             status = bake_medium(scene, i, resolution ? resolution : scene->bake_resolution, &made,
@@ -82,7 +89,10 @@ double neph_densest_per_m(const struct neph_medium *medium, const struct neph_bo
 bool neph_scene_needs_voxels(const struct neph_scene *scene)
 {
     bool needs = false;
-    for (int i = 0; i < scene->medium_count; i++)
-        needs |= !neph_medium_is_fog(&scene->media[i]) && scene->media[i].extinction_per_m > 0.0;
+    for (int i = 0; i < scene->medium_count; i++) {
+        const struct neph_medium *medium = &scene->media[i];
+        needs |= !is_known(medium) &&
+                 (neph_medium_is_fog(medium) || medium->extinction_per_m > 0.0);
+    }
     return needs;
 }

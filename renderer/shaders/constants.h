@@ -39,10 +39,11 @@
 // 0, and the kernel reads the media from the frame.
 #define NEPH_GPU_KNOWN_MEDIA_MAX 4
 #define NEPH_GPU_MEDIA_SHIFT 8u
-// Three more between these:
+// Four more between these:
 #define NEPH_GPU_CONSTANT_CELLS 4096u // voxel grids are constant in their cells
 #define NEPH_GPU_OWN_RAYS 8192u       // the tracer's view rays are in a buffer
 #define NEPH_GPU_PHASE_TABLES 16384u  // a phase function is a table
+#define NEPH_GPU_TURNED_MEDIA 32768u  // bounds of a medium are rotated
 #define NEPH_GPU_KINDS_SHIFT 16u
 
 // Consecutive steps of a view ray that share one optical depth, at most.

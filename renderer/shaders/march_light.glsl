@@ -637,8 +637,7 @@ vec3 horizon_light(vec3 point_m)
     vec3 light = vec3(0.0);
     [[unroll]] for (uint m = 0; m < media_count(); m++) {
         Horizon horizon = frame.media[m].shape.horizon;
-        if (any(lessThan(point_m, frame.media[m].low_m)) ||
-            any(greaterThan(point_m, frame.media[m].high_m)))
+        if (!medium_contains(m, point_m))
             continue;
         HorizonSample cloud = horizon_sample(horizon, point_m);
         float to_sun = horizon_density_to_sun(horizon, point_m, cloud.density);

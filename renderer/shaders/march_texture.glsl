@@ -18,8 +18,8 @@ const bool IS_SUMMED = TRANSMITTANCE == MARCHED && SUN == MARCHED && !CACHES_SUN
 const bool HAS_EQUAL_STEPS = !ENDS_EARLY && !GROWS && !GROWS_BY_DEPTH && !CONES_SUN_RAYS;
 const bool PASSES_STEPS = STEPS_TOGETHER && SKIPS;
 const bool IS_BY_PLACE = LIGHTING == SINGLE || LIGHTING == TRACED || LIGHTING == OCTAVES;
-const bool MARCHES_TEXTURE = IS_SUNLIT && IS_SUMMED && HAS_EQUAL_STEPS && !PASSES_STEPS &&
-                             IS_BY_PLACE;
+const bool MARCHES_TEXTURE = !TURNED_MEDIA && IS_SUNLIT && IS_SUMMED && HAS_EQUAL_STEPS &&
+                             !PASSES_STEPS && IS_BY_PLACE;
 
 // --- towards the sun --------------------------------------------------------------------------
 

@@ -112,6 +112,12 @@ struct Medium {
     FogLayer layers[LAYERS_MAX];
     uint layer_count;
     Shape shape;
+    // Rotated bounds, before the rotation about their middle; low_m..high_m is the box around them.
+    vec3 bounds_low_m;
+    uint turn_axis; // 0 x, 1 y, 2 z
+    vec3 bounds_high_m;
+    float turn_cosine; // and sine: 0 where the bounds are not rotated
+    float turn_sine;
 };
 
 #include "frame.glsl"
@@ -263,16 +269,64 @@ bool is_among(uint kinds, uint m) { return (kinds & (1u << get_medium_kind(m))) 
 
 bool is_fog(uint m) { return HAS_FOG && is_among(FOG_KINDS, m); }
 
+// The scene has rotated bounds.
+const bool TURNED_MEDIA = (TRAITS & NEPH_GPU_TURNED_MEDIA) != 0u;
+
+bool has_turned_bounds(uint m)
+{
+    return TURNED_MEDIA &&
+           (frame.media[m].turn_cosine != 0.0 || frame.media[m].turn_sine != 0.0);
+}
+
+// A direction in the axes of rotated bounds.
+vec3 to_bounds_axes(uint m, vec3 v)
+{
+    return turned_about(frame.media[m].turn_axis, v, frame.media[m].turn_cosine,
+                        -frame.media[m].turn_sine);
+}
+
+vec3 bounds_middle_m(uint m)
+{
+    return 0.5 * (frame.media[m].bounds_low_m + frame.media[m].bounds_high_m);
+}
+
+// Narrows [t0, t1] to rotated bounds; false when it becomes empty.
+bool clip_turned_bounds(uint m, vec3 origin_m, vec3 direction, inout float t0_m, inout float t1_m)
+{
+    if (!has_turned_bounds(m))
+        return true;
+    vec3 middle_m = bounds_middle_m(m);
+    return clip_box(frame.media[m].bounds_low_m, frame.media[m].bounds_high_m,
+                    middle_m + to_bounds_axes(m, origin_m - middle_m), to_bounds_axes(m, direction),
+                    t0_m, t1_m);
+}
+
+bool turned_bounds_contain(uint m, vec3 point_m)
+{
+    if (!has_turned_bounds(m))
+        return true;
+    vec3 middle_m = bounds_middle_m(m);
+    vec3 at_m = middle_m + to_bounds_axes(m, point_m - middle_m);
+    return all(greaterThanEqual(at_m, frame.media[m].bounds_low_m)) &&
+           all(lessThanEqual(at_m, frame.media[m].bounds_high_m));
+}
+
 bool clip_medium(uint m, vec3 origin_m, vec3 direction, inout float t0_m, inout float t1_m)
 {
-    return clip_box(medium_low_m(m), medium_high_m(m), origin_m, direction, t0_m, t1_m);
+    bool meets = clip_box(medium_low_m(m), medium_high_m(m), origin_m, direction, t0_m, t1_m);
+    if (TURNED_MEDIA)
+        meets = meets && clip_turned_bounds(m, origin_m, direction, t0_m, t1_m);
+    return meets;
 }
 
 bool medium_contains(uint m, vec3 point_m)
 {
     bool is_above = all(greaterThanEqual(point_m, medium_low_m(m)));
     bool is_below = all(lessThanEqual(point_m, medium_high_m(m)));
-    return is_above && is_below;
+    bool contains = is_above && is_below;
+    if (TURNED_MEDIA)
+        contains = contains && turned_bounds_contain(m, point_m);
+    return contains;
 }
 
 float fog_medium_extinction_per_m(uint m, vec3 point_m)

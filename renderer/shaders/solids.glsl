@@ -92,15 +92,20 @@ bool ball_interval(Solid ball, vec3 origin_m, vec3 direction, out float t0_m, ou
     return globe_interval(globe, globe_ray(globe, origin_m, direction), 0.0, t0_m, t1_m);
 }
 
-// Rotates by the angle with the given sine; the opposite sign rotates back.
-vec3 turned(Solid box, vec3 v, float sine)
+// Rotates about an axis, 0 x, 1 y, 2 z; the opposite sine rotates back.
+vec3 turned_about(uint axis, vec3 v, float c, float sine)
 {
-    float c = box.radius_m;
-    if (box.kind == SOLID_TURNED)
+    if (axis == 0u)
         return vec3(v.x, c * v.y - sine * v.z, sine * v.y + c * v.z);
-    if (box.kind == SOLID_TURNED + 1u)
+    if (axis == 1u)
         return vec3(c * v.x + sine * v.z, v.y, c * v.z - sine * v.x);
     return vec3(c * v.x - sine * v.y, sine * v.x + c * v.y, v.z);
+}
+
+// By the angle of a rotated box with the given sine.
+vec3 turned(Solid box, vec3 v, float sine)
+{
+    return turned_about(box.kind - SOLID_TURNED, v, box.radius_m, sine);
 }
 
 bool is_turned(Solid solid) { return TURNED && solid.kind >= SOLID_TURNED; }

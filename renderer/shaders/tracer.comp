@@ -715,6 +715,8 @@ void cross_fog_medium(uint m, Medium medium)
     float t0_m = 0.0, t1_m = path.end_m;
     if (!clip_box(medium.low_m, medium.high_m, path.origin_m, path.direction, t0_m, t1_m))
         return;
+    if (TURNED_MEDIA && !clip_turned_bounds(m, path.origin_m, path.direction, t0_m, t1_m))
+        return;
     for (uint l = 0; l < LAYERS; l++)
         if (l < medium.layer_count)
             cross_layer(m, medium.layers[l], medium.extinction_color, t0_m, t1_m);
@@ -927,6 +929,8 @@ void collide(float majorant_per_m)
     float extinction_per_m =
         tracked.extinction_per_m *
         shape_random_density(tracked.kind, tracked.shape, point_m, bits.zw);
+    if (TURNED_MEDIA && !turned_bounds_contain(tracked_medium(), point_m))
+        extinction_per_m = 0.0;
     vec3 chance =
         grey(min(tracked.extinction_color * (extinction_per_m / majorant_per_m), vec3(1.0)));
     if (!is_path()) {
