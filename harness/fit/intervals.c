@@ -2,7 +2,7 @@
  *
  * Intervals of a fit: the inverse of the normal matrix without the directions that have no
  * influence on the residuals, for three kinds of errors: independent residuals, residuals that are
- * correlated within tiles, and errors of the model.
+ * correlated within tiles or rows of them, and errors of the model.
  */
 #include "harness/fit/intervals.h"
 
@@ -163,13 +163,32 @@ static double find_model_variance(const struct neph_fit *fit, const struct error
     return sum * NEPH_FIT_MODEL_ERROR * NEPH_FIT_MODEL_ERROR / 3.0;
 }
 
+/* The variance by the moves of tiles: the largest of independent tiles, of whole rows and of whole
+ * columns of them. Errors of another renderer follow a horizon or an edge, and have one sign all
+ * along it. */
+static double find_tile_variance(const double moves[NEPH_FIT_TILE_COUNT])
+{
+    double tiles = 0.0, rows = 0.0, columns = 0.0;
+    for (int i = 0; i < NEPH_FIT_TILES; i++) {
+        double row = 0.0, column = 0.0;
+        for (int j = 0; j < NEPH_FIT_TILES; j++) {
+            row += moves[i * NEPH_FIT_TILES + j];
+            column += moves[j * NEPH_FIT_TILES + i];
+            tiles += moves[i * NEPH_FIT_TILES + j] * moves[i * NEPH_FIT_TILES + j];
+        }
+        rows += row * row;
+        columns += column * column;
+    }
+    return fmax(tiles, fmax(rows, columns));
+}
+
 /* The estimate of a sum of unknowns. The variance by residuals is the larger of two: of independent
- * residuals, and of residuals that are correlated within tiles. */
+ * residuals, and of residuals that are correlated within tiles or rows of them. */
 static struct neph_fit_estimate estimate(const struct neph_fit *fit, const struct errors *errors,
                                          const struct neph_fit_point *point,
                                          const double factors[UNKNOWNS], bool is_factor)
 {
-    double value = 0.0, variance = 0.0, tiles = 0.0, undetermined = 0.0;
+    double value = 0.0, variance = 0.0, undetermined = 0.0, moves[NEPH_FIT_TILE_COUNT] = {0.0};
     for (int k = 0; k < UNKNOWNS; k++) {
         value += factors[k] * point->x[k];
         for (int l = 0; l < UNKNOWNS; l++) {
@@ -177,13 +196,11 @@ static struct neph_fit_estimate estimate(const struct neph_fit *fit, const struc
             undetermined += factors[k] * factors[l] * errors->undetermined[k][l];
         }
     }
-    for (int t = 0; t < NEPH_FIT_TILE_COUNT; t++) {
-        double shift = 0.0;
+    for (int t = 0; t < NEPH_FIT_TILE_COUNT; t++)
         for (int k = 0; k < UNKNOWNS; k++)
-            shift += factors[k] * errors->tiles[t][k];
-        tiles += shift * shift;
-    }
-    variance = fmax(variance, tiles) + find_model_variance(fit, errors, factors) + undetermined;
+            moves[t] += factors[k] * errors->tiles[t][k];
+    variance = fmax(variance, find_tile_variance(moves)) +
+               find_model_variance(fit, errors, factors) + undetermined;
     const double half = normal_95 * sqrt(variance);
     if (!is_factor)
         return (struct neph_fit_estimate){value, value - half, value + half, true,

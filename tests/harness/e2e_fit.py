@@ -4,6 +4,7 @@
 import array
 import math
 import random
+import shutil
 import unittest
 
 import frames
@@ -67,13 +68,13 @@ FORMS = {"RGB": (), "Z": ("Z",), "transmittance": ("transmittance.",)}
 
 
 class FitCase(NephCase):
-    def render(self, name, **changes):
+    def render(self, name, engine="exact", **changes):
         """Channels of a frame of that scene with changed values."""
         text, own = SCENES[name]
         scene = self.put("made/frame.yaml", text.format(**{**own, **changes}))
-        self.neph("render", scene, "-e", "exact", "--size", "{}x{}".format(*SIZE), "-q", "-o",
+        self.neph("render", scene, "-e", engine, "--size", "{}x{}".format(*SIZE), "-q", "-o",
                   self.folder / "made")
-        return frames.read_exr(self.folder / "made/frame_exact_0000.exr")[2]
+        return frames.read_exr(self.folder / f"made/frame_{engine}_0000.exr")[2]
 
     def scene(self, name, **changes):
         text, own = SCENES[name]
@@ -246,6 +247,18 @@ class Agreement(FitCase):
             if code:
                 self.assertIn("exp2 taken for exp", found["sentence"])
 
+    def test_errors_along_a_horizon(self):
+        """A row that is too dark has one error, not one for each pixel: intervals hold the
+        truth."""
+        channels = self.render("fog")
+        for c in "RGB":
+            for at in range(7 * SIZE[0], 8 * SIZE[0]):
+                channels[c][at] *= 0.985
+        found = self.found(self.write(channels), self.scene("fog"), code=0)
+        for unknown in ("extinction", "albedo", "falloff"):
+            low, high = found[unknown]["interval"]
+            self.assertTrue(low < 1 < high and high / low < 1.2, found[unknown])
+
     def test_outliers(self):
         channels = self.render("slab")
         for at in range(5, SIZE[0] * SIZE[1], 53):
@@ -261,6 +274,23 @@ class Agreement(FitCase):
                          [True, False, False, False])
         self.check_mistake(found, "exp2 taken for exp")
         self.assertEqual(found["falloff"]["held_because"], "no medium has one")
+
+
+@unittest.skipUnless(shutil.which("povray"), "POV-Ray is not installed")
+class AnotherRenderer(FitCase):
+    def test_frames_of_povray(self):
+        """Factors within 3 %, and the mistake that was planted or none. POV-Ray cuts the fog off
+        below the horizon, where it has 1 % less light."""
+        for name, changes, factors, mistakes in (
+                ("slab", {"extinction": 0.8 / LN2, "albedo": 0.6}, (1 / LN2, 0.75), []),
+                ("fog", {"extinction": 0.08 / LN2}, (1 / LN2, 1), ["exp taken for exp2"])):
+            with self.subTest(scene=name):
+                channels = self.render(name, "povray", **changes)
+                found = self.found(self.write(channels, "Z"), self.scene(name), code=1)
+                for unknown, factor in zip(("extinction", "albedo"), factors):
+                    self.assertTrue(found[unknown]["determined"])
+                    self.assertAlmostEqual(found[unknown]["value"] / factor, 1, delta=0.03)
+                self.assertEqual([mistake["name"] for mistake in found["mistakes"]], mistakes)
 
 
 class Channels(FitCase):

@@ -231,7 +231,7 @@ static const struct row {
     {"{}", "exactly one of"},
     {"gaussian: 7", "center_m"},
     {"volume: {file: cloud.raw, center_m: [0, 0, 0], longest_side_m: 2, " OPTICS "}",
-     "must end in .vdb, .df3 or .nc"},
+     "must end in .vdb, .df3, .nc"},
     {"volume: {file: x.vdb, center_m: [0, 0, 0], longest_side_m: 0, " OPTICS "}", "longest_side_m"},
     {"volume: {file: x.vdb, center_m: [0, 0, 0], longest_side_m: 1, memory_limit_mib: 4096, " OPTICS
      "}",

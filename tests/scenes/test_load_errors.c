@@ -71,9 +71,9 @@ static const struct wrong {
     /* A missing file, next to a wrong number. */
     {"media:\n"
      "  - volume: {file: none.vdb, extinction_per_m: 1, albedo: [1, 1, 3]}\n"
-     "  - volume: {file: none.dat, extinction_per_m: 1, albedo: [1, 1, 1]}\n",
+     "  - volume: {file: none.raw, extinction_per_m: 1, albedo: [1, 1, 1]}\n",
      {"5: cannot read the volume 'none.vdb'", "5: albedo[2]: 3",
-      "6: must end in .vdb, .df3 or .nc"}},
+      "6: must end in .vdb, .df3, .nc"}},
     /* A duplicate key. */
     {"scattering: none\nbake_resolution: 1\n", {"4: stands twice", "5: 1 is outside 2 to 1024"}},
 };
