@@ -205,8 +205,8 @@ struct slabs {
     double t_min_m;
 };
 
-/* The entry into a box; +inf when the ray misses it. A ray in a face of the enlarged box (0 * inf is
- * NaN) may miss it, because it is outside the box itself. */
+/* The entry into a box; +inf when the ray misses it. A ray in a face of the enlarged box (0 * inf
+ * is NaN) may miss it, because it is outside the box itself. */
 static double find_entry(const struct slabs *s, const struct neph_bounds *box, double limit_m)
 {
     const double *low = &box->min_m.x, *high = &box->max_m.x;

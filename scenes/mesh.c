@@ -329,8 +329,8 @@ struct met {
     double u, v, w;   /* sides of the edges bc, ca, ab */
 };
 
-/* The distance of the ray to a triangle's plane, within the triangle's own distances. False: it does
- * not pass the triangle between its edges. */
+/* The distance of the ray to a triangle's plane, within the triangle's own distances. False: it
+ * does not pass the triangle between its edges. */
 static bool meet_triangle(const struct sheared_ray *ray, const struct corners *t, struct met *met)
 {
     const struct sheared_point a = shear_point(ray, t->a), b = shear_point(ray, t->b),
