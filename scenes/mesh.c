@@ -223,9 +223,6 @@ static enum neph_status build_tree(struct neph_mesh *mesh, struct neph_diag *dia
     }
     mesh->tree = neph_box_tree_build(boxes, count, nodes, order);
     free(boxes);
-    /* Where it cannot shrink, the block stays as it is. */
-    void *shrunk = realloc(nodes, (size_t)mesh->tree.node_count * sizeof(*nodes));
-    mesh->tree.nodes = shrunk ? shrunk : nodes;
     return sort_triangles(mesh) ? NEPH_OK : neph_fail_memory(diag);
 }
 
