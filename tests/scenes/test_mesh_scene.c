@@ -68,8 +68,8 @@ static int files_setup(void **state)
     write_exr(scratch_path(state, path, "hills.exr"));
     write_objs(state);
     scratch_write(scratch_path(state, path, "hills.png"), hills_png, sizeof(hills_png));
-    scratch_write(scratch_path(state, path, "flat.obj"), "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n",
-                  34);
+    static const char flat[] = "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n";
+    scratch_write(scratch_path(state, path, "flat.obj"), flat, sizeof(flat) - 1);
     return 0;
 }
 
