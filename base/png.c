@@ -164,7 +164,7 @@ static void read_size(struct reader *reader)
     reader->height_px = (int)png_get_image_height(reader->png, reader->info);
 }
 
-static void read_codes_of(struct reader *reader, int wanted_type)
+static void read_codes(struct reader *reader, int wanted_type)
 {
     read_size(reader);
     int depth = png_get_bit_depth(reader->png, reader->info);
@@ -180,12 +180,12 @@ static void read_codes_of(struct reader *reader, int wanted_type)
 
 static void read_rgb_codes(struct reader *reader)
 {
-    read_codes_of(reader, PNG_COLOR_TYPE_RGB);
+    read_codes(reader, PNG_COLOR_TYPE_RGB);
 }
 
 static void read_grey_codes(struct reader *reader)
 {
-    read_codes_of(reader, PNG_COLOR_TYPE_GRAY);
+    read_codes(reader, PNG_COLOR_TYPE_GRAY);
 }
 
 static void decode(struct reader *reader, void (*read)(struct reader *))

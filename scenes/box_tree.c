@@ -172,7 +172,7 @@ static void build_node(struct building *b, int at, int depth)
     build_node(b, child + 1, depth + 1);
 }
 
-static double largest_of(struct neph_vec3 v)
+static double find_largest(struct neph_vec3 v)
 {
     return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
 }
@@ -190,7 +190,7 @@ struct neph_box_tree neph_box_tree_build(const struct neph_bounds *boxes, int co
         .order = order,
         .node_count = building.node_count,
         .item_count = count,
-        .reach_m = fmax(largest_of(nodes[0].bounds.min_m), largest_of(nodes[0].bounds.max_m)),
+        .reach_m = fmax(find_largest(nodes[0].bounds.min_m), find_largest(nodes[0].bounds.max_m)),
     };
 }
 
@@ -205,8 +205,8 @@ struct slabs {
     double t_min_m;
 };
 
-/* The entry into a box; +inf when the ray misses it. A ray in a face of the enlarged box (0 * inf is
- * NaN) may miss it, because it is outside the box itself. */
+/* The entry into a box; +inf when the ray misses it. A ray in a face of the enlarged box (0 * inf
+ * is NaN) may miss it, because it is outside the box itself. */
 static double find_entry(const struct slabs *s, const struct neph_bounds *box, double limit_m)
 {
     const double *low = &box->min_m.x, *high = &box->max_m.x;
@@ -232,7 +232,7 @@ bool neph_tree_walk_ray(const struct neph_box_tree *tree, const struct neph_tree
     const struct neph_vec3 o = ray->origin_m, d = ray->direction;
     const struct slabs slabs = {{o.x, o.y, o.z},
                                 {1.0 / d.x, 1.0 / d.y, 1.0 / d.z},
-                                margin_part * (tree->reach_m + largest_of(o)),
+                                margin_part * (tree->reach_m + find_largest(o)),
                                 ray->t_min_m};
     struct waiting stack[DEPTH_MAX];
     int waiting = 0;
@@ -275,9 +275,9 @@ static struct shadow_walk start_shadow_walk(const struct neph_box_tree *tree,
     const struct neph_vec3 o = ray->origin_m, d = ray->direction;
     const struct neph_vec3 way = ray->light_m ? neph_vec3_sub(*ray->light_m, o) : ray->sun;
     const struct neph_vec3 n = neph_vec3_cross(d, way);
-    const double light_m = ray->light_m ? largest_of(*ray->light_m) : 0.0;
-    const double end_m = isfinite(ray->t1_m) ? ray->t1_m * largest_of(d) : 0.0;
-    const double margin_m = margin_part * (tree->reach_m + largest_of(o) + light_m + end_m);
+    const double light_m = ray->light_m ? find_largest(*ray->light_m) : 0.0;
+    const double end_m = isfinite(ray->t1_m) ? ray->t1_m * find_largest(d) : 0.0;
+    const double margin_m = margin_part * (tree->reach_m + find_largest(o) + light_m + end_m);
     return (struct shadow_walk){
         .ray = ray,
         .margin_m = margin_m,

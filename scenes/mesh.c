@@ -223,9 +223,6 @@ static enum neph_status build_tree(struct neph_mesh *mesh, struct neph_diag *dia
     }
     mesh->tree = neph_box_tree_build(boxes, count, nodes, order);
     free(boxes);
-    /* Where it cannot shrink, the block stays as it is. */
-    void *shrunk = realloc(nodes, (size_t)mesh->tree.node_count * sizeof(*nodes));
-    mesh->tree.nodes = shrunk ? shrunk : nodes;
     return sort_triangles(mesh) ? NEPH_OK : neph_fail_memory(diag);
 }
 
@@ -329,8 +326,8 @@ struct met {
     double u, v, w;   /* sides of the edges bc, ca, ab */
 };
 
-/* The distance of the ray to a triangle's plane, within the triangle's own distances. False: it does
- * not pass the triangle between its edges. */
+/* The distance of the ray to a triangle's plane, within the triangle's own distances. False: it
+ * does not pass the triangle between its edges. */
 static bool meet_triangle(const struct sheared_ray *ray, const struct corners *t, struct met *met)
 {
     const struct sheared_point a = shear_point(ray, t->a), b = shear_point(ray, t->b),

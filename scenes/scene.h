@@ -148,7 +148,7 @@ struct neph_mesh; /* scenes/mesh.h */
 struct neph_solid {
     enum neph_solid_kind kind;
     struct neph_bounds box; /* kind BOX; finite */
-    /* Of a box, about its centre, or of a mesh, about center_m; none for a static solid. */
+    /* The turn of a box about its centre, or of a mesh about center_m; none for a static solid. */
     struct neph_turn turn;
     struct neph_vec3 center_m; /* of a mesh: the place of its origin */
     double radius_m;

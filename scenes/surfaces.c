@@ -3,6 +3,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
+
 /* The axis of a face, from its normal in the axes of the unrotated box. */
 static int axis_across(struct neph_vec3 normal)
 {

@@ -13,6 +13,7 @@
 #include "scenes/fog_translation.h"
 #include "scenes/gates.h"
 #include "scenes/media.h"
+#include "scenes/mesh.h"
 #include "scenes/variant.h"
 #include "scenes/volume_scene.h"
 
@@ -24,6 +25,7 @@
 
 /* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+_Static_assert(NEPH_MESH_INSIDE_COUNT == 3, "a new kind");
 
 struct request {
     struct neph_cli_shared shared;
@@ -332,6 +334,32 @@ static json_t *failing_json(const struct neph_failing *failing)
                      points_json(failing));
 }
 
+/* Indexed by enum neph_mesh_inside. */
+static const char *const mesh_insides[NEPH_MESH_INSIDE_COUNT] = {
+    [NEPH_MESH_OPEN] = "with a boundary",
+    [NEPH_MESH_EVEN] = "closed, without one outside",
+    [NEPH_MESH_ORIENTED] = "closed"};
+
+static json_t *meshes_json(const struct neph_scene *scene)
+{
+    json_t *meshes = json_array();
+    for (int i = 0; i < scene->mesh_count; i++)
+        neph_json_add(&meshes, json_pack("{s:i, s:i, s:s}", "triangles",
+                                         scene->meshes[i]->data.triangle_count, "left_out",
+                                         scene->meshes[i]->dropped_count, "inside",
+                                         mesh_insides[scene->meshes[i]->inside]));
+    return meshes;
+}
+
+static void print_meshes(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->mesh_count; i++) {
+        const struct neph_mesh *mesh = scene->meshes[i];
+        printf("mesh %-2d     %d triangles, %s; left out for having no area: %d\n", i,
+               mesh->data.triangle_count, mesh_insides[mesh->inside], mesh->dropped_count);
+    }
+}
+
 static json_t *scene_json(const struct neph_scene *scene)
 {
     json_t *layers = json_array(), *engines = json_array();
@@ -347,13 +375,14 @@ static json_t *scene_json(const struct neph_scene *scene)
         neph_json_add(&engines, json_pack("{s:s, s:b, s:s}", "engine", list[i]->name, "can_render",
                                           can, "reason", reason));
     }
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o}",
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:o, s:i, s:o, s:o, s:o, s:o, s:o, s:o}",
                      "name", scene->name, "title", scene->title, "physics", scene->description,
                      "hash", scene->hash, "scattering", neph_scattering_name(scene->scattering),
-                     "frames", scene->frame_count, "solids", scene->solid_count, "gates",
-                     neph_scene_gates(scene)->count, "layers", layers, "phases",
-                     neph_phases_json(scene), "densities", neph_densities_json(scene), "fog",
-                     fog_json(scene), "failure", failing_json(scene->failing), "engines", engines);
+                     "frames", scene->frame_count, "solids", scene->solid_count, "meshes",
+                     meshes_json(scene), "gates", neph_scene_gates(scene)->count, "layers", layers,
+                     "phases", neph_phases_json(scene), "densities", neph_densities_json(scene),
+                     "fog", fog_json(scene), "failure", failing_json(scene->failing), "engines",
+                     engines);
 }
 
 static void print_failing(const struct neph_failing *failing)
@@ -381,6 +410,7 @@ static void print_scene(const struct neph_scene *scene)
            scene->name, scene->title, scene->description, scene->description[0] ? "\n\n" : "",
            scene->hash, neph_scattering_name(scene->scattering), scene->frame_count,
            scene->solid_count);
+    print_meshes(scene);
     for (int m = 0; m < scene->medium_count; m++)
         for (int l = 0; l < scene->media[m].layer_count; l++) {
             const struct neph_fog_layer *layer = &scene->media[m].layers[l];

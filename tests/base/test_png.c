@@ -187,6 +187,38 @@ static void test_code_values_are_raw(void **state)
     free(bytes);
 }
 
+/* Also of grey images, with a gamma and interlaced; those of colour are refused. */
+static void test_grey_code_values_are_raw(void **state)
+{
+    enum { WIDTH = 13, HEIGHT = 7, COUNT = WIDTH * HEIGHT };
+    char path[SCRATCH_PATH_MAX];
+    uint8_t bytes[6 * COUNT];
+    uint64_t random = 3;
+    int width_px = 0, height_px = 0;
+    uint16_t *grey = NULL;
+    struct neph_diag diag = {0};
+    scratch_path(state, path, "grey.png");
+    for (int i = 0; i < 6 * COUNT; i++)
+        bytes[i] = (uint8_t)neph_test_random(&random);
+    write_foreign(path,
+                  (struct foreign){WIDTH, HEIGHT, 16, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_ADAM7,
+                                   0.45455, NULL},
+                  bytes);
+    neph_assert_ok(neph_png_read_grey16(path, &width_px, &height_px, &grey, &diag), &diag);
+    assert_true(width_px == WIDTH && height_px == HEIGHT);
+    for (int k = 0; k < COUNT; k++)
+        assert_int_equal(grey[k], bytes[2 * k] << 8 | bytes[2 * k + 1]);
+    free(grey);
+    write_foreign(
+        path,
+        (struct foreign){
+            .width_px = 2, .height_px = 2, .depth = 16, .colour_type = PNG_COLOR_TYPE_RGB},
+        bytes);
+    assert_int_equal(neph_png_read_grey16(path, &width_px, &height_px, &grey, &diag),
+                     NEPH_ERR_INPUT);
+    assert_non_null(strstr(diag.message, "a 16-bit RGB PNG; only 16-bit grey is read"));
+}
+
 static void assert_refused(const char *path, enum neph_status expected, const char *words)
 {
     int width_px = -1, height_px = -2;
@@ -721,6 +753,7 @@ int main(void)
         scratch_test(test_16_bit_images_are_preserved),
         scratch_test(test_unwritable_images_are_refused),
         scratch_test(test_code_values_are_raw),
+        scratch_test(test_grey_code_values_are_raw),
         scratch_test(test_other_kinds_are_refused_by_name),
         scratch_test(test_oversized_is_refused),
         scratch_test(test_missing_and_foreign_files),

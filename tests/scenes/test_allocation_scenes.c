@@ -5,6 +5,7 @@
  */
 #include "tests/allocation.h"
 #include "tests/base/scratch.h"
+#include "tests/mesh_builders.h"
 
 #include "scenes/mesh_file.h"
 #include "scenes/mesh_program.h"
@@ -133,6 +134,25 @@ static void test_voxels(void **state)
         neph_file_write(scratch_path(state, path, "probe.yaml"), scene, strlen(scene), NULL), NULL);
     struct loading loading = {.path = path};
     assert_every_failure_is_reported("voxels", load, &loading);
+}
+
+/* A height field and so many solids that they get a tree, also in the static copy. */
+static void test_height_fields(void **state)
+{
+    static const char scene[] =
+        "name: probe\n"
+        "title: a probe\n"
+        "camera: {position_m: [0, 1, 50], look_at_m: [0, 1, 0], vertical_fov_deg: 40}\n"
+        "scattering: none\n"
+        "solids:\n"
+        "  - height_field: {file: hills.png, min_m: [0, 0, 0], max_m: [9, 1, 9], "
+        "albedo: [0, 0, 0],\n"
+        "                   motion: {axis: y, keys: [{frame: 0}, {frame: 1, turn_deg: 9}]}}\n"
+        "  - fence: {origin_m: [0, 0, 9], bars: 20, pitch_m: 0.5, bar_width_m: 0.1, "
+        "bar_depth_m: 0.1, height_m: 1, albedo: [0, 0, 0]}\n";
+    char path[SCRATCH_PATH_MAX];
+    scratch_write(scratch_path(state, path, "hills.png"), hills_png, sizeof(hills_png));
+    assert_text(state, "a height field", scene);
 }
 
 static enum neph_status vary(void *context, struct neph_diag *diag)
@@ -309,12 +329,12 @@ static void test_text(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        scratch_test(test_catalogue),    scratch_test(test_motion),
-        scratch_test(test_injections),   scratch_test(test_voxels),
-        cmocka_unit_test(test_variants), cmocka_unit_test(test_points),
-        scratch_test(test_volume_files), cmocka_unit_test(test_phase_tables),
-        cmocka_unit_test(test_netcdf),   cmocka_unit_test(test_meshes),
-        scratch_test(test_text),
+        scratch_test(test_catalogue),     scratch_test(test_motion),
+        scratch_test(test_injections),    scratch_test(test_voxels),
+        cmocka_unit_test(test_variants),  cmocka_unit_test(test_points),
+        scratch_test(test_volume_files),  cmocka_unit_test(test_phase_tables),
+        cmocka_unit_test(test_netcdf),    cmocka_unit_test(test_meshes),
+        scratch_test(test_height_fields), scratch_test(test_text),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

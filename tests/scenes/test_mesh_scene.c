@@ -4,7 +4,7 @@
  * refused, and the hash.
  */
 #include "tests/base/scratch.h"
-#include "tests/scene_builders.h"
+#include "tests/mesh_builders.h"
 
 #include "base/exr.h"
 #include "scenes/mesh.h"
@@ -60,13 +60,6 @@ static void write_objs(void **state)
     scratch_write(scratch_path(state, path, "box.obj"), box, sizeof(box) - 1);
 }
 
-/* A 16-bit grey PNG of 3 x 2 pixels: 0, 1, 1/5; 2/5, 3/5, 4/5. */
-static const uint8_t png[] = {
-    137, 80,  78,  71,  13,  10, 26,  10,  0,   0,   0,   13,  73,  72,  68,  82,  0,  0,   0,  3,
-    0,   0,   0,   2,   16,  0,  0,   0,   0,   232, 143, 229, 133, 0,   0,   0,   22, 73,  68, 65,
-    84,  120, 156, 99,  96,  96, 248, 255, 223, 216, 152, 33,  45,  109, 230, 204, 51, 103, 0,  35,
-    81,  5,   251, 216, 231, 55, 35,  0,   0,   0,   0,   73,  69,  78,  68,  174, 66, 96,  130};
-
 static int files_setup(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -74,9 +67,9 @@ static int files_setup(void **state)
         return -1;
     write_exr(scratch_path(state, path, "hills.exr"));
     write_objs(state);
-    scratch_write(scratch_path(state, path, "hills.png"), png, sizeof(png));
-    scratch_write(scratch_path(state, path, "flat.obj"), "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n",
-                  34);
+    scratch_write(scratch_path(state, path, "hills.png"), hills_png, sizeof(hills_png));
+    static const char flat[] = "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n";
+    scratch_write(scratch_path(state, path, "flat.obj"), flat, sizeof(flat) - 1);
     return 0;
 }
 

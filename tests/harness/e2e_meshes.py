@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Meshes in scene files, from the command line: a mesh of boxes is rendered as the boxes are, other
+engines name what they lack, and files that are no mesh are errors with their place."""
+import unittest
+
+from frames import read_exr
+from neph_case import NephCase
+
+BOXES = (((-30, -1, -30), (30, 0, 30)), ((-2, 0, -3), (-1.5, 3, -2.5)), ((0.5, 0, -4), (2, 1, -3)),
+         ((-1, 0, -2), (0, 1.5, -1)))
+SCENE = """
+name: {name}
+title: boxes in fog
+camera: {{position_m: [0.3, 1.6, 6], look_at_m: [0, 0.8, -2], vertical_fov_deg: 50}}
+sun: {{direction: [0.7, 0.5, -0.2], irradiance_w_per_m2: [9, 8, 7]}}
+lights: [{{position_m: [1, 2.5, -2], intensity_w_per_sr: [2, 2, 2]}}]
+background_w_per_m2_sr: [0.1, 0.2, 0.4]
+scattering: {scattering}
+media:
+  - height_fog:
+      layers: [{{extinction_per_m: 0.2, falloff_per_m: 0.5, height_m: 0}}]
+      albedo: [0.9, 0.9, 0.9]
+solids:
+{solids}
+"""
+FACES = ((1, 5, 7, 3), (2, 4, 8, 6), (1, 2, 6, 5), (3, 7, 8, 4), (1, 3, 4, 2), (5, 6, 8, 7))
+
+
+def obj_of_boxes():
+    lines = []
+    for n, (low, high) in enumerate(BOXES):
+        for i in range(8):
+            lines.append("v " + " ".join(str((low, high)[i >> axis & 1][axis])
+                                         for axis in range(3)))
+        for face in FACES:
+            lines.append("f " + " ".join(str(8 * n + vertex) for vertex in face))
+    return "\n".join(lines) + "\n"
+
+
+class Meshes(NephCase):
+    in_folder = True
+
+    def setUp(self):
+        super().setUp()
+        self.put("boxes.obj", obj_of_boxes())
+
+    def put_scene(self, name, solids, scattering="single"):
+        self.put(f"{name}.yaml", SCENE.format(name=name, solids=solids, scattering=scattering))
+        return f"{name}.yaml"
+
+    def put_both(self):
+        albedo = "albedo: [0.5, 0.4, 0.3]"
+        self.put_scene("boxes", "\n".join(f"  - box: {{min_m: {list(low)}, max_m: {list(high)}, "
+                                          f"{albedo}}}" for low, high in BOXES))
+        self.put_scene("mesh", f"  - mesh: {{file: boxes.obj, {albedo}}}")
+
+    def render(self, name, *words):
+        done = self.neph("render", f"{name}.yaml", *words, "--size", "48x27", "-q", "-o", name)
+        return read_exr(self.folder / done.stdout.strip())[2]
+
+    def test_a_mesh_of_boxes_is_rendered_as_the_boxes(self):
+        self.put_both()
+        boxes, mesh = (self.render(name, "-e", "exact") for name in ("boxes", "mesh"))
+        for channel in ("R", "G", "B", "volume.R", "transmittance.G", "Z"):
+            for a, b in zip(boxes[channel], mesh[channel]):
+                self.assertAlmostEqual(a, b, delta=1e-6 * abs(a) if a < 1e9 else 0)
+
+    def test_engines_say_what_they_have(self):
+        self.put_both()
+        document = self.neph("scenes", "mesh.yaml").stdout
+        self.assertIn("mesh 0      48 triangles, closed; left out for having no area: 0", document)
+        mesh = self.json("scenes", "mesh.yaml")["meshes"][0]
+        self.assertEqual(mesh, {"triangles": 48, "left_out": 0, "inside": "closed"})
+        for engine in ("march", "povray"):
+            self.neph("render", "mesh.yaml", "-e", engine, "--size", "8x8", "-o", "no", code=None,
+                      said="triangle meshes: engines exact, oracle and surfaces have them")
+        self.render("mesh", "-e", "oracle", "--set", "samples=2")
+
+    def test_refused_files(self):
+        self.put("text.ply", "no mesh")
+        line = SCENE[:SCENE.index("{solids}")].count("\n") + 1
+        for words, said in (("file: none.obj", "none.obj"), ("file: text.ply", "text.ply"),
+                            ("file: boxes.obj, object: roof", "roof")):
+            self.put_scene("bad", f"  - mesh: {{{words}, albedo: [0, 0, 0]}}")
+            done = self.neph("scenes", "bad.yaml", code=None, silent=True)
+            self.assertIn(done.returncode, (65, 66), done.stderr)
+            self.assertIn(said, done.stderr)
+            self.assertIn(f"bad.yaml:{line}:", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
