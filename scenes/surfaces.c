@@ -54,7 +54,7 @@ const char *neph_mesh_obstacle(const struct neph_scene *scene)
 {
     for (int i = 0; i < scene->solid_count; i++)
         if (scene->solids[i].kind == NEPH_SOLID_MESH)
-            return "triangle meshes: engines exact, oracle and surfaces have them";
+            return "triangle meshes: engines exact, oracle, surfaces, cycles and povray have them";
     return NULL;
 }
 

@@ -47,6 +47,7 @@ Laws of Cycles that this file relies on, all measured (tests/harness/test_cycles
 - volume_bounces = N allows N + 1 scattering events.
 """
 
+import array
 import functools
 import json
 import math
@@ -58,7 +59,7 @@ import time
 import bpy
 from mathutils import Matrix, Vector
 
-FORMAT = 6  # of the spec; raised together with cycles_spec.c
+FORMAT = 7  # of the spec; raised together with cycles_spec.c
 
 # The largest that Blender takes. The furnace reads 1.00000 with it (0.967 with Cycles' default of
 # 12) at optical depths of 16; some of the light that leaves a medium of 64 has scattered more
@@ -489,6 +490,34 @@ def sphere_mesh(segments: int, look: str, is_light: bool):
     return mesh
 
 
+@functools.cache
+def file_mesh(name: str, vertex_count: int, look: str, is_light: bool):
+    """Triangles from a file beside the spec, in Blender's axes. Solids of one mesh with the same
+    material share it, so that Cycles keeps it in memory once; a material of the object, in place of
+    the mesh, would prevent that."""
+    if not re.fullmatch(r"mesh[0-9]+\.bin", name):
+        raise ValueError("unknown name of a mesh")
+    with open(name, "rb") as file:
+        data = file.read()
+    positions, indices = array.array("f"), array.array("i")
+    positions.frombytes(data[:12 * vertex_count])
+    indices.frombytes(data[12 * vertex_count:])
+    mesh = bpy.data.meshes.new("mesh")
+    mesh.from_pydata(list(zip(*[iter(positions)] * 3)), [], list(zip(*[iter(indices)] * 3)))
+    mesh.materials.append(solid_material(look, is_light))
+    return mesh
+
+
+def add_mesh(scene, solid: dict, look: str, is_light: bool, units: Units) -> None:
+    """The mesh's unit vectors x, y, z in the world; Blender's are x, -z, y."""
+    thing = add_object(scene, "mesh",
+                       file_mesh(solid["file"], solid["vertex_count"], look, is_light))
+    x, y, z = (axes_to_blender(axis) / units.unit_m for axis in solid["axes_m"])
+    columns = (x, -z, y, units.point(solid["center_m"]))
+    thing.matrix_world = Matrix([[column[i] for column in columns] for i in range(3)] +
+                                [[0.0, 0.0, 0.0, 1.0]])
+
+
 def add_solid(scene, solid: dict, is_light: bool, units: Units) -> None:
     look = json.dumps([solid["albedo"], solid["surface"]])
     if solid["kind"] == "box":
@@ -501,6 +530,8 @@ def add_solid(scene, solid: dict, is_light: bool, units: Units) -> None:
         thing = add_object(scene, "sphere", sphere_mesh(solid["segments"], look, is_light))
         thing.location = units.point(solid["center_m"])
         thing.scale = [units.length(solid["radius_m"])] * 3
+    elif solid["kind"] == "mesh":
+        add_mesh(scene, solid, look, is_light, units)
     else:
         raise ValueError("unknown kind of solid")
 

@@ -16,7 +16,6 @@
 #include "harness/engines/cycles_probe.h"
 #include "harness/engines/frame_check.h"
 #include "scenes/media.h"
-#include "scenes/surfaces.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -118,8 +117,7 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     (void)settings;
     struct neph_diag diag = {0};
     struct neph_cycles_world world;
-    const char *cannot = neph_scene_is_endless(scene) ? neph_endless_reason
-                                                      : neph_mesh_obstacle(scene);
+    const char *cannot = neph_scene_is_endless(scene) ? neph_endless_reason : NULL;
     if (!cannot && neph_cycles_world(scene, &world, &diag))
         cannot = diag.message;
     if (cannot && reason_size > 0)

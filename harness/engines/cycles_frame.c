@@ -18,6 +18,7 @@
 #include "harness/engines/bakes.h"
 #include "harness/engines/blender.h"
 #include "harness/engines/cycles_layers.h"
+#include "harness/engines/cycles_mesh.h"
 #include "harness/engines/cycles_surface.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/frame_stats.h"
@@ -110,6 +111,8 @@ enum neph_status neph_cycles_write(struct neph_cycles_session *session, struct n
     }
     if (!status)
         status = write_grids(session, diag);
+    if (!status)
+        status = neph_cycles_write_meshes(session->shot.scene, session->directory, diag);
     json_decref(spec);
     free(text);
     free(path);

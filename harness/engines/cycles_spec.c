@@ -5,6 +5,7 @@
 #include "harness/engines/cycles_spec.h"
 
 #include "harness/engines/baked_scene.h"
+#include "harness/engines/cycles_mesh.h"
 #include "harness/engines/cycles_phase.h"
 #include "harness/engines/cycles_surface.h"
 #include "harness/engines/scene_json.h"
@@ -23,7 +24,7 @@ _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 enum {
-    SPEC_FORMAT = 6, /* change together with blender_render.py */
+    SPEC_FORMAT = 7, /* change together with blender_render.py */
     VOLUME_STACK = 31,
     SPHERE_SEGMENTS_MIN = 256,
     SPHERE_SEGMENTS_MAX = 2048,
@@ -264,20 +265,36 @@ static json_t *turn_json(const struct neph_turn *turn)
                                 : json_null();
 }
 
-static json_t *solid_json(const struct neph_solid *solid, const struct neph_camera *camera,
-                          int height_px, double *error_px)
+static json_t *shape_json(const struct neph_scene *scene, const struct neph_solid *solid,
+                          int segments)
 {
-    if (solid->kind == NEPH_SOLID_BOX)
-        return json_pack("{s:s, s:o, s:o, s:o, s:o, s:o}", "kind", "box", "min_m",
+    switch (solid->kind) {
+    case NEPH_SOLID_BOX:
+        return json_pack("{s:s, s:o, s:o, s:o}", "kind", "box", "min_m",
                          neph_vector_json(solid->box.min_m), "max_m",
-                         neph_vector_json(solid->box.max_m), "turn", turn_json(&solid->turn),
-                         "albedo", neph_colour_json(solid->albedo), "surface",
-                         neph_cycles_surface(&solid->surface));
-    const int segments = sphere_segments(solid, camera, height_px, error_px);
-    return json_pack("{s:s, s:o, s:f, s:i, s:o, s:o}", "kind", "sphere", "center_m",
-                     neph_vector_json(solid->center_m), "radius_m", solid->radius_m, "segments",
-                     segments, "albedo", neph_colour_json(solid->albedo), "surface",
-                     neph_cycles_surface(&solid->surface));
+                         neph_vector_json(solid->box.max_m), "turn", turn_json(&solid->turn));
+    case NEPH_SOLID_SPHERE:
+        return json_pack("{s:s, s:o, s:f, s:i}", "kind", "sphere", "center_m",
+                         neph_vector_json(solid->center_m), "radius_m", solid->radius_m, "segments",
+                         segments);
+    case NEPH_SOLID_MESH:
+        return neph_cycles_mesh(scene, solid);
+    case NEPH_SOLID_KIND_COUNT:
+        break;
+    }
+    return NULL;
+}
+
+static json_t *solid_json(const struct neph_scene *scene, const struct neph_solid *solid,
+                          const struct neph_camera *camera, int height_px, double *error_px)
+{
+    const int segments = solid->kind == NEPH_SOLID_SPHERE
+                             ? sphere_segments(solid, camera, height_px, error_px)
+                             : 0;
+    json_t *json = shape_json(scene, solid, segments);
+    neph_json_set(&json, "albedo", neph_colour_json(solid->albedo));
+    neph_json_set(&json, "surface", neph_cycles_surface(&solid->surface));
+    return json;
 }
 
 static json_t *solids_json(const struct neph_shot *shot, const struct neph_camera *camera,
@@ -285,8 +302,8 @@ static json_t *solids_json(const struct neph_shot *shot, const struct neph_camer
 {
     json_t *solids = json_array();
     for (int i = 0; i < shot->scene->solid_count; i++)
-        neph_json_add(&solids,
-                      solid_json(&shot->scene->solids[i], camera, shot->height_px, error_px));
+        neph_json_add(&solids, solid_json(shot->scene, &shot->scene->solids[i], camera,
+                                          shot->height_px, error_px));
     return solids;
 }
 

@@ -21,6 +21,7 @@
 #include "harness/engines/frame_check.h"
 #include "harness/engines/povray_lamps.h"
 #include "harness/engines/povray_light.h"
+#include "harness/engines/povray_mesh.h"
 #include "harness/engines/povray_run.h"
 #include "harness/engines/povray_solids.h"
 #include "harness/engines/trial.h"
@@ -114,8 +115,6 @@ static const char *medium_obstacle(const struct neph_scene *scene)
 static const char *solid_obstacle(const struct neph_scene *scene)
 {
     int mirrors = 0;
-    if (neph_mesh_obstacle(scene))
-        return neph_mesh_obstacle(scene);
     for (int i = 0; i < scene->solid_count; i++) {
         const struct neph_surface *surface = &scene->solids[i].surface;
         if (surface->metalness == 0.0)
@@ -384,6 +383,8 @@ static enum neph_status start(const struct neph_shot *shot, const char *program,
         status = neph_povray_write_ini(directory, diag);
     if (!status)
         status = write_noises(session->shot.scene, directory, diag);
+    if (!status)
+        status = neph_povray_put_meshes(&session->world, directory, diag);
     return status ? status : write_grids(session, directory, diag);
 }
 

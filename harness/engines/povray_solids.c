@@ -2,6 +2,7 @@
 #include "harness/engines/povray_solids.h"
 
 #include "harness/engines/povray_exposure.h"
+#include "harness/engines/povray_mesh.h"
 #include "scenes/solids.h"
 #include "scenes/surfaces.h"
 
@@ -153,13 +154,21 @@ static void write_turn(struct neph_povray_writer *writer, const struct neph_soli
 
 static void write_solid(struct neph_povray_writer *writer, const struct neph_solid *solid)
 {
-    if (solid->kind == NEPH_SOLID_BOX) {
+    switch (solid->kind) {
+    case NEPH_SOLID_BOX:
         neph_povray_write_text(writer, "box { %p, %p", solid->box.min_m, solid->box.max_m);
         if (shows_paint(writer, solid))
             write_paint(writer, solid);
         write_turn(writer, solid);
-    } else {
+        break;
+    case NEPH_SOLID_SPHERE:
         neph_povray_write_text(writer, "sphere { %p, U*%n", solid->center_m, solid->radius_m);
+        break;
+    case NEPH_SOLID_MESH:
+        neph_povray_write_mesh(writer, solid);
+        break;
+    case NEPH_SOLID_KIND_COUNT:
+        break;
     }
     if (!shows_paint(writer, solid))
         write_texture(writer, solid);
@@ -229,6 +238,7 @@ void neph_povray_write_solids(struct neph_povray_writer *writer)
         declare_noises(writer);
     if (scene->solid_count > 0 && writer->pass->kind == NEPH_POVRAY_DEPTH)
         declare_depth_texture(writer);
+    neph_povray_include_meshes(writer);
     if (scene->solid_count > 0)
         neph_povray_write_text(writer, "// Solids.\n");
     for (int i = 0; i < scene->solid_count; i++)

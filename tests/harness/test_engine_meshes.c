@@ -1,0 +1,251 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Meshes in Cycles and POV-Ray: the input of these programs, and, where they are installed, frames
+ * of boxes as meshes against the same boxes as boxes.
+ */
+#include "tests/harness/engine_test.h"
+#include "tests/mesh_builders.h"
+
+#include "harness/engines/cycles_mesh.h"
+#include "harness/engines/engines.h"
+#include "harness/engines/mesh_place.h"
+#include "harness/engines/povray_mesh.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+enum { WIDTH = 48, HEIGHT = 27, PIXELS = WIDTH * HEIGHT, GROUND = 0, TILTED, TURNED };
+
+static const double tilt_rad = 0.3, yaw_rad = 0.5;
+
+struct meshes {
+    struct test_scene stage;
+    struct neph_mesh *mesh, *ground;
+    struct neph_mesh *list[2];
+};
+
+static struct neph_turn make_turn(int axis, double angle_rad)
+{
+    return (struct neph_turn){axis, cos(angle_rad), sin(angle_rad)};
+}
+
+static struct neph_bounds bounds_around(struct neph_vec3 middle_m, struct neph_vec3 half_m)
+{
+    return (struct neph_bounds){neph_vec3_sub(middle_m, half_m), neph_vec3_add(middle_m, half_m)};
+}
+
+/* A ground and two boxes of 1 x 1.6 x 1.2 m in thin fog, the first tilted to its side. */
+static void set_boxes(struct test_scene *stage)
+{
+    const struct neph_vec3 half_m = {0.5, 0.8, 0.6};
+    test_stage(stage, (struct neph_vec3){0.3, 1.7, 6}, (struct neph_vec3){0, 0.8, 0});
+    stage->scene.sun.irradiance_w_per_m2 = (struct neph_rgb){2, 1, 4};
+    struct neph_medium *fog = test_add_medium(stage, 0.06, 0.0, 0.0);
+    fog->bounds = (struct neph_bounds){{-8, -1, -9}, {8, 4, 7}};
+    test_add_box(stage, (struct neph_vec3){-20, -2, -20}, (struct neph_vec3){20, 0, 8});
+    for (int i = 0; i < 2; i++)
+        test_add_box(stage, (struct neph_vec3){0}, (struct neph_vec3){0});
+    stage->solids[TILTED].box = bounds_around((struct neph_vec3){-1.0, 1.1, -0.4}, half_m);
+    stage->solids[TILTED].turn = make_turn(2, tilt_rad);
+    stage->solids[TURNED].box = bounds_around((struct neph_vec3){0.9, 0.9, -0.4}, half_m);
+    stage->solids[TURNED].turn = make_turn(1, yaw_rad);
+    stage->solids[TURNED].albedo = (struct neph_rgb){0.8, 0.4, 0.2};
+}
+
+static void place(struct neph_solid *solid, struct neph_mesh *mesh, double scale_m, double yaw,
+                  double tilt)
+{
+    solid->kind = NEPH_SOLID_MESH;
+    solid->mesh = mesh;
+    solid->center_m = neph_vec3_scale(neph_vec3_add(solid->box.min_m, solid->box.max_m), 0.5);
+    solid->scale_m = scale_m;
+    solid->yaw = make_turn(1, yaw);
+    solid->turn = tilt != 0.0 ? make_turn(2, tilt) : (struct neph_turn){0};
+}
+
+/* set_boxes() with meshes in place of boxes: one for the ground; one for the two boxes, half as
+ * large as they are and turned by 90 degrees. */
+static void set_meshes(struct meshes *meshes)
+{
+    struct test_scene *stage = &meshes->stage;
+    set_boxes(stage);
+    meshes->mesh = make_box_mesh((struct neph_vec3){-0.3, -0.4, -0.25},
+                                 (struct neph_vec3){0.3, 0.4, 0.25});
+    meshes->ground = make_box_mesh((struct neph_vec3){-20, -1, -14}, (struct neph_vec3){20, 1, 14});
+    meshes->list[0] = meshes->ground;
+    meshes->list[1] = meshes->mesh;
+    stage->scene.meshes = meshes->list;
+    stage->scene.mesh_count = 2;
+    place(&stage->solids[GROUND], meshes->ground, 1.0, 0.0, 0.0);
+    place(&stage->solids[TILTED], meshes->mesh, 2.0, M_PI / 2.0, tilt_rad);
+    place(&stage->solids[TURNED], meshes->mesh, 2.0, M_PI / 2.0 + yaw_rad, 0.0);
+}
+
+static void finish_meshes(struct meshes *meshes)
+{
+    neph_mesh_destroy(meshes->mesh);
+    neph_mesh_destroy(meshes->ground);
+}
+
+/* ---- without the programs -------------------------------------------------------------------- */
+
+static void test_axes_of_a_mesh(void **state)
+{
+    struct neph_solid solid = {.kind = NEPH_SOLID_MESH};
+    struct neph_vec3 axes[3];
+    neph_mesh_axes(&solid, axes);
+    assert_true(axes[0].x == 1.0 && axes[1].y == 1.0 && axes[2].z == 1.0);
+    solid.yaw = (struct neph_turn){1, 0.0, 1.0};  /* x to -z, z to x */
+    solid.turn = (struct neph_turn){2, 0.0, 1.0}; /* then x to y, y to -x */
+    neph_mesh_axes(&solid, axes);
+    assert_true(axes[0].z == -1.0 && axes[1].x == -1.0 && axes[2].y == 1.0);
+}
+
+static char *read_file(const char *folder, const char *name, size_t *size)
+{
+    char *path = neph_path_join(folder, name), *text = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_file_read(path, 1 << 20, &text, size, &diag), &diag);
+    free(path);
+    return text;
+}
+
+static void test_files_of_meshes(void **state)
+{
+    struct meshes meshes;
+    struct neph_diag diag = {0};
+    size_t size = 0;
+    char folder[] = "/tmp/neph-test-XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    set_meshes(&meshes);
+    const struct neph_scene *scene = &meshes.stage.scene;
+    neph_assert_ok(neph_cycles_write_meshes(scene, folder, &diag), &diag);
+    char *bytes = read_file(folder, "mesh2.bin", &size);
+    float first[3];
+    memcpy(first, bytes, sizeof(first));
+    assert_int_equal(size, 8 * 12 + 12 * 12);
+    assert_true(first[0] == -0.3f && first[1] == 0.25f && first[2] == -0.4f);
+    free(bytes);
+
+    json_t *json = neph_cycles_mesh(scene, &scene->solids[TILTED]);
+    assert_string_equal(neph_json_text(json, "file"), "mesh2.bin");
+    json_decref(json);
+
+    const struct neph_povray_world world = {.scene = scene, .units_per_m = 100.0};
+    neph_assert_ok(neph_povray_put_meshes(&world, folder, &diag), &diag);
+    char *text = read_file(folder, "mesh2.inc", &size);
+    assert_non_null(strstr(text, "#declare Mesh2 = mesh2 {\nvertex_vectors { 8,\n<-60,-80,-50>"));
+    assert_non_null(strstr(text, "face_indices { 12,\n<"));
+    free(text);
+    neph_dir_remove(folder, NULL);
+    finish_meshes(&meshes);
+}
+
+/* ---- frames ---------------------------------------------------------------------------------- */
+
+static struct neph_image *render(const struct neph_engine *engine, const struct test_scene *stage,
+                                 const char *assignment)
+{
+    struct neph_diag diag = {0};
+    struct neph_cost cost = {0};
+    struct neph_image *frame = NULL;
+    struct neph_shot shot = {.scene = &stage->scene,
+                             .settings = neph_settings_default(engine),
+                             .width_px = WIDTH,
+                             .height_px = HEIGHT,
+                             .layers = NEPH_LAYERS_ALL,
+                             .seed = 1,
+                             .time_limit_s = 120.0};
+    neph_assert_ok(neph_settings_set(engine, &shot.settings, assignment, &diag), &diag);
+    neph_assert_ok(test_render(engine, &shot, &frame, &cost, &diag), &diag);
+    return frame;
+}
+
+static void render_both(const struct neph_engine *engine, const char *assignment,
+                        struct neph_image *frames[2])
+{
+    struct meshes meshes;
+    struct test_scene boxes;
+    set_boxes(&boxes);
+    set_meshes(&meshes);
+    frames[0] = render(engine, &boxes, assignment);
+    frames[1] = render(engine, &meshes.stage, assignment);
+    finish_meshes(&meshes);
+}
+
+/* The number of pixels whose values differ by more than this part of the larger one. */
+static int count_others(struct neph_image *const frames[2], const char *channel, double relative)
+{
+    const float *a = neph_image_channel(frames[0], channel),
+                *b = neph_image_channel(frames[1], channel);
+    int others = 0;
+    double largest = 0.0;
+    assert_true(a && b);
+    for (int p = 0; p < PIXELS; p++) {
+        const double larger = fmax(fabs((double)a[p]), fabs((double)b[p]));
+        const double off = a[p] == b[p] ? 0.0 : fabs((double)a[p] - (double)b[p]) / larger;
+        others += !(off <= relative);
+        largest = off <= relative ? fmax(largest, off) : largest;
+    }
+    print_message("  %s: %d others; the rest within %.1e\n", channel, others, largest);
+    return others;
+}
+
+static double mean_value(const struct neph_image *frame, const char *channel)
+{
+    const float *values = neph_image_channel(frame, channel);
+    double sum = 0.0;
+    assert_non_null(values);
+    for (int p = 0; p < PIXELS; p++)
+        sum += (double)values[p];
+    return sum / PIXELS;
+}
+
+/* POV-Ray keeps the vertices of a mesh in float32. 1e-4: a quantum of its 16-bit images. A ray at
+ * an edge may pass it. */
+static void test_boxes_as_meshes_in_povray(void **state)
+{
+    struct neph_image *frames[2];
+    if (!test_has_engine(&neph_engine_povray))
+        return;
+    render_both(&neph_engine_povray, "intervals=30", frames);
+    assert_true(count_others(frames, "Z", 2e-7) <= 3);
+    assert_true(count_others(frames, "transmittance.R", 1e-4) <= 3);
+    assert_true(count_others(frames, "R", 1e-4) <= 3);
+    assert_true(count_others(frames, "volume.B", 1e-4) <= 3);
+    neph_image_destroy(frames[0]);
+    neph_image_destroy(frames[1]);
+}
+
+/* The same seed, so only rays that pass an edge differ: each changes a mean by less than 1e-3. */
+static void test_boxes_as_meshes_in_cycles(void **state)
+{
+    struct neph_image *frames[2];
+    if (!test_has_engine(&neph_engine_cycles))
+        return;
+    render_both(&neph_engine_cycles, "samples=32", frames);
+    assert_true(count_others(frames, "Z", 1e-5) <= 3);
+    assert_true(count_others(frames, "transmittance.R", 1e-4) <= 3);
+    neph_assert_close(mean_value(frames[1], "R"), mean_value(frames[0], "R"), 2e-3, 0.0);
+    neph_assert_close(mean_value(frames[1], "volume.B"), mean_value(frames[0], "volume.B"), 2e-3,
+                      0.0);
+    assert_true(count_others(frames, "R", 1e-3) <= 10);
+    neph_image_destroy(frames[0]);
+    neph_image_destroy(frames[1]);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_axes_of_a_mesh),
+        cmocka_unit_test(test_files_of_meshes),
+    };
+    const struct CMUnitTest engine_tests[] = {
+        cmocka_unit_test(test_boxes_as_meshes_in_povray),
+        cmocka_unit_test(test_boxes_as_meshes_in_cycles),
+    };
+    if (neph_test_wants_engines(argc, argv))
+        return cmocka_run_group_tests(engine_tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
