@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: MIT
 """Meshes in scene files, from the command line: a mesh of boxes is rendered as the boxes are, other
 engines name what they lack, and files that are no mesh are errors with their place."""
+import pathlib
 import unittest
 
+import neph_case
 from frames import read_exr
-from neph_case import NephCase
 
 BOXES = (((-30, -1, -30), (30, 0, 30)), ((-2, 0, -3), (-1.5, 3, -2.5)), ((0.5, 0, -4), (2, 1, -3)),
          ((-1, 0, -2), (0, 1.5, -1)))
@@ -38,7 +39,9 @@ def obj_of_boxes():
     return "\n".join(lines) + "\n"
 
 
-class Meshes(NephCase):
+@unittest.skipUnless(pathlib.Path(neph_case.NEPH).with_name("neph-mesh").exists(),
+                     "neph was built without Assimp")
+class Meshes(neph_case.NephCase):
     in_folder = True
 
     def setUp(self):
@@ -72,9 +75,9 @@ class Meshes(NephCase):
         self.assertIn("mesh 0      48 triangles, closed; left out for having no area: 0", document)
         mesh = self.json("scenes", "mesh.yaml")["meshes"][0]
         self.assertEqual(mesh, {"triangles": 48, "left_out": 0, "inside": "closed"})
-        for engine in ("march", "povray"):
+        for engine in ("march", "realtime"):
             self.neph("render", "mesh.yaml", "-e", engine, "--size", "8x8", "-o", "no", code=None,
-                      said="triangle meshes: engines exact, oracle and surfaces have them")
+                      said="triangle meshes: engines exact, oracle, surfaces, cycles and povray")
         self.render("mesh", "-e", "oracle", "--set", "samples=2")
 
     def test_refused_files(self):
@@ -87,6 +90,11 @@ class Meshes(NephCase):
             self.assertIn(done.returncode, (65, 66), done.stderr)
             self.assertIn(said, done.stderr)
             self.assertIn(f"bad.yaml:{line}:", done.stderr)
+
+    def test_a_missing_reader_is_named(self):
+        self.put_both()
+        self.neph("scenes", "mesh.yaml", silent=True, code=69, NEPH_MESH="/nowhere/neph-mesh",
+                  said=("/nowhere/neph-mesh", "apt-get install libassimp-dev"))
 
 
 if __name__ == "__main__":
