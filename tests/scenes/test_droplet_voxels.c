@@ -133,8 +133,9 @@ static void test_bands_sum_to_the_whole(void **state)
     for (size_t b = 0; b < COUNT(bands); b++) {
         assert_string_not_equal(parts[b]->hash, whole->hash);
         assert_string_not_equal(parts[b]->hash, parts[(b + 1) % COUNT(bands)]->hash);
-        neph_scene_destroy(parts[b]);
     }
+    for (size_t b = 0; b < COUNT(bands); b++)
+        neph_scene_destroy(parts[b]);
     neph_scene_destroy(whole);
 }
 
