@@ -110,9 +110,10 @@ struct neph_horizon; /* scenes/horizon.h */
  * functions of scenes/media.h use the scalar extinction(x); only transmittance has colour. */
 struct neph_medium {
     enum neph_medium_kind kind;
-    struct neph_bounds bounds; /* the medium exists inside only; of turned ones the box around them */
-    struct neph_bounds box;    /* of turned bounds: before the turn about their middle; finite */
-    struct neph_turn turn;     /* none: `bounds` is all */
+    /* The medium exists inside of its bounds only. Where they are turned, `bounds` is the box around
+     * them, and `box`, finite, what is turned about its middle. */
+    struct neph_bounds bounds, box;
+    struct neph_turn turn;                /* none: `box` is not used */
     struct neph_rgb extinction_color;     /* >= 0 per channel; 1 1 1 is grey */
     struct neph_rgb albedo;               /* 0..1 per channel */
     struct neph_rgb emission_w_per_m2_sr; /* >= 0; per absorption: scenes/emission.h */

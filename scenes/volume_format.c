@@ -43,10 +43,10 @@ enum neph_status neph_volume_create_grid(const struct neph_volume_request *reque
                             diag);
 }
 
-enum neph_status neph_volume_grid_of(const struct neph_volume_request *request, const int size[3],
-                                     const double first[3], const double spacing[3],
-                                     const float *values, const char note[NEPH_GRID_NOTE_SIZE],
-                                     struct neph_grid **grid, struct neph_diag *diag)
+enum neph_status neph_volume_make_grid(const struct neph_volume_request *request, const int size[3],
+                                       const double first[3], const double spacing[3],
+                                       const float *values, const char note[NEPH_GRID_NOTE_SIZE],
+                                       struct neph_grid **grid, struct neph_diag *diag)
 {
     const struct neph_block block = {{size[0], size[1], size[2]},
                                      {first[0], first[1], first[2]},

@@ -73,9 +73,9 @@ enum neph_status neph_volume_make_even(const struct neph_volume_request *request
                                        char note[NEPH_GRID_NOTE_SIZE], struct neph_diag *diag);
 
 /* The grid of a block of values, x fastest: neph_volume_create_grid() and a copy. */
-enum neph_status neph_volume_grid_of(const struct neph_volume_request *request, const int size[3],
-                                     const double first[3], const double spacing[3],
-                                     const float *values, const char note[NEPH_GRID_NOTE_SIZE],
-                                     struct neph_grid **grid, struct neph_diag *diag);
+enum neph_status neph_volume_make_grid(const struct neph_volume_request *request, const int size[3],
+                                       const double first[3], const double spacing[3],
+                                       const float *values, const char note[NEPH_GRID_NOTE_SIZE],
+                                       struct neph_grid **grid, struct neph_diag *diag);
 
 #endif

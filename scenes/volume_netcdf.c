@@ -321,8 +321,8 @@ enum neph_status neph_volume_take_netcdf(const struct neph_volume_request *reque
     if (!status)
         status = place_axes(request, volume, diag);
     if (!status)
-        status = neph_volume_grid_of(request, volume->size, volume->first, volume->spacing,
-                                     volume->values, volume->note, grid, diag);
+        status = neph_volume_make_grid(request, volume->size, volume->first, volume->spacing,
+                                       volume->values, volume->note, grid, diag);
     finish_volume(volume);
     free(volume);
     return status;

@@ -421,8 +421,8 @@ static enum neph_status place(struct text *text, struct neph_grid **grid, struct
     }
     note_constants(text);
     if (!status)
-        status = neph_volume_grid_of(text->request, text->read, first, spacing, text->values,
-                                     text->note, grid, diag);
+        status = neph_volume_make_grid(text->request, text->read, first, spacing, text->values,
+                                       text->note, grid, diag);
     if (!status)
         (*grid)->is_constant = has_cells;
     return status;

@@ -229,9 +229,9 @@ static void weigh_direction(struct path *path, struct neph_rgb drawn)
     weigh(path, ratio);
 }
 
-/* Part of the directions that are drawn towards the sun. It raises the weight of all others, so it is
- * small deep in a cloud, where the next event has no sunlight either, and after many sunlit events.
- * Any part that does not depend on the direction leaves the mean as it is. */
+/* Part of the directions that are drawn towards the sun. It raises the weight of all others, so it
+ * is small deep in a cloud, where the next event has no sunlight either, and after many sunlit
+ * events. Any part that does not depend on the direction leaves the mean as it is. */
 static double sunward_share(struct path *path)
 {
     if (!path->peak)

@@ -501,8 +501,8 @@ float peak_table(bool is_medium, Medium by)
 
 // Draws some directions towards lamps, and a share around the sun by a phase function, because few
 // paths meet a diffraction peak by chance (truth/path.c). `next` is drawn by the medium or the
-// surface alone. The throughput gets the mixture's weight. `expected` receives the sunlight that the
-// next event scatters, relative to isotropic scattering, or 1 if it is less.
+// surface alone. The throughput gets the mixture's weight. `expected` receives the sunlight that
+// the next event scatters, relative to isotropic scattering, or 1 if it is less.
 vec3 turn(vec3 next, vec3 before, bool is_medium, Medium by, vec3 normal, float sun_share,
           out float expected)
 {
@@ -607,10 +607,10 @@ bool is_sun_unknown(bool is_lamp)
     return is_lamp || (path.events == 1 && is_known_earlier);
 }
 
-// If SUNWARD: the end of an event, when the transmittance of its sunlight is known. The share of the
-// directions that are drawn around the sun raises the weight of all others, so it is small deep in a
-// cloud, where the next event has no sunlight either, and after many sunlit events. Any share that
-// does not depend on the direction leaves the mean as it is.
+// If SUNWARD: the end of an event, when the transmittance of its sunlight is known. The share of
+// the directions that are drawn around the sun raises the weight of all others, so it is small deep
+// in a cloud, where the next event has no sunlight either, and after many sunlit events. Any share
+// that does not depend on the direction leaves the mean as it is.
 void leave_event(float sunlit)
 {
     bool is_medium = !SURFACES || path.solid == NO_SOLID;
