@@ -110,8 +110,8 @@ struct neph_horizon; /* scenes/horizon.h */
  * functions of scenes/media.h use the scalar extinction(x); only transmittance has colour. */
 struct neph_medium {
     enum neph_medium_kind kind;
-    /* The medium exists inside its bounds only. If they are turned, `bounds` is the box around them,
-     * and `box`, finite, is what is turned about its middle. */
+    /* The medium exists inside its bounds only. If they are turned, `bounds` is the box around
+     * them, and `box`, finite, is what is turned about its middle. */
     struct neph_bounds bounds, box;
     struct neph_turn turn;                /* none: `box` is not used */
     struct neph_rgb extinction_color;     /* >= 0 per channel; 1 1 1 is grey */
