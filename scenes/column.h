@@ -14,7 +14,8 @@
  * - fog: the bottom of its bounds; along y without such a bound, from the first layer's height up,
  * - Gaussian: its centre; plume: its foot,
  * - shell, tent: from the ground up, along any axis,
- * - grid: the column of nodes with the largest sum, of the nodes within the bounds.
+ * - grid: the column of nodes with the largest sum, of the nodes within the bounds,
+ * - where that is outside of turned bounds: their middle.
  * INFINITY: the medium has no end along the axis. NAN: not computed (Horizon). */
 double neph_medium_column_optical_depth(const struct neph_medium *medium, int axis);
 

@@ -619,7 +619,7 @@ void leave_event(float sunlit)
         by = frame.media[path.medium];
     vec3 normal = is_medium ? vec3(0.0) : solid_normal(solids[path.solid], path.origin_m);
     path.sunlit_sum += sunlit;
-    float expected, share = sunlit / (1.0 + path.sunlit_sum);
+    float expected, share = sun_irradiance == vec3(0.0) ? 0.0 : sunlit / (1.0 + path.sunlit_sum);
     vec3 next = turn(path.next_direction, path.came_along, is_medium, by, normal, share, expected);
     prepare_next(next, expected, uniform_from(draw()).x);
 }

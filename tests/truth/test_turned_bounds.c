@@ -5,6 +5,7 @@
  */
 #include "tests/scene_builders.h"
 
+#include "scenes/column.h"
 #include "scenes/medium_bounds.h"
 #include "scenes/solids.h"
 #include "truth/path.h"
@@ -128,6 +129,18 @@ static void test_the_box_around(void **state)
             neph_medium_contains(&medium, neph_vec3_add(point_m, (struct neph_vec3){7, 0, 0})),
             neph_bounds_contain(&box, own_m));
     }
+}
+
+/* A box away from the origin: the line to the origin's side misses it. */
+static void test_the_column_is_in_the_turned_box(void **state)
+{
+    const struct neph_turn turn = make_turn(1, 0.6);
+    struct neph_medium medium = make_homogeneous(0.5,
+                                                 (struct neph_bounds){{-4, -1, -16}, {4, 4, -8}});
+    neph_medium_turn_bounds(&medium, &turn);
+    neph_assert_close(neph_medium_column_optical_depth(&medium, 1), 0.5 * 5.0, 1e-12, 0.0);
+    neph_assert_close(neph_medium_column_optical_depth(&medium, 0), 0.5 * 8.0 / cos(0.6), 1e-12,
+                      0.0);
 }
 
 /* Paths collide where the medium is: single scattering by paths and in closed form. */
