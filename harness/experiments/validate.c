@@ -91,12 +91,15 @@ static const struct neph_cli_option options[] = {
      "renderer; "
      "i3rc: fluxes of clouds against the consensus of radiation codes, whose files are in the "
      "folder NEPH_I3RC_DATA; "
+     "iprt: radiance of a water cloud, doubling and oracle, against the results of radiation codes "
+     "in the folder NEPH_IPRT_DATA; "
      "stress: presets of realtime where such methods fail, and engines in fog, with limits (tiers "
      "quick, full)",
      NEPH_CLI_WORD, .at = offsetof(struct neph_validate_request, suite)},
     {"samples", 0, "N",
      "Of the physics suite: paths per pixel and seed of our tracers (default: 256). Of i3rc: as of "
-     "`neph fluxes` (default: 16000, 4000 and 512 in case 1, 2 and 3)",
+     "`neph fluxes` (default: 16000, 4000 and 512 in case 1, 2 and 3). Of iprt: the oracle's in "
+     "each direction (default: 4000)",
 
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, samples), .minimum = 2,
      .maximum = 1000000},
@@ -168,11 +171,10 @@ static const struct neph_cli_operands operands = {.shown = "[SCENE...]"};
 static const struct {
     const char *name;
     const struct neph_experiment *experiment;
-} suites[] = {{"catalog", &neph_experiment_catalog},
-              {"physics", &neph_experiment_physics},
-              {"i3rc", &neph_experiment_i3rc},
-              {"stress", &neph_experiment_stress},
-              {"failure", &neph_experiment_stress_by_old_name}};
+} suites[] = {
+    {"catalog", &neph_experiment_catalog}, {"physics", &neph_experiment_physics},
+    {"i3rc", &neph_experiment_i3rc},       {"iprt", &neph_experiment_iprt},
+    {"stress", &neph_experiment_stress},   {"failure", &neph_experiment_stress_by_old_name}};
 
 /* NULL: unknown suite. */
 static const struct neph_experiment *choose(const void *request_)
@@ -192,6 +194,11 @@ static bool is_physics(const struct neph_validate_request *request)
 static bool is_i3rc(const struct neph_validate_request *request)
 {
     return choose(request) == &neph_experiment_i3rc;
+}
+
+static bool is_iprt(const struct neph_validate_request *request)
+{
+    return choose(request) == &neph_experiment_iprt;
 }
 
 static bool is_stress(const struct neph_validate_request *request)
@@ -229,12 +236,19 @@ static void check(const void *request_, const struct argp_state *state)
     const struct neph_validate_request *request = request_;
     const struct neph_cli_shared *shared = &request->shared;
     if (!choose(request))
-        argp_error(state, "there is no suite '%s'; there are catalog, physics, i3rc and stress",
+        argp_error(state,
+                   "there is no suite '%s'; there are catalog, physics, i3rc, iprt and stress",
                    request->suite);
     check_stress(request, state);
     if (request->only_engine && request->engines.count == 0)
         argp_error(state, "--only-engine needs -e, which names the engines that it is about");
-    const bool has_scenes = !is_physics(request) && !is_stress(request) && !is_i3rc(request);
+    const bool has_scenes = !is_physics(request) && !is_stress(request) && !is_i3rc(request) &&
+                            !is_iprt(request);
+    if (is_iprt(request) &&
+        (shared->operand_count > 0 || shared->settings.count > 0 || request->engines.count > 0 ||
+         request->only.count > 0 || request->junit))
+        argp_error(state,
+                   "the IPRT suite has its own scene: no scenes, --set, -e, --only, --junit");
     if (is_i3rc(request) &&
         (shared->operand_count > 0 || shared->settings.count > 0 || request->engines.count > 1))
         argp_error(state, "the I3RC suite has its own scenes, no --set, and one engine");
@@ -250,8 +264,8 @@ static void check(const void *request_, const struct argp_state *state)
         argp_error(state, "the physics suite chooses its engines' settings itself: no --set");
     if (request->seed > 0 && !has_scenes)
         argp_error(state, "--seed is of scenes; the suites have their own");
-    if (!is_physics(request) && !is_i3rc(request) && request->samples >= 0)
-        argp_error(state, "--samples belongs to --suite physics and --suite i3rc");
+    if (!is_physics(request) && !is_i3rc(request) && !is_iprt(request) && request->samples >= 0)
+        argp_error(state, "--samples belongs to --suite physics, i3rc and iprt");
     if (has_scenes && request->only.count > 0)
         argp_error(state, "--only chooses among the tests of --suite physics, i3rc and stress");
     if (request->suite && request->tier && !is_stress(request))
@@ -288,6 +302,7 @@ static const struct neph_cli_syntax syntax = {
         "  neph validate --suite physics --jobs 4 -o out/physics\n"
         "  neph validate --suite physics --only slab -e oracle,tracer --samples 4096\n"
         "  neph validate --suite i3rc --only case1_exp1 --samples 2000 -o out/i3rc\n"
+        "  neph validate --suite iprt\n"
         "  neph validate --suite stress --only fence_tiles --preset fixed+override=parallel\n"
         "  neph validate --suite stress --only fog_seam -e povray --pictures all",
 };

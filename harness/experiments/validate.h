@@ -40,6 +40,7 @@ struct neph_validate_tier {
 extern const struct neph_experiment neph_experiment_catalog;
 extern const struct neph_experiment neph_experiment_physics;
 extern const struct neph_experiment neph_experiment_i3rc;
+extern const struct neph_experiment neph_experiment_iprt;
 extern const struct neph_experiment neph_experiment_stress;
 /* For --suite failure, the previous release's name of the stress tests. */
 extern const struct neph_experiment neph_experiment_stress_by_old_name;

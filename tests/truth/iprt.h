@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The water cloud of the International Polarized Radiative Transfer group (C. Emde et al., "IPRT
- * polarized radiative transfer model intercomparison project - Phase A", JQSRT 164, 2015): optical
- * depth 5 at 800 nm, effective radius 10 um, sun at 50 degrees. NEPH_IPRT_DATA names the folder
- * with its files; they are not part of this project. */
+ * The droplets of the water cloud of the International Polarized Radiative Transfer group (C. Emde
+ * et al., "IPRT polarized radiative transfer model intercomparison project - Phase A", JQSRT 164,
+ * 2015): optical depth 5 at 800 nm, effective radius 10 um, sun at 50 degrees. NEPH_IPRT_DATA names
+ * the folder with its files; they are not part of this project. */
 #ifndef NEPH_TESTS_TRUTH_IPRT_H
 #define NEPH_TESTS_TRUTH_IPRT_H
 

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The water cloud of the International Polarized Radiative Transfer group (C. Emde et al.,
+ * "IPRT polarized radiative transfer model intercomparison project - Phase A", JQSRT 164, 2015): a
+ * layer of optical depth 5 at 800 nm, black below, its radiance in given directions against the
+ * radiance I of a code. The files are a user's own: `watercloud.mie.dat` with the phase function,
+ * and results in any number of `a5_*.dat`.
+ *
+ * Ours are scalar, without polarisation. By doubling, without noise; and by the oracle, with its
+ * standard error.
+ */
+#ifndef NEPH_HARNESS_PHYSICS_IPRT_H
+#define NEPH_HARNESS_PHYSICS_IPRT_H
+
+#include "base/status.h"
+
+#include <stdbool.h>
+
+#define NEPH_IPRT_VARIABLE "NEPH_IPRT_DATA" /* names the folder */
+
+/* By how much the doubling may differ, in parts of the radiance: beyond 5 degrees from the sun, and
+ * within. */
+#define NEPH_IPRT_FAR 0.01
+#define NEPH_IPRT_NEAR 0.02
+#define NEPH_IPRT_NEAR_DEG 5.0
+
+struct neph_iprt_params {
+    const char *folder; /* NULL: none */
+    int paths;          /* of the oracle, in each direction; 0: the default */
+    bool quiet;
+};
+
+/* A direction; radiances are relative to the irradiance of the sun [1/sr]. */
+struct neph_iprt_view {
+    const char *file;    /* its name */
+    double is_below;     /* 1: light that leaves the cloud below; 0: above */
+    double sun_deg;      /* zenith angle */
+    double view_deg;     /* angle of the light to the vertical, 0..90 */
+    double azimuth_deg;  /* 0: in the sun's direction */
+    double from_sun_deg; /* between the line of sight and the sun */
+    double theirs, theirs_error;
+    double doubling;
+    double oracle, oracle_error;
+    bool agrees;
+};
+
+struct neph_iprt {
+    int view_count, failed;
+    struct neph_iprt_view *views;
+    char (*files)[64]; /* names, of the views */
+    int file_count, paths;
+    char missing[512]; /* why nothing was compared; "": it was */
+};
+
+/* Without the folder or a file in it `missing` says so, and that is no error. NEPH_ERR_INPUT: a
+ * file is damaged, with its line. NEPH_ERR_INTERRUPTED. Free with neph_iprt_finish(). */
+enum neph_status neph_iprt_run(const struct neph_iprt_params *params, struct neph_iprt *suite,
+                               struct neph_diag *diag);
+
+void neph_iprt_finish(struct neph_iprt *suite);
+
+#endif
