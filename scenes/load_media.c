@@ -230,7 +230,8 @@ static enum neph_status finish(struct neph_reader *reader, const yaml_node_t *no
     status = keep_error_at(reader, node, status, neph_finish_phase(reader, node, written));
     if (form->finish && were_fields_read(reader, form->fields))
         status = keep_error_at(reader, node, status, form->finish(reader, node, written));
-    status = neph_keep_error(reader, status, turn_bounds(reader, written));
+    if (neph_were_keys_read(reader, "bounds bounds_turn_deg bounds_turn_axis"))
+        status = neph_keep_error(reader, status, turn_bounds(reader, written));
     status = neph_keep_error(reader, status, finish_density(reader, node, form, written, status));
     if (!status && written->voxels)
         status = keep_error_at(reader, node, status,
