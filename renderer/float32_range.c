@@ -4,6 +4,7 @@
 #include "renderer/media/kind.h"
 #include "renderer/relative.h"
 #include "scenes/media.h"
+#include "scenes/solids.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -31,7 +32,8 @@ static bool is_cut_by_bounds(const struct neph_medium *medium)
     whole.bounds = (struct neph_bounds){{-INFINITY, -INFINITY, -INFINITY},
                                         {INFINITY, INFINITY, INFINITY}};
     const struct neph_bounds cut = neph_medium_support(medium), all = neph_medium_support(&whole);
-    return !is_same(cut.min_m, all.min_m) || !is_same(cut.max_m, all.max_m);
+    return neph_is_turned(&medium->turn) || !is_same(cut.min_m, all.min_m) ||
+           !is_same(cut.max_m, all.max_m);
 }
 
 /* Extinction near the visible surface of a medium, as seen from outside [1/m]. */

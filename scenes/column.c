@@ -8,6 +8,25 @@
 
 #include <math.h>
 
+/* A place on a face of turned bounds, by a hair off it, so that rounding does not put it outside.
+ * The middle for a place outside. */
+static struct neph_vec3 move_inside(const struct neph_medium *medium, struct neph_vec3 point_m)
+{
+    static const double hair = 1e-9; /* of a side */
+    const struct neph_bounds *box = &medium->box;
+    const struct neph_vec3 middle_m = neph_vec3_scale(neph_vec3_add(box->min_m, box->max_m), 0.5);
+    struct neph_vec3 own_m = neph_medium_own_point_m(medium, point_m);
+    for (int axis = 0; axis < 3; axis++) {
+        const double low_m = (&box->min_m.x)[axis], high_m = (&box->max_m.x)[axis];
+        const double hair_m = hair * (high_m - low_m);
+        double *place_m = &(&own_m.x)[axis];
+        if (*place_m < low_m - hair_m || *place_m > high_m + hair_m)
+            return middle_m;
+        *place_m = fmax(low_m + hair_m, fmin(high_m - hair_m, *place_m));
+    }
+    return neph_vec3_add(middle_m, neph_rotate(&medium->turn, neph_vec3_sub(own_m, middle_m)));
+}
+
 double neph_medium_column_optical_depth(const struct neph_medium *medium, int axis)
 {
     static const struct neph_vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -17,9 +36,8 @@ double neph_medium_column_optical_depth(const struct neph_medium *medium, int ax
     struct neph_column column = row->column(medium, axis);
     if (column.is_endless)
         return INFINITY;
-    if (neph_is_turned(&medium->turn) && !column.begins_there &&
-        !neph_medium_contains(medium, column.point_m))
-        column.point_m = neph_vec3_scale(neph_vec3_add(medium->box.min_m, medium->box.max_m), 0.5);
+    if (neph_is_turned(&medium->turn) && !column.begins_there)
+        column.point_m = move_inside(medium, column.point_m);
     const double up = neph_medium_optical_depth(medium, column.point_m, axes[axis], 0.0, INFINITY);
     if (column.begins_there)
         return up;

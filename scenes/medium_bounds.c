@@ -10,7 +10,7 @@ static struct neph_vec3 find_middle(const struct neph_bounds *box)
     return neph_vec3_scale(neph_vec3_add(box->min_m, box->max_m), 0.5);
 }
 
-/* Sides of 8 corners decide; half a side along an axis is at most the sum of both parts. */
+/* By symmetry the magnitudes of four corners suffice. */
 static struct neph_bounds find_hull(const struct neph_bounds *box, const struct neph_turn *turn)
 {
     const struct neph_vec3 middle_m = find_middle(box),

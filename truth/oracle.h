@@ -16,11 +16,12 @@
  * every channel are carried along (spectral MIS of B. Miller, I. Georgiev, W. Jarosz, "A
  * null-scattering path integral formulation of light transport", SIGGRAPH 2019).
  *
- * A narrow peak of a phase function is met by few paths. Where a medium has any but the isotropic,
- * Rayleigh and Henyey-Greenstein phase functions, a part of the
- * directions is drawn around the sun by that phase function, with the mixture's weight (directional
- * importance sampling: R. Buras, B. Mayer, JQSRT 112, 2011). The part is T / (1 + sum of T), with T
- * the transmittance of the sunlight at this event, and the sum over the events so far.
+ * A narrow peak of a phase function is met by few paths. Where a medium has another phase function
+ * than isotropic, Rayleigh or Henyey-Greenstein, a part of the directions is drawn around the sun,
+ * with the mixture's weight (directional importance sampling: R. Buras, B. Mayer, JQSRT 112, 2011):
+ * by the medium's own phase function, at surfaces and in other media by that of the first such
+ * medium. The part is T / (1 + sum of T): T is the sampled transmittance of the sunlight at this
+ * event, 0.5 at the visible surface; the sum is over the events so far.
  *
  * With single scattering, the first collision is sampled by its sunlight (truth/lit_flight.h; if a
  * medium has no closed form, by a guess of it, truth/guess.h), because against the light, free

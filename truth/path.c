@@ -291,7 +291,7 @@ static void turn(struct path *path, struct neph_vec3 own,
     path->value[2] *= direction_weight(wanted.b, drawn.b);
     if (sun_share > 0.0)
         path->sunward = fmax(1.0, 4.0 * M_PI * fmax(sunward.r, fmax(sunward.g, sunward.b)));
-    if (is_coloured)
+    if (is_coloured || (sun_share > 0.0 && neph_phase_is_coloured(peak)))
         weigh_direction(path, drawn);
 }
 

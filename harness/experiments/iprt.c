@@ -114,16 +114,20 @@ static void print(const struct neph_iprt *suite, FILE *out)
         }
     neph_table_print_aligned(&table, out);
     neph_table_finish(&table);
-    fputs(
-        "\nDoubling is judged, by 1 % beyond 5 degrees from the sun and 2 % within; the oracle is "
-        "beside it,\nwith its standard error. Theirs may have polarisation, ours have not.\n",
-        out);
+    fprintf(out,
+            "\nOracle over doubling, mean of all directions: %.4f +- %.4f, by their scatter.\n"
+            "Judged are doubling, by 1 %% beyond 5 degrees from the sun and 2 %% within, and this "
+            "mean.\nTheirs may have polarisation, ours have not.\n",
+            suite->oracle_over_doubling, suite->oracle_error);
 }
 
 static enum neph_status judge(const struct neph_iprt *suite, struct neph_diag *reason)
 {
-    if (suite->view_count > 0 && suite->failed == 0)
+    if (suite->view_count > 0 && suite->failed == 0 && suite->oracle_agrees)
         return NEPH_OK;
+    if (suite->view_count > 0 && suite->failed == 0)
+        return neph_fail(reason, NEPH_ERR_GATE, "the oracle is %.4f +- %.4f of the doubling",
+                         suite->oracle_over_doubling, suite->oracle_error);
     if (suite->failed > 0)
         return neph_fail(
             reason, NEPH_ERR_GATE,
@@ -141,10 +145,11 @@ static void publish(const struct neph_iprt *suite, struct neph_publication *publ
     if (publication->text)
         print(suite, publication->text);
     fill_views(suite, &data);
-    publication->json = json_pack("{s:s, s:i, s:i, s:i, s:s, s:o}", "suite", "iprt", "paths",
-                                  suite->paths, "compared", suite->view_count, "failed",
-                                  suite->failed, "missing", suite->missing, "rows",
-                                  neph_table_json(&data));
+    publication->json = json_pack("{s:s, s:f, s:f, s:i, s:i, s:i, s:s, s:o}", "suite", "iprt",
+                                  "oracle_over_doubling", suite->oracle_over_doubling,
+                                  "oracle_error", suite->oracle_error, "paths", suite->paths,
+                                  "compared", suite->view_count, "failed", suite->failed, "missing",
+                                  suite->missing, "rows", neph_table_json(&data));
     neph_table_finish(&data);
     if (publication->csv) {
         fill_views(suite, &csv);

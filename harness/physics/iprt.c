@@ -91,13 +91,17 @@ static enum neph_status read_row(struct neph_text_numbers *numbers, struct neph_
     double values[6] = {0.0}, stokes = 0.0;
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < 6 && !status; i++) {
+        if (i > 0 && neph_text_is_line_read(numbers))
+            return neph_fail(diag, NEPH_ERR_INPUT, "the line ends where %s should be",
+                             columns[i].what);
         if (i > 0) /* the first word was read */
             status = neph_text_next_word(numbers, diag);
         if (!status)
             status = neph_text_to_number(numbers, columns[i].what, columns[i].low, columns[i].high,
                                          &values[i], diag);
     }
-    for (int i = 0; i < 4 && !status && !neph_text_is_line_read(numbers); i++)
+    int further = 0; /* Q, U, V and the standard deviation of I */
+    for (; further < 4 && !status && !neph_text_is_line_read(numbers); further++)
         status = neph_text_next_number(numbers, "Q, U, V or a standard deviation", -1e6, 1e6,
                                        &stokes, diag);
     if (status)
@@ -108,7 +112,7 @@ static enum neph_status read_row(struct neph_text_numbers *numbers, struct neph_
     view->view_deg = acos(fabs(cos(values[3] * rad_per_deg))) / rad_per_deg;
     view->azimuth_deg = values[4] - values[2];
     view->theirs = values[5];
-    view->theirs_error = stokes;
+    view->theirs_error = further == 4 ? stokes : NAN;
     return NEPH_OK;
 }
 
@@ -167,7 +171,8 @@ static enum neph_status read_files(const char *folder, struct neph_iprt *suite,
     }
     neph_arena_finish(&arena);
     if (!status && suite->view_count == 0)
-        snprintf(suite->missing, sizeof(suite->missing), "%s has no a5_*.dat; %s", folder, address);
+        snprintf(suite->missing, sizeof(suite->missing), "no directions in %s/a5_*.dat; %s", folder,
+                 address);
     return status;
 }
 
@@ -319,7 +324,7 @@ static enum neph_status trace_view(struct neph_iprt *suite, int index,
                               .tracker = tracker,
                               .view = view,
                               .index = index,
-                              .paths = (suite->paths + BATCHES - 1) / BATCHES};
+                              .paths = suite->paths / BATCHES};
     if (!status)
         status = neph_parallel_rows(BATCHES, trace_batch, &tracing, diag);
     if (!status)
@@ -345,6 +350,22 @@ static enum neph_status trace(struct neph_iprt *suite, const struct neph_phase *
 
 /* ---- all ------------------------------------------------------------------------------------- */
 
+/* Paths are heavy-tailed near the peak, so single directions have no trusted error bar: the mean of
+ * all is judged by the scatter between directions. */
+static void judge_oracle(struct neph_iprt *suite)
+{
+    double sum = 0.0, squares = 0.0;
+    for (int v = 0; v < suite->view_count; v++) {
+        const double ratio = suite->views[v].oracle / suite->views[v].doubling;
+        sum += ratio / suite->view_count;
+        squares += ratio * ratio / suite->view_count;
+    }
+    suite->oracle_over_doubling = sum;
+    suite->oracle_error = sqrt(fmax(0.0, squares - sum * sum) / suite->view_count);
+    suite->oracle_agrees = suite->view_count < 2 ||
+                           fabs(sum - 1.0) <= NEPH_IPRT_SIGMAS * suite->oracle_error;
+}
+
 static void judge(struct neph_iprt *suite)
 {
     for (int v = 0; v < suite->view_count; v++) {
@@ -354,13 +375,15 @@ static void judge(struct neph_iprt *suite)
         view->agrees = fabs(view->doubling - view->theirs) <= limit * view->theirs;
         suite->failed += !view->agrees;
     }
+    judge_oracle(suite);
 }
 
 static enum neph_status run(const struct neph_iprt_params *params, struct neph_iprt *suite,
                             struct neph_arena *arena, struct neph_diag *diag)
 {
     struct neph_phase phase = {.table = NULL};
-    suite->paths = params->paths > 0 ? params->paths : DEFAULT_PATHS;
+    const int paths = params->paths > 0 ? params->paths : DEFAULT_PATHS;
+    suite->paths = (paths + BATCHES - 1) / BATCHES * BATCHES;
     suite->views = calloc(VIEWS_MAX, sizeof(*suite->views));
     suite->files = calloc(FILES_MAX, sizeof(*suite->files));
     if (!suite->views || !suite->files)

@@ -23,6 +23,7 @@
 #define NEPH_IPRT_FAR 0.01
 #define NEPH_IPRT_NEAR 0.02
 #define NEPH_IPRT_NEAR_DEG 5.0
+#define NEPH_IPRT_SIGMAS 4.5 /* of the mean of oracle over doubling */
 
 struct neph_iprt_params {
     const char *folder; /* NULL: none */
@@ -32,13 +33,13 @@ struct neph_iprt_params {
 
 /* A direction; radiances are relative to the irradiance of the sun [1/sr]. */
 struct neph_iprt_view {
-    const char *file;    /* its name */
-    double is_below;     /* 1: light that leaves the cloud below; 0: above */
-    double sun_deg;      /* zenith angle */
-    double view_deg;     /* angle of the light to the vertical, 0..90 */
-    double azimuth_deg;  /* 0: in the sun's direction */
-    double from_sun_deg; /* between the line of sight and the sun */
-    double theirs, theirs_error;
+    const char *file;            /* its name */
+    double is_below;             /* 1: light that leaves the cloud below; 0: above */
+    double sun_deg;              /* zenith angle */
+    double view_deg;             /* angle of the light to the vertical, 0..90 */
+    double azimuth_deg;          /* 0: in the sun's direction */
+    double from_sun_deg;         /* between the line of sight and the sun */
+    double theirs, theirs_error; /* NAN: not given */
     double doubling;
     double oracle, oracle_error;
     bool agrees;
@@ -49,10 +50,13 @@ struct neph_iprt {
     struct neph_iprt_view *views;
     char (*files)[64]; /* names, of the views */
     int file_count, paths;
+    double oracle_over_doubling, oracle_error; /* mean over the directions, by their scatter */
+    bool oracle_agrees;
     char missing[512]; /* why nothing was compared; "": it was */
 };
 
-/* Without the folder or a file in it `missing` says so, and that is no error. NEPH_ERR_INPUT: a
+/* Without a folder, or without directions in it, `missing` says so, and that is no error. The phase
+ * function's file must be there. NEPH_ERR_INPUT: a
  * file is damaged, with its line. NEPH_ERR_INTERRUPTED. Free with neph_iprt_finish(). */
 enum neph_status neph_iprt_run(const struct neph_iprt_params *params, struct neph_iprt *suite,
                                struct neph_diag *diag);

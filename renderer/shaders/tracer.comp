@@ -526,7 +526,8 @@ vec3 turn(vec3 next, vec3 before, bool is_medium, Medium by, vec3 normal, float 
             expected = max(1.0, 4.0 * PI * max_channel(sunward));
     }
     path.throughput *= wanted / max(drawn, vec3(1e-30));
-    if (is_medium && is_phase_coloured(by.phase_kind))
+    bool is_peak_drawn = SUNWARD && PHASES_COLOURED && sun_share > 0.0;
+    if (is_peak_drawn || (is_medium && is_phase_coloured(by.phase_kind)))
         weigh_direction(drawn);
     return next;
 }

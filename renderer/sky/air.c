@@ -2,6 +2,7 @@
 #include "renderer/sky/air.h"
 
 #include "scenes/media.h"
+#include "scenes/solids.h"
 #include "scenes/surfaces.h"
 
 #include <math.h>
@@ -50,9 +51,10 @@ static bool is_layer_cut(const struct neph_medium *medium)
                                         {INFINITY, INFINITY, INFINITY}};
     const struct neph_bounds box = neph_medium_container(&(struct neph_scene){0}, &whole, &lost);
     const struct neph_bounds *bounds = &medium->bounds;
-    return bounds->min_m.x > box.min_m.x || bounds->min_m.y > box.min_m.y ||
-           bounds->min_m.z > box.min_m.z || bounds->max_m.x < box.max_m.x ||
-           bounds->max_m.y < box.max_m.y || bounds->max_m.z < box.max_m.z;
+    return neph_is_turned(&medium->turn) || bounds->min_m.x > box.min_m.x ||
+           bounds->min_m.y > box.min_m.y || bounds->min_m.z > box.min_m.z ||
+           bounds->max_m.x < box.max_m.x || bounds->max_m.y < box.max_m.y ||
+           bounds->max_m.z < box.max_m.z;
 }
 
 static bool is_black(struct neph_rgb color)

@@ -102,7 +102,7 @@ class TurnedBounds(neph_case.NephCase):
       albedo: [1, 1, 1]
       bounds_turn_deg: 20"""))
         self.neph("scenes", scene, code=65, said="bounds_turn_deg")
-        scene.write_text(scene.read_text().replace("_deg: 20", "_axis: w\n      bounds_turn_deg: 9"))
+        scene.write_text(scene.read_text() + "\n      bounds_turn_axis: w\n")
         self.neph("scenes", scene, code=65, said="bounds_turn_axis")
 
 
