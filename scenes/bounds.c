@@ -70,6 +70,11 @@ static double farther(double center, double low, double high)
     return center - low > high - center ? low : high;
 }
 
+struct neph_vec3 neph_bounds_middle(const struct neph_bounds *box)
+{
+    return neph_vec3_scale(neph_vec3_add(box->min_m, box->max_m), 0.5);
+}
+
 struct neph_vec3 neph_bounds_farthest(const struct neph_bounds *box, struct neph_vec3 point_m)
 {
     return (struct neph_vec3){farther(point_m.x, box->min_m.x, box->max_m.x),

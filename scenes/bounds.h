@@ -31,6 +31,9 @@ struct neph_bounds neph_bounds_hull(struct neph_bounds a, struct neph_bounds b);
 /* Intersection of `a` and `b`; on axes where it is empty, a point of `a`. */
 struct neph_bounds neph_bounds_narrow(struct neph_bounds a, struct neph_bounds b);
 
+/* The middle of a box with finite sides. */
+struct neph_vec3 neph_bounds_middle(const struct neph_bounds *box);
+
 /* The point of a box that is nearest to a point. */
 struct neph_vec3 neph_bounds_nearest(const struct neph_bounds *box, struct neph_vec3 point_m);
 

@@ -14,7 +14,7 @@ static struct neph_vec3 move_inside(const struct neph_medium *medium, struct nep
 {
     static const double hair = 1e-9; /* of a side */
     const struct neph_bounds *box = &medium->box;
-    const struct neph_vec3 middle_m = neph_vec3_scale(neph_vec3_add(box->min_m, box->max_m), 0.5);
+    const struct neph_vec3 middle_m = neph_bounds_middle(box);
     struct neph_vec3 own_m = neph_medium_own_point_m(medium, point_m);
     for (int axis = 0; axis < 3; axis++) {
         const double low_m = (&box->min_m.x)[axis], high_m = (&box->max_m.x)[axis];

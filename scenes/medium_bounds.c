@@ -3,34 +3,11 @@
 
 #include "scenes/solids.h"
 
-#include <math.h>
-
-static struct neph_vec3 find_middle(const struct neph_bounds *box)
-{
-    return neph_vec3_scale(neph_vec3_add(box->min_m, box->max_m), 0.5);
-}
-
-/* By symmetry the magnitudes of four corners suffice. */
-static struct neph_bounds find_hull(const struct neph_bounds *box, const struct neph_turn *turn)
-{
-    const struct neph_vec3 middle_m = find_middle(box),
-                           half_m = neph_vec3_sub(box->max_m, middle_m);
-    struct neph_vec3 most_m = {0, 0, 0};
-    for (int corner = 0; corner < 4; corner++) {
-        const struct neph_vec3 arm_m = {corner & 1 ? -half_m.x : half_m.x,
-                                        corner & 2 ? -half_m.y : half_m.y, half_m.z};
-        const struct neph_vec3 to_m = neph_rotate(turn, arm_m);
-        most_m = (struct neph_vec3){fmax(most_m.x, fabs(to_m.x)), fmax(most_m.y, fabs(to_m.y)),
-                                    fmax(most_m.z, fabs(to_m.z))};
-    }
-    return (struct neph_bounds){neph_vec3_sub(middle_m, most_m), neph_vec3_add(middle_m, most_m)};
-}
-
 void neph_medium_turn_bounds(struct neph_medium *medium, const struct neph_turn *turn)
 {
     medium->box = medium->bounds;
     medium->turn = *turn;
-    medium->bounds = find_hull(&medium->box, turn);
+    medium->bounds = neph_turned_box_bounds(&medium->box, turn);
 }
 
 void neph_medium_move_bounds(struct neph_medium *medium, struct neph_vec3 by_m)
@@ -54,7 +31,7 @@ struct neph_vec3 neph_medium_own_point_m(const struct neph_medium *medium, struc
 {
     if (!neph_is_turned(&medium->turn))
         return point_m;
-    const struct neph_vec3 middle_m = find_middle(&medium->box);
+    const struct neph_vec3 middle_m = neph_bounds_middle(&medium->box);
     return neph_vec3_add(middle_m,
                          neph_rotate_back(&medium->turn, neph_vec3_sub(point_m, middle_m)));
 }

@@ -38,11 +38,6 @@ struct neph_vec3 neph_rotate_back(const struct neph_turn *turn, struct neph_vec3
     return neph_rotate(&back, vector);
 }
 
-static struct neph_vec3 find_middle(const struct neph_bounds *box)
-{
-    return neph_vec3_scale(neph_vec3_add(box->min_m, box->max_m), 0.5);
-}
-
 struct neph_vec3 neph_box_direction(const struct neph_solid *box, struct neph_vec3 direction)
 {
     return neph_is_turned(&box->turn) ? neph_rotate_back(&box->turn, direction) : direction;
@@ -50,7 +45,7 @@ struct neph_vec3 neph_box_direction(const struct neph_solid *box, struct neph_ve
 
 struct neph_vec3 neph_box_place_m(const struct neph_solid *box, struct neph_vec3 point_m)
 {
-    return neph_box_direction(box, neph_vec3_sub(point_m, find_middle(&box->box)));
+    return neph_box_direction(box, neph_vec3_sub(point_m, neph_bounds_middle(&box->box)));
 }
 
 /* A point in the coordinates of the unrotated box. */
@@ -58,19 +53,19 @@ static struct neph_vec3 to_box_axes(const struct neph_solid *solid, struct neph_
 {
     if (!neph_is_turned(&solid->turn))
         return point_m;
-    return neph_vec3_add(find_middle(&solid->box), neph_box_place_m(solid, point_m));
+    return neph_vec3_add(neph_bounds_middle(&solid->box), neph_box_place_m(solid, point_m));
 }
 
-/* Half the sides of the axis-aligned box around a rotated box. */
-static struct neph_vec3 half_around(const struct neph_solid *solid)
+struct neph_bounds neph_turned_box_bounds(const struct neph_bounds *box,
+                                          const struct neph_turn *turn)
 {
-    const struct neph_vec3 half_m = neph_vec3_scale(
-        neph_vec3_sub(solid->box.max_m, solid->box.min_m), 0.5);
-    const struct neph_turn turn = {solid->turn.axis, fabs(solid->turn.cosine),
-                                   fabs(solid->turn.sine)};
-    const struct neph_turn back = {turn.axis, turn.cosine, -turn.sine};
-    const struct neph_vec3 a = neph_rotate(&turn, half_m), b = neph_rotate(&back, half_m);
-    return (struct neph_vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
+    const struct neph_vec3 half_m = neph_vec3_scale(neph_vec3_sub(box->max_m, box->min_m), 0.5);
+    const struct neph_turn by = {turn->axis, fabs(turn->cosine), fabs(turn->sine)};
+    const struct neph_turn back = {by.axis, by.cosine, -by.sine};
+    const struct neph_vec3 a = neph_rotate(&by, half_m), b = neph_rotate(&back, half_m);
+    const struct neph_vec3 reach_m = {fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
+    const struct neph_vec3 middle_m = neph_bounds_middle(box);
+    return (struct neph_bounds){neph_vec3_sub(middle_m, reach_m), neph_vec3_add(middle_m, reach_m)};
 }
 
 /* --- the space of a mesh --------------------------------------------------------------------- */
@@ -129,8 +124,7 @@ struct neph_bounds neph_solid_bounds(const struct neph_solid *solid)
         return neph_bounds_around(solid->center_m, solid->radius_m);
     if (!neph_is_turned(&solid->turn))
         return solid->box;
-    const struct neph_vec3 middle_m = find_middle(&solid->box), half_m = half_around(solid);
-    return (struct neph_bounds){neph_vec3_sub(middle_m, half_m), neph_vec3_add(middle_m, half_m)};
+    return neph_turned_box_bounds(&solid->box, &solid->turn);
 }
 
 /* --- rays ------------------------------------------------------------------------------------ */

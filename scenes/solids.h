@@ -42,6 +42,10 @@ struct neph_bounds neph_solid_bounds(const struct neph_solid *solid);
 struct neph_vec3 neph_box_place_m(const struct neph_solid *box, struct neph_vec3 point_m);
 struct neph_vec3 neph_box_direction(const struct neph_solid *box, struct neph_vec3 direction);
 
+/* The box, along the axes of the world, around a box that is rotated about its middle. */
+struct neph_bounds neph_turned_box_bounds(const struct neph_bounds *box,
+                                          const struct neph_turn *turn);
+
 /* Rotates a vector, and rotates it back. */
 struct neph_vec3 neph_rotate(const struct neph_turn *turn, struct neph_vec3 vector);
 struct neph_vec3 neph_rotate_back(const struct neph_turn *turn, struct neph_vec3 vector);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Bakes a scene for engines that support fog and voxels only: every other medium becomes voxels.
+ * Bakes a scene for engines that support fog and voxels only: every other medium becomes voxels,
+ * and so does a fog in turned bounds.
  */
 #ifndef NEPH_HARNESS_ENGINES_BAKED_SCENE_H
 #define NEPH_HARNESS_ENGINES_BAKED_SCENE_H

@@ -4,7 +4,8 @@
  * "IPRT polarized radiative transfer model intercomparison project - Phase A", JQSRT 164, 2015): a
  * layer of optical depth 5 at 800 nm, black below, its radiance in given directions against the
  * radiance I of a code. The files are a user's own: `watercloud.mie.dat` with the phase function,
- * and results in any number of `a5_*.dat`.
+ * and results in any number of `a5_*.dat`
+ * or `iprt_case_A5*.dat`.
  *
  * Ours are scalar, without polarisation. By doubling, without noise; and by the oracle, with its
  * standard error.
@@ -56,8 +57,8 @@ struct neph_iprt {
 };
 
 /* Without a folder, or without directions in it, `missing` says so, and that is no error. The phase
- * function's file must be there. NEPH_ERR_INPUT: a
- * file is damaged, with its line. NEPH_ERR_INTERRUPTED. Free with neph_iprt_finish(). */
+ * function's file must be there. NEPH_ERR_INPUT: a file is damaged; the message has its line.
+ * NEPH_ERR_INTERRUPTED. Free with neph_iprt_finish(). */
 enum neph_status neph_iprt_run(const struct neph_iprt_params *params, struct neph_iprt *suite,
                                struct neph_diag *diag);
 

@@ -49,12 +49,14 @@ class Iprt(neph_case.NephCase):
                             0.01 + 5 * row["oracle_standard_error"] / row["doubling"], row)
         near, = [row["from_sun_deg"] for row in rows if row["from_sun_deg"] <= 5]
         self.assertLess(near, 1e-6)
-        self.put_results(lambda i: rows[i]["doubling"])
+        self.put_results(lambda i: rows[i]["doubling"], "iprt_case_A5_CODE.dat")
+        (self.folder / "data/a5_plane_code.dat").unlink()
         again = self.run_suite(0)
         self.assertEqual((again["compared"], again["failed"]), (12, 0))
         self.assertAlmostEqual(again["rows"][3]["theirs_standard_deviation"], 1e-5)
         # 1 % beyond 5 degrees, 2 % within: row 2 is that towards the sun.
-        self.put_results(lambda i: rows[i]["doubling"] * (1.015 if i in (2, 5) else 1))
+        self.put_results(name="iprt_case_A5_CODE.dat",
+                         radiance=lambda i: rows[i]["doubling"] * (1.015 if i in (2, 5) else 1))
         failed = self.run_suite(1)
         self.assertEqual([row["agrees"] for row in failed["rows"]].index(False), 5)
         self.assertEqual(failed["failed"], 1)
