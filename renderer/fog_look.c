@@ -272,6 +272,8 @@ static enum neph_status read_fog_frame(struct work *work, struct neph_image **im
         status = submit_fog_frame(work, diag);
     if (!status)
         status = neph_in_flight_drain(work->looks->vulkan, &work->looks->flight, diag);
+    if (!status)
+        status = neph_gpu_scene_check(work->looks->vulkan, &work->looks->gpu, diag);
     if (status) {
         neph_image_destroy(made);
         return status;

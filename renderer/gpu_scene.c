@@ -149,7 +149,7 @@ static struct neph_gpu_frame pack_frame(const struct neph_scene *scene,
         .half_height = (float)half_height,
         .width_px = (uint32_t)width_px,
         .height_px = (uint32_t)height_px,
-        .solid_count = (uint32_t)scene->solid_count,
+        .solid_count = (uint32_t)neph_gpu_count_plain_solids(scene),
         .octave_count = (uint32_t)scene->octaves.count,
         .octave_factors = {(float)scene->octaves.contribution, (float)scene->octaves.attenuation,
                            (float)scene->octaves.eccentricity},
@@ -243,7 +243,7 @@ static const struct {
     const char *name;
 } data_buffers[NEPH_GPU_DATA_COUNT] = {
     [NEPH_GPU_VALUES] = {NEPH_GPU_VALUES_BUFFER, sizeof(float), "scene grids"},
-    [NEPH_GPU_TEXELS] = {4, 4 * sizeof(float), "scene textures"},
+    [NEPH_GPU_TEXELS] = {NEPH_GPU_TEXELS_BUFFER, 4 * sizeof(float), "scene textures"},
 };
 
 static size_t data_count(const struct neph_medium *medium, enum neph_gpu_data data)
@@ -284,24 +284,30 @@ static enum neph_status upload_phases(const struct neph_vulkan *vulkan,
     return status;
 }
 
+/* The number of elements in front of those of media. */
+static size_t count_first(const struct neph_scene *scene, const struct neph_medium *const *media,
+                          uint32_t medium_count, enum neph_gpu_data data)
+{
+    return data == NEPH_GPU_VALUES   ? count_phase_values(media, medium_count)
+           : data == NEPH_GPU_TEXELS ? neph_gpu_mesh_words(scene)
+                                     : 0;
+}
+
 /* Upload the data of one kind of all media, in the order of fill_media(). */
 static enum neph_status upload_data(const struct neph_vulkan *vulkan,
+                                    const struct neph_scene *scene,
                                     const struct neph_medium *const *media, enum neph_gpu_data data,
                                     struct neph_gpu_scene *gpu, struct neph_diag *diag)
 {
     const size_t element_bytes = data_buffers[data].element_bytes;
     struct neph_buffer *buffer = &gpu->buffers[data_buffers[data].binding];
-    const size_t phases = data == NEPH_GPU_VALUES
-                              ? count_phase_values(media, gpu->frame->medium_count)
-                              : 0;
-    size_t count = phases, first = phases;
+    size_t first = count_first(scene, media, gpu->frame->medium_count, data), count = first;
     for (uint32_t m = 0; m < gpu->frame->medium_count; m++)
         count += data_count(media[m], data);
     if (count > UINT32_MAX / element_bytes)
-        return neph_fail(
-            diag, NEPH_ERR_UNSUPPORTED,
-            "the media of the scene have %zu values for the buffer '%s'; a shader can address %zu",
-            count, data_buffers[data].name, UINT32_MAX / element_bytes);
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "the scene has %zu values for the buffer '%s'; a shader can address %zu",
+                         count, data_buffers[data].name, UINT32_MAX / element_bytes);
     enum neph_status status = upload(vulkan, NULL, 0, element_bytes * (count > 0 ? count : 1),
                                      data_buffers[data].name, buffer, diag);
     for (uint32_t m = 0; m < gpu->frame->medium_count && !status; m++) {
@@ -467,7 +473,8 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
     bool scatters = false;
     uint32_t firsts[NEPH_GPU_DATA_COUNT] = {0}, next_phase = 0;
     const uint32_t listed = neph_gpu_scene_list_media(scene, media);
-    firsts[NEPH_GPU_VALUES] = (uint32_t)count_phase_values(media, listed);
+    for (int data = 0; data < NEPH_GPU_DATA_COUNT; data++)
+        firsts[data] = (uint32_t)count_first(scene, media, listed, data);
     gpu->optical_depth_iterations = 1;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
@@ -499,14 +506,23 @@ static uint32_t encode_known_media(const struct neph_gpu_frame *frame)
     return known;
 }
 
+uint32_t neph_gpu_solid_number(const struct neph_scene *scene, int solid)
+{
+    uint32_t number = 0;
+    for (int i = 0; i < solid; i++)
+        number += scene->solids[i].kind != NEPH_SOLID_MESH;
+    return number;
+}
+
 /* In memory of the host first: it reads them again, and a mapped buffer may be slow to read. */
 static void fill_solids(const struct neph_scene *scene, struct neph_vec3 camera_m,
                         struct neph_gpu_solids *mapped)
 {
     struct neph_gpu_solids gpu;
-    const size_t count = (size_t)scene->solid_count;
-    for (size_t i = 0; i < count; i++)
-        gpu.solids[i] = neph_gpu_solid_pack(&scene->solids[i], camera_m);
+    size_t count = 0;
+    for (int i = 0; i < scene->solid_count; i++)
+        if (scene->solids[i].kind != NEPH_SOLID_MESH)
+            gpu.solids[count++] = neph_gpu_solid_pack(&scene->solids[i], camera_m);
     neph_solid_tree_build(&gpu, (uint32_t)count);
     memcpy(mapped->solids, gpu.solids, count * sizeof(gpu.solids[0]));
     memcpy(mapped->solid_order, gpu.solid_order, (count + 3) / 4 * sizeof(gpu.solid_order[0]));
@@ -588,11 +604,35 @@ static void fill_scene_frame(struct neph_gpu_scene *gpu, const struct neph_scene
     for (int i = 0; i < scene->medium_count; i++)
         gpu->constants[1] |= neph_is_turned(&scene->media[i].turn) ? NEPH_GPU_TURNED_MEDIA : 0u;
     fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
+    gpu->solid_iterations = neph_gpu_solid_iterations(scene);
+    gpu->frame->meshes = neph_gpu_meshes_place(scene, camera.position_m);
+    gpu->constants[0] |= neph_gpu_count_instances(scene) > 0 ? NEPH_GPU_MESHES : 0u;
     gpu->frame->solids_shade = solids_shade(scene, camera.position_m);
     if (gpu->frame->solids_shade || !gpu->is_on_cpu)
         gpu->constants[1] |= NEPH_GPU_SHADED;
     set_pairs(gpu);
     place_majorants(gpu);
+}
+
+static enum neph_status upload_meshes(const struct neph_vulkan *vulkan,
+                                      const struct neph_scene *scene, struct neph_gpu_scene *gpu,
+                                      struct neph_diag *diag)
+{
+    const enum neph_status status = neph_gpu_meshes_upload(
+        vulkan, scene, &gpu->buffers[NEPH_GPU_TEXELS_BUFFER], diag);
+    return status || !gpu->is_on_cpu || neph_gpu_count_instances(scene) == 0
+               ? status
+               : neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, sizeof(uint32_t),
+                                    "fault of meshes", &gpu->mesh_readback, diag);
+}
+
+enum neph_status neph_gpu_scene_check(const struct neph_vulkan *vulkan,
+                                      const struct neph_gpu_scene *gpu, struct neph_diag *diag)
+{
+    return gpu->mesh_readback.mapped
+               ? neph_gpu_meshes_check(vulkan, &gpu->buffers[NEPH_GPU_TEXELS_BUFFER],
+                                       &gpu->mesh_readback, diag)
+               : NEPH_OK;
 }
 
 enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
@@ -610,7 +650,7 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
     gpu->frame = gpu->buffers[0].mapped;
     gpu->is_on_cpu = vulkan->description.is_cpu;
     fill_scene_frame(gpu, scene, frame, width_px, height_px, media);
-    status = upload_data(vulkan, media, NEPH_GPU_VALUES, gpu, diag);
+    status = upload_data(vulkan, scene, media, NEPH_GPU_VALUES, gpu, diag);
     if (!status)
         status = upload_phases(vulkan, media, gpu, diag);
     if (!status)
@@ -622,7 +662,9 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
         status = upload(vulkan, NULL, 0, sizeof(float), "scene majorants", &gpu->buffers[3], diag);
     place_majorants(gpu);
     if (!status)
-        status = upload_data(vulkan, media, NEPH_GPU_TEXELS, gpu, diag);
+        status = upload_data(vulkan, scene, media, NEPH_GPU_TEXELS, gpu, diag);
+    if (!status)
+        status = upload_meshes(vulkan, scene, gpu, diag);
     return status;
 }
 
@@ -658,6 +700,7 @@ void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_sc
     for (int i = 0; i < NEPH_GPU_SCENE_BUFFERS; i++)
         neph_buffer_destroy(vulkan, &gpu->buffers[i]);
     neph_buffer_destroy(vulkan, &gpu->pairs);
+    neph_buffer_destroy(vulkan, &gpu->mesh_readback);
     gpu->frame = NULL;
 }
 

@@ -8,6 +8,7 @@
 #define NEPH_RENDERER_GPU_SCENE_H
 
 #include "renderer/compute.h"
+#include "renderer/gpu_meshes.h"
 #include "renderer/shaders/constants.h"
 #include "renderer/solid_tree.h"
 #include "scenes/scene.h"
@@ -27,15 +28,23 @@ struct neph_gpu_solid neph_gpu_solid_pack(const struct neph_solid *solid,
                                           struct neph_vec3 camera_position_m);
 
 /* Upper bound of loop iterations (compute.h) of one ray through all solids: the solids, the nodes
- * of their trees, and the end of each leaf. */
-static inline uint64_t neph_gpu_solid_iterations(uint64_t solid_count)
+ * of their trees, and the end of each leaf. For meshes an estimate (gpu_meshes.h). */
+static inline uint64_t neph_gpu_solid_iterations(const struct neph_scene *scene)
 {
-    return solid_count + 2 * (uint64_t)neph_solid_tree_nodes((size_t)solid_count) + 1;
+    const uint64_t count = (uint64_t)neph_gpu_count_plain_solids(scene);
+    return count + 2 * (uint64_t)neph_solid_tree_nodes((size_t)count) + 1 +
+           neph_gpu_mesh_iterations(scene);
 }
+
+/* The place of a solid among those that are no meshes, which is its number on the device. */
+uint32_t neph_gpu_solid_number(const struct neph_scene *scene, int solid);
 
 /* A scene on the device, for one frame: the buffers at bindings 0 to 4 of every kernel that
  * includes shaders/scene.glsl. */
 enum { NEPH_GPU_SCENE_BUFFERS = 5, NEPH_GPU_SCENE_UNIFORMS = 2, NEPH_GPU_SCENE_CONSTANTS = 2 };
+
+/* The buffer with textures of Horizon clouds, behind the meshes. */
+enum { NEPH_GPU_TEXELS_BUFFER = 4 };
 
 /* The buffer with the values of grids. On a CPU a texel of it is a value and its successor
  * (NEPH_GPU_PAIRS). */
@@ -54,12 +63,14 @@ struct neph_gpu_scene {
      * further properties (NEPH_GPU_COLOURED and those after it in constants.h). */
     uint32_t constants[NEPH_GPU_SCENE_CONSTANTS];
     bool is_on_cpu, has_pairs;
+    struct neph_buffer mesh_readback; /* on a CPU, with meshes */
     /* The position of the majorants of each medium, if any; they move with the medium. */
     struct neph_gpu_majorants {
         uint32_t size[3], first;
     } majorants[NEPH_GPU_MEDIA_MAX];
     /* Upper bound of loop iterations (compute.h) of one exact optical depth through all media. */
     uint64_t optical_depth_iterations;
+    uint64_t solid_iterations; /* neph_gpu_solid_iterations() */
 };
 
 /* Zero-initialise `gpu`; free with _destroy, also after an error. `with_majorants`: build majorant
@@ -95,6 +106,10 @@ bool neph_gpu_is_same_sun(const struct neph_sun *a, const struct neph_sun *b);
 
 /* The bounds of all bounded media (all except fogs); false when there is none. */
 bool neph_find_media_bounds(const struct neph_scene *scene, struct neph_bounds *box);
+
+/* For the end of a frame: neph_gpu_meshes_check() on a CPU device. Nothing else takes time. */
+enum neph_status neph_gpu_scene_check(const struct neph_vulkan *vulkan,
+                                      const struct neph_gpu_scene *gpu, struct neph_diag *diag);
 
 void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu);
 

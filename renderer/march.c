@@ -66,9 +66,11 @@ static const char *find_obstacle_to_traced(const struct neph_scene *scene)
     return NULL;
 }
 
-/* Diffusion is solved once for all channels. */
+/* Diffusion is solved once for all channels, in cells that are inside or outside solids. */
 static const char *find_obstacle_to_diffused(const struct neph_scene *scene)
 {
+    if (neph_mesh_obstacle(scene))
+        return "triangle meshes: cells of diffused light are inside or outside convex solids";
     if (neph_scene_is_endless(scene))
         return neph_endless_reason;
     for (int i = 0; i < scene->medium_count; i++) {
@@ -535,6 +537,8 @@ static enum neph_status read_frame(struct neph_march *march, struct work *work,
         status = submit_march_frame(march, work, diag);
     if (!status)
         status = neph_in_flight_drain(march->vulkan, &march->flight, diag);
+    if (!status)
+        status = neph_gpu_scene_check(march->vulkan, &march->scene.gpu, diag);
     if (status) {
         neph_image_destroy(made);
         return status;
@@ -590,8 +594,9 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
 enum neph_status neph_march_collect(struct neph_march *march, double *gpu_s, struct neph_diag *diag)
 {
     int slot;
-    const enum neph_status status = neph_in_flight_collect(march->vulkan, &march->flight, &slot,
-                                                           diag);
+    enum neph_status status = neph_in_flight_collect(march->vulkan, &march->flight, &slot, diag);
+    if (!status)
+        status = neph_gpu_scene_check(march->vulkan, &march->scene.gpu, diag);
     if (status)
         return status;
     march->home_slot = slot;

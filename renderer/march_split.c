@@ -131,7 +131,7 @@ static struct turns count_loop_iterations(const struct neph_scene *scene,
                                           const struct neph_march_params *params)
 {
     struct turns turns = {
-        .solids = neph_gpu_solid_iterations((uint64_t)scene->solid_count),
+        .solids = gpu->solid_iterations,
         .media = (uint64_t)scene->medium_count + 1,
         .exact = has_closed_forms(params) ? gpu->optical_depth_iterations : 0,
     };
@@ -153,13 +153,13 @@ static bool is_scene_on_cpu(const struct neph_gpu_scene *gpu)
  * thread's loop iterations but at least 8. 0: no light. */
 static uint64_t count_light_substeps(const struct neph_gpu_scene *gpu,
                                      const struct neph_march_params *params, uint64_t lamps,
-                                     uint64_t solids, uint64_t media)
+                                     uint64_t media)
 {
     const uint64_t medium_turns = 1 + 3 * media; /* two layers each */
     const bool marches = params->sun == NEPH_MARCH_MARCHED ||
                          (gpu->constants[0] >> NEPH_MEDIUM_HORIZON & 1u) != 0;
     const uint64_t sun_steps = marches ? (uint64_t)params->sun_steps : 0;
-    const uint64_t turns = neph_gpu_solid_iterations(solids) + 3 * medium_turns +
+    const uint64_t turns = gpu->solid_iterations + 3 * medium_turns +
                            2 * gpu->optical_depth_iterations + sun_steps * (3 + 3 * medium_turns);
     const uint64_t all = is_scene_on_cpu(gpu) ? NEPH_KERNEL_LOOP_ITERATIONS_MAX
                                               : gpu_thread_turns_max;
@@ -192,7 +192,6 @@ static void count_shader_iterations(const struct neph_scene *scene,
     *per_step = 2 + 2 * turns.media + turns.exact + sunlight + 3 * turns.empties;
     *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight +
                     count_light_substeps(gpu, params, (uint64_t)scene->light_count,
-                                         (uint64_t)scene->solid_count,
                                          (uint64_t)scene->medium_count) *
                         lamplight +
                     1;
@@ -222,7 +221,7 @@ void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_ma
                    (has_only_sunlight(gpu, params) ? 2048u : 0u) |
                    (gpu->frame->octave_count > NEPH_GPU_KEPT_PHASES ? 4096u : 0u) |
                    (uint32_t)count_light_substeps(gpu, params, gpu->frame->lamp_count,
-                                                  gpu->frame->solid_count, gpu->frame->medium_count)
+                                                  gpu->frame->medium_count)
                        << 16;
 }
 
@@ -266,7 +265,7 @@ enum neph_status neph_march_split_events(const struct neph_vulkan *vulkan,
 {
     uint64_t per_event, whole_ray;
     count_shader_iterations(scene, gpu, params, &per_event, &whole_ray);
-    per_event += neph_gpu_solid_iterations((uint64_t)scene->solid_count);
+    per_event += gpu->solid_iterations;
     const uint64_t beside = turns * (3 + 2 * (uint64_t)scene->medium_count);
     const uint64_t most = thread_turns_max(vulkan);
     if (beside + per_event > most)

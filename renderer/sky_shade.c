@@ -24,8 +24,8 @@ enum neph_status neph_sky_shade_create(struct neph_vulkan *vulkan, const struct 
     shade->vulkan = vulkan;
     shade->params = *params;
     enum neph_status status = neph_march_split_make_whole(
-        vulkan, rest, gpu, params, samples * neph_gpu_solid_iterations((uint64_t)rest->solid_count),
-        samples, froxel_count(&params->sky.tables.aerial), &shade->cut, diag);
+        vulkan, rest, gpu, params, samples * neph_gpu_solid_iterations(rest), samples,
+        froxel_count(&params->sky.tables.aerial), &shade->cut, diag);
     if (!status)
         status = neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD,
                                     sizeof(struct neph_gpu_sun_counters), name, &shade->counters,

@@ -271,7 +271,7 @@ static uint32_t count_inner_iterations(const struct neph_scene *scene)
     uint32_t fog = 1;
     for (int i = 0; i < scene->medium_count; i++)
         fog += 3 + 2 * (uint32_t)scene->media[i].layer_count;
-    const uint32_t solids = (uint32_t)neph_gpu_solid_iterations((uint64_t)scene->solid_count);
+    const uint32_t solids = (uint32_t)neph_gpu_solid_iterations(scene);
     const uint32_t lights = scene->light_count > 0
                                 ? 6 * ((uint32_t)scene->light_count + 1) + 2 * fog + 2 * solids
                                 : 0;
@@ -571,7 +571,7 @@ static enum neph_status check_turns(const struct render *render, struct neph_dia
 {
     const uint64_t turns = 3 * render->scene.optical_depth_iterations +
                            3 * NEPH_GPU_WAY_STRETCHES * render->ways +
-                           4 * neph_gpu_solid_iterations(render->scene.frame->solid_count) + 64;
+                           4 * render->scene.solid_iterations + 64;
     if (turns > NEPH_KERNEL_LOOP_ITERATIONS_MAX)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "tracer: the voxel grids are too fine: a ray may take %llu loop "
@@ -844,6 +844,8 @@ static enum neph_status trace_round(struct render *render, int batches, struct n
         const struct neph_gpu_tracer_run run = chunk_run(render, first, batches);
         status = trace_chunk(render, &run, diag);
     }
+    if (!status)
+        status = neph_gpu_scene_check(render->vulkan, &render->scene, diag);
     if (!status && (params->checkpoint || params->target_error > 0.0))
         status = read_back(render, diag);
     if (status)

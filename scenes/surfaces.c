@@ -54,14 +54,24 @@ const char *neph_mesh_obstacle(const struct neph_scene *scene)
 {
     for (int i = 0; i < scene->solid_count; i++)
         if (scene->solids[i].kind == NEPH_SOLID_MESH)
-            return "triangle meshes: engines exact, oracle, surfaces, cycles and povray have them";
+            return "triangle meshes: engine surfaces has them";
+    return NULL;
+}
+
+const char *neph_moving_mesh_obstacle(const struct neph_scene *scene)
+{
+    for (int m = 0; m < scene->mover_count; m++)
+        for (int i = 0; i < scene->movers[m].count; i++)
+            if (scene->solids[scene->movers[m].first + i].kind == NEPH_SOLID_MESH)
+                return "triangle meshes that move: engines exact, oracle, surfaces, cycles and "
+                       "povray have them";
     return NULL;
 }
 
 const char *neph_surfaces_obstacle(const struct neph_scene *scene)
 {
-    if (neph_mesh_obstacle(scene))
-        return neph_mesh_obstacle(scene);
+    if (neph_moving_mesh_obstacle(scene))
+        return neph_moving_mesh_obstacle(scene);
     if (neph_scene_is_textured(scene))
         return "solids with a texture: engines exact, oracle and surfaces have them";
     return neph_metal_obstacle(scene);

@@ -2,7 +2,7 @@
 #include "harness/engines/cycles_mesh.h"
 
 #include "base/files.h"
-#include "harness/engines/mesh_place.h"
+#include "scenes/mesh_place.h"
 #include "harness/engines/scene_json.h"
 #include "scenes/mesh.h"
 

@@ -2,7 +2,7 @@
 #include "harness/engines/povray_mesh.h"
 
 #include "base/files.h"
-#include "harness/engines/mesh_place.h"
+#include "scenes/mesh_place.h"
 #include "scenes/mesh.h"
 #include "scenes/solids.h"
 

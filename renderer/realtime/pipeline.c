@@ -112,7 +112,8 @@ static uint32_t count_known_solids(const struct neph_gpu_scene *scene)
 {
     const uint32_t count = scene->frame->solid_count;
     const uint32_t most = scene->is_on_cpu ? RT_SOLIDS_UNKNOWN - 1 : GPU_SOLIDS_MAX;
-    return count <= most ? count : RT_SOLIDS_UNKNOWN;
+    const bool has_meshes = (scene->constants[0] & NEPH_GPU_MESHES) != 0;
+    return count <= most && !has_meshes ? count : RT_SOLIDS_UNKNOWN;
 }
 
 /* Bit masks of the solids that are spheres. */
@@ -1005,7 +1006,11 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
         status = render_resized(realtime, frame, size->scale, diag);
     if (!status && is_mirrored)
         status = render_mirrored(realtime, frame, diag);
-    return status ? status : render_size(realtime, frame, false, image, stats, diag);
+    if (!status)
+        status = render_size(realtime, frame, false, image, stats, diag);
+    return status || !image
+               ? status
+               : neph_gpu_scene_check(realtime->vulkan, &realtime->scene.gpu, diag);
 }
 
 enum neph_status neph_realtime_collect(struct neph_realtime *realtime,
@@ -1014,6 +1019,8 @@ enum neph_status neph_realtime_collect(struct neph_realtime *realtime,
     int slot;
     enum neph_status status = neph_in_flight_collect(realtime->vulkan, &realtime->flight, &slot,
                                                      diag);
+    if (!status)
+        status = neph_gpu_scene_check(realtime->vulkan, &realtime->scene.gpu, diag);
     if (status)
         return status;
     struct neph_realtime_stats *home = &realtime->flights[slot];

@@ -23,6 +23,10 @@
 #define NEPH_GPU_TEXEL_FOURS_BINDING 30
 #define NEPH_GPU_TEXEL_FORMATS 3
 
+// Bits of specialization constant 0: one for each kind of media in the scene, and further ones.
+#define NEPH_GPU_KINDS_MASK 255u
+#define NEPH_GPU_MESHES 256u // the scene has triangle meshes
+
 // Bits of specialization constant 1: properties of a scene, beside its kinds of media, for which
 // kernels are specialized.
 #define NEPH_GPU_COLOURED 1u     // extinction or phase function depends on the channel

@@ -57,6 +57,20 @@ struct ShadowMap {
     uint layers; // optical depths per texel
 };
 
+// Triangle meshes (meshes.glsl).
+struct Meshes {
+    vec3 origin_m; // of the positions of instances, relative to the camera
+    float reach_m; // their largest coordinate
+    uint instances; // index of the first instance
+    uint triangle_bits; // of the number of a hit
+    uvec2 padding;
+};
+
+struct Hit {
+    float t_m;  // FAR_M when nothing is hit
+    uint solid; // NO_SOLID when nothing is hit
+};
+
 layout(std140, binding = 0) uniform Frame {
     vec3 camera_right;
     float half_width; // of the image plane: tangent (perspective camera) or metres (orthographic)
@@ -89,6 +103,7 @@ layout(std140, binding = 0) uniform Frame {
     uint scatters_lamps; // 0 or 1: a medium scatters light of lamps, and the scene shows it
 #include "settings/march_frame.glsl" // settings of approximations
     Lamp lamps[NEPH_GPU_LAMPS_MAX];
+    Meshes meshes;
     FogLook fog_look; // of a march that leaves the height fog to a closed form (march_veil.glsl)
 } frame;
 

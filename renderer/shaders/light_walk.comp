@@ -218,10 +218,10 @@ void process_event(uint m, uint solid)
     vec3 per_sr, next;
     events++;
     if (m == MEDIA_MAX) {
-        vec3 normal = solid_normal(solids[solid], path.origin_m);
-        path.throughput *= solids[solid].albedo.rgb;
-        per_sr = vec3(max(0.0, dot(normal, to_sun())) / PI);
-        next = sample_cosine(normal, u.xy);
+        Surface surface = surface_at(solid, path.origin_m);
+        path.throughput *= surface.albedo;
+        per_sr = vec3(max(0.0, dot(surface.normal, to_sun())) / PI);
+        next = sample_cosine(surface.normal, u.xy);
     } else {
         uint kind = make_nonuniform(frame.media[m].phase_kind);
         float g = frame.media[m].g;
@@ -284,7 +284,7 @@ void arrive()
     if (SKY_LIGHTS && path.events > 0u && is_out)
         add_air_light();
     if (solid_ahead.solid == NO_SOLID || path.events == 0u ||
-        solids[solid_ahead.solid].albedo.rgb == vec3(0.0))
+        surface_albedo(solid_ahead.solid) == vec3(0.0))
         end();
     else
         process_event(MEDIA_MAX, solid_ahead.solid);
@@ -440,6 +440,7 @@ void main()
             path.ahead = vec3(0.0);
         }
     }
+    check_loops();
     paths[thread] = path;
     found[thread] = sums;
 }

@@ -89,4 +89,5 @@ void main()
         sums_keep(thread, sums);
     else
         pixels[thread] = finished_pixel(ray, place_px, hit, sums);
+    check_loops();
 }

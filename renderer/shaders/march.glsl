@@ -408,20 +408,21 @@ vec3 view_scattered(Sums sums, vec3 optical_depth, ViewRay ray, vec2 place_px)
 // Sunlight reflected by a Lambertian surface; the same in all directions.
 vec3 sunlit_radiance(Hit hit, vec3 point_m)
 {
-    Solid solid = solid_at(hit.solid);
-    float cosine = dot(solid_normal(solid, point_m), to_sun());
-    if (cosine <= 0.0 || solid.albedo.rgb == vec3(0.0) ||
+    Surface surface = surface_at(hit.solid, point_m);
+    float cosine = dot(surface.normal, to_sun());
+    if (cosine <= 0.0 || surface.albedo == vec3(0.0) ||
         make_nonuniform(frame.sun_irradiance == vec3(0.0)))
         return vec3(0.0);
-    return solid.albedo.rgb / PI * cosine * sunlight(point_m, hit.solid);
+    return surface.albedo / PI * cosine * sunlight(point_m, hit.solid);
 }
 
 vec3 surface_radiance(Hit hit, vec3 point_m)
 {
     vec3 radiance = sunlit_radiance(hit, point_m);
-    if (LAMPS)
-        radiance += solids[hit.solid].albedo.rgb *
-                    lamps_reflected(point_m, solid_normal(solids[hit.solid], point_m), hit.solid);
+    if (LAMPS) {
+        Surface surface = surface_at(hit.solid, point_m);
+        radiance += surface.albedo * lamps_reflected(point_m, surface.normal, hit.solid);
+    }
     return radiance;
 }
 
@@ -437,7 +438,7 @@ vec3 solid_sky_irradiance(Hit hit, vec3 point_m)
 {
     SkySpot spot = sky_spot(point_m);
     if (hit.solid != 0u || eye.has_field == 0u)
-        return sky_irradiance(spot, solid_normal(solids[hit.solid], point_m));
+        return sky_irradiance(spot, surface_at(hit.solid, point_m).normal);
     return frame.sun_irradiance * sky_field_ground(spot.sun_cosine);
 }
 
@@ -457,7 +458,7 @@ Behind sky_behind(Hit hit, ViewRay ray)
     vec3 point_m = view_point_m(ray, hit.t_m);
     vec3 from_sky = solid_sky_irradiance(hit, point_m);
     vec3 radiance = surface_radiance(hit, point_m) +
-                    solids[hit.solid].albedo.rgb / PI * from_sky;
+                    surface_at(hit.solid, point_m).albedo / PI * from_sky;
     if (hit.solid != 0u) {
         SkyVeil veil = sky_veil(ray.direction, hit.t_m);
         all.volume = veil.light;

@@ -48,7 +48,8 @@ layout(std430, binding = 4) readonly buffer HorizonTexels {
 // Properties of the scene as specialization constants. Code for absent features is removed before
 // compilation and costs nothing, not even the loop iterations (renderer/compute.h) of loops that no
 // thread would enter.
-layout(constant_id = 0) const uint KINDS = 0xffffffffu; // bit k: the scene has a medium of kind k
+layout(constant_id = 0) const uint SCENE_KINDS = NEPH_GPU_KINDS_MASK; // and NEPH_GPU_MESHES
+const uint KINDS = SCENE_KINDS & NEPH_GPU_KINDS_MASK; // bit k: the scene has a medium of kind k
 // A medium's extinction or phase function depends on the channel.
 const bool COLOURED = (TRAITS & NEPH_GPU_COLOURED) != 0u;
 const bool HAS_PHASE_TABLES = (TRAITS & NEPH_GPU_PHASE_TABLES) != 0u;

@@ -5,7 +5,7 @@
 #ifndef NEPH_SCENE_GLSL
 #define NEPH_SCENE_GLSL
 
-#include "media.glsl"
+#include "meshes.glsl"
 #include "phase.glsl"
 
 // In a scene with grey media all channels take the first one's value, and the compiler removes the
@@ -30,20 +30,23 @@ Solid solid_at(uint solid)
     return solids[solid];
 }
 
-struct Hit {
-    float t_m;  // FAR_M when nothing is hit
-    uint solid; // NO_SOLID when nothing is hit
+vec3 surface_albedo(uint solid)
+{
+    return is_mesh(solid) ? mesh_instance(hit_instance(solid)).albedo : solid_at(solid).albedo.rgb;
+}
+
+struct Surface {
+    vec3 normal; // outward, unit; of a mesh, on the side of the hit's ray
+    vec3 albedo;
 };
 
-// The trees are walked by all threads of a subgroup together: a node is entered if one of them
-// meets its box. So its index is the same in all of them, and the device reads it once. Paths of
-// the tracer go different ways, each thread for itself.
-#ifdef WALKS_ALONE
-#define is_entered(meets) (meets)
-#else
-#extension GL_KHR_shader_subgroup_vote : require
-#define is_entered(meets) subgroupAny(meets)
-#endif
+Surface surface_at(uint solid, vec3 point_m)
+{
+    if (is_mesh(solid))
+        return Surface(mesh_normal(solid), surface_albedo(solid));
+    Solid own = solid_at(solid);
+    return Surface(solid_normal(own, point_m), own.albedo.rgb);
+}
 
 uint numbered_solid(uint place) { return solid_order[place / 4][place % 4]; }
 
@@ -93,6 +96,8 @@ Hit nearest_hit(vec3 origin_m, vec3 direction, uint except)
                 keep_nearer(s, origin_m, direction, hit);
         }
     }
+    if (MESHES)
+        keep_nearest_mesh(origin_m, direction, except, hit);
     return hit;
 }
 
@@ -122,6 +127,8 @@ bool is_free(vec3 point_m, vec3 direction, float start_m, float end_m, uint exce
                 is_hidden = true;
         }
     }
+    if (MESHES && !is_hidden)
+        is_hidden = is_mesh_met(point_m, direction, start_m, end_m, except);
     return !is_hidden;
 }
 

@@ -226,7 +226,7 @@ void start_at_surface()
             return;
     }
     Hit hit = scene_hit(ray.origin_m, ray.direction);
-    if (hit.solid == NO_SOLID || solids[hit.solid].albedo.rgb == vec3(0.0))
+    if (hit.solid == NO_SOLID || surface_albedo(hit.solid) == vec3(0.0))
         return;
     path.solid = hit.solid;
     path.origin_m = view_point_m(ray, hit.t_m);
@@ -618,7 +618,7 @@ void leave_event(float sunlit)
     Medium by = only;
     if (MEDIA != 1 && is_medium)
         by = frame.media[path.medium];
-    vec3 normal = is_medium ? vec3(0.0) : solid_normal(solids[path.solid], path.origin_m);
+    vec3 normal = is_medium ? vec3(0.0) : surface_at(path.solid, path.origin_m).normal;
     path.sunlit_sum += sunlit;
     float expected, share = sun_irradiance == vec3(0.0) ? 0.0 : sunlit / (1.0 + path.sunlit_sum);
     vec3 next = turn(path.next_direction, path.came_along, is_medium, by, normal, share, expected);
@@ -650,9 +650,10 @@ void process_event()
         next = sample_phase(by.phase_kind, phase_channel_g(by.phase_kind, by.g, path.hero),
                             path.direction, u.xy);
     } else {
-        normal = solid_normal(solids[path.solid], path.origin_m);
+        Surface surface = surface_at(path.solid, path.origin_m);
+        normal = surface.normal;
         path.is_surface_first |= uint(path.events == 1);
-        path.throughput *= solids[path.solid].albedo.rgb;
+        path.throughput *= surface.albedo;
         light_per_sr = vec3(max(0.0, dot(normal, sun_direction)) / PI);
         next = sample_cosine(normal, u.xy);
     }

@@ -11,29 +11,30 @@ layout(local_size_x = 64) in;
 
 vec3 surface_sunlight(Hit hit, vec3 point_m)
 {
-    vec3 albedo = solids[hit.solid].albedo.rgb;
-    float cosine = dot(solid_normal(solids[hit.solid], point_m), to_sun());
-    if (cosine <= 0.0 || albedo == vec3(0.0) ||
+    Surface surface = surface_at(hit.solid, point_m);
+    float cosine = dot(surface.normal, to_sun());
+    if (cosine <= 0.0 || surface.albedo == vec3(0.0) ||
         make_nonuniform(frame.sun_irradiance == vec3(0.0)) || !sees_sun(point_m, hit.solid))
         return vec3(0.0);
     vec3 arriving = colour_transmittance(scene_optical_depth(point_m, to_sun(), FAR_M));
-    return albedo / PI * cosine * arriving * frame.sun_irradiance;
+    return surface.albedo / PI * cosine * arriving * frame.sun_irradiance;
 }
 
 vec3 surface_lamplight(Hit hit, vec3 point_m)
 {
-    vec3 normal = solid_normal(solids[hit.solid], point_m), sum = vec3(0.0);
+    Surface surface = surface_at(hit.solid, point_m);
+    vec3 sum = vec3(0.0);
     for (uint i = 0; i < make_nonuniform(frame.lamp_count); i++) {
         vec3 way_m = frame.lamps[i].position_m - point_m;
         float distance_m = max(length(way_m), 1e-12);
         vec3 direction = way_m / distance_m;
-        float cosine = dot(normal, direction);
+        float cosine = dot(surface.normal, direction);
         if (cosine > 0.0 && sees_point(point_m, direction, distance_m, hit.solid))
             sum += lamp_irradiance(frame.lamps[i], direction,
                                    cosine / (PI * distance_m * distance_m)) *
                    colour_transmittance(scene_optical_depth(point_m, direction, distance_m));
     }
-    return solids[hit.solid].albedo.rgb * sum;
+    return surface.albedo * sum;
 }
 
 vec3 surface_light(Hit hit, vec3 point_m)

@@ -8,7 +8,7 @@
 
 #include "harness/engines/cycles_mesh.h"
 #include "harness/engines/engines.h"
-#include "harness/engines/mesh_place.h"
+#include "scenes/mesh_place.h"
 #include "harness/engines/povray_mesh.h"
 
 #include <math.h>

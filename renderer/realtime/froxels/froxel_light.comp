@@ -151,5 +151,6 @@ void main()
     if (is_set(RT_FROXEL_HISTORY) && has_past && light_before(froxel, before) && is_sound(before))
         light = mix(light, before, setting(RT_FROXEL_HISTORY));
     put(RT_FROXELS, froxel_texel(froxel_section_now(), froxel), light);
+    check_loops();
     count_cost();
 }

@@ -119,4 +119,5 @@ void main()
         march_texel(thread);
     else
         march_pixel(thread);
+    check_loops();
 }

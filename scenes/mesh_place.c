@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/engines/mesh_place.h"
+#include "scenes/mesh_place.h"
 
 #include "scenes/solids.h"
 

@@ -3,8 +3,8 @@
  * Meshes for engines of other programs: a mesh is written once, and each of its solids is a
  * transform of it.
  */
-#ifndef NEPH_HARNESS_ENGINES_MESH_PLACE_H
-#define NEPH_HARNESS_ENGINES_MESH_PLACE_H
+#ifndef NEPH_SCENES_MESH_PLACE_H
+#define NEPH_SCENES_MESH_PLACE_H
 
 #include "scenes/scene.h"
 

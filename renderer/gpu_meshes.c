@@ -1,0 +1,324 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/gpu_meshes.h"
+
+#include "renderer/relative.h"
+#include "scenes/bounds.h"
+#include "scenes/mesh.h"
+#include "scenes/mesh_place.h"
+#include "scenes/solids.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Does not compile with a new kind: this file then needs a change. */
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
+
+typedef uint32_t words[4];
+
+enum {
+    FAULT_WORDS = 1,
+    NODE_WORDS = 2,
+    INSTANCE_WORDS = 5,
+    TRIANGLE_WORDS = 3,
+    HIT_BITS = 30, /* of the number of a hit, for instance and triangle */
+    RAY_ITERATIONS = 256,
+};
+
+static bool is_instance(const struct neph_solid *solid)
+{
+    return solid->kind == NEPH_SOLID_MESH;
+}
+
+int neph_gpu_count_instances(const struct neph_scene *scene)
+{
+    int count = 0;
+    for (int i = 0; i < scene->solid_count; i++)
+        count += is_instance(&scene->solids[i]);
+    return count;
+}
+
+int neph_gpu_count_plain_solids(const struct neph_scene *scene)
+{
+    return scene->solid_count - neph_gpu_count_instances(scene);
+}
+
+uint64_t neph_gpu_mesh_iterations(const struct neph_scene *scene)
+{
+    return neph_gpu_count_instances(scene) > 0 ? RAY_ITERATIONS : 0;
+}
+
+/* --- places ---------------------------------------------------------------------------------- */
+
+/* Vertices are relative to this point of their mesh. */
+static struct neph_vec3 find_mesh_middle(const struct neph_mesh *mesh)
+{
+    return neph_bounds_middle(&mesh->tree.nodes[0].bounds);
+}
+
+static struct neph_bounds find_hull(const struct neph_scene *scene)
+{
+    struct neph_bounds hull = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (int i = 0; i < scene->solid_count; i++)
+        if (is_instance(&scene->solids[i]))
+            hull = neph_bounds_hull(hull, neph_solid_bounds(&scene->solids[i]));
+    return hull;
+}
+
+static double find_reach(const struct neph_bounds *box)
+{
+    const struct neph_vec3 side = neph_vec3_sub(box->max_m, box->min_m);
+    return 0.5 * fmax(side.x, fmax(side.y, side.z));
+}
+
+static int count_bits(int largest)
+{
+    int bits = 0;
+    while (largest >> bits > 0)
+        bits++;
+    return bits;
+}
+
+static int count_triangle_bits(const struct neph_scene *scene)
+{
+    int most = 1;
+    for (int i = 0; i < scene->mesh_count; i++)
+        most = scene->meshes[i]->data.triangle_count > most ? scene->meshes[i]->data.triangle_count
+                                                            : most;
+    return count_bits(most - 1);
+}
+
+/* --- sizes ----------------------------------------------------------------------------------- */
+
+/* Bounds of the nodes of the tree of instances: a leaf is one instance. */
+static size_t count_instance_nodes(const struct neph_scene *scene)
+{
+    return 3 * (size_t)neph_gpu_count_instances(scene);
+}
+
+static size_t count_mesh_words(const struct neph_mesh *mesh)
+{
+    return NODE_WORDS * (size_t)mesh->tree.node_count +
+           TRIANGLE_WORDS * (size_t)mesh->data.triangle_count;
+}
+
+size_t neph_gpu_mesh_words(const struct neph_scene *scene)
+{
+    size_t count = FAULT_WORDS + NODE_WORDS * count_instance_nodes(scene) +
+                   INSTANCE_WORDS * (size_t)neph_gpu_count_instances(scene);
+    if (neph_gpu_count_instances(scene) == 0)
+        return 0;
+    for (int i = 0; i < scene->mesh_count; i++)
+        count += count_mesh_words(scene->meshes[i]);
+    return count;
+}
+
+struct neph_gpu_meshes neph_gpu_meshes_place(const struct neph_scene *scene,
+                                             struct neph_vec3 camera_m)
+{
+    struct neph_gpu_meshes made = {0};
+    if (neph_gpu_count_instances(scene) == 0)
+        return made;
+    const struct neph_bounds hull = find_hull(scene);
+    neph_relative_position(made.origin_m, neph_bounds_middle(&hull), camera_m);
+    made.reach_m = (float)find_reach(&hull);
+    made.instances = (uint32_t)(FAULT_WORDS + NODE_WORDS * count_instance_nodes(scene));
+    made.triangle_bits = (uint32_t)count_triangle_bits(scene);
+    return made;
+}
+
+/* --- trees ----------------------------------------------------------------------------------- */
+
+static void set_float(uint32_t *word, double value)
+{
+    const float rounded = (float)value;
+    memcpy(word, &rounded, sizeof(rounded));
+}
+
+static void set_vector(uint32_t *word, struct neph_vec3 v)
+{
+    set_float(&word[0], v.x);
+    set_float(&word[1], v.y);
+    set_float(&word[2], v.z);
+}
+
+/* A tree in the order of a walk that enters all nodes. */
+struct tree_writing {
+    const struct neph_box_tree *tree;
+    struct neph_vec3 origin;
+    const struct neph_bounds *items; /* NULL: a leaf of the tree is a node with its items; else each
+                                        item is a node of its own, with these bounds */
+    words *nodes;
+    uint32_t count;
+};
+
+/* Writes bounds and content, and reserves the node. */
+static uint32_t open_node(struct tree_writing *writing, const struct neph_bounds *bounds,
+                          uint32_t leaf)
+{
+    words *node = &writing->nodes[NODE_WORDS * writing->count];
+    set_vector(node[0], neph_vec3_sub(bounds->min_m, writing->origin));
+    set_vector(node[1], neph_vec3_sub(bounds->max_m, writing->origin));
+    node[0][3] = leaf;
+    return writing->count++;
+}
+
+static void close_node(struct tree_writing *writing, uint32_t node)
+{
+    writing->nodes[NODE_WORDS * node + 1][3] = writing->count;
+}
+
+static void write_items(struct tree_writing *writing, const struct neph_tree_node *node)
+{
+    for (int i = 0; i < node->count; i++) {
+        const int item = writing->tree->order[node->first + i];
+        close_node(writing, open_node(writing, &writing->items[item], (uint32_t)item + 1));
+    }
+}
+
+static void write_node(struct tree_writing *writing, int at)
+{
+    const struct neph_tree_node *node = &writing->tree->nodes[at];
+    const uint32_t leaf = (uint32_t)node->first << 4 | (uint32_t)node->count;
+    const bool has_items = node->count > 0;
+    const uint32_t own = open_node(writing, &node->bounds, has_items && !writing->items ? leaf : 0);
+    if (has_items && writing->items)
+        write_items(writing, node);
+    else if (!has_items) {
+        write_node(writing, node->first);
+        write_node(writing, node->first + 1);
+    }
+    close_node(writing, own);
+}
+
+/* Nodes whose next one is behind the last have none. */
+static void write_tree(struct tree_writing *writing)
+{
+    write_node(writing, 0);
+    for (uint32_t n = 0; n < writing->count; n++)
+        if (writing->nodes[NODE_WORDS * n + 1][3] == writing->count)
+            writing->nodes[NODE_WORDS * n + 1][3] = UINT32_MAX;
+}
+
+static enum neph_status write_instance_tree(const struct neph_scene *scene,
+                                            struct neph_vec3 origin_m, words *to,
+                                            struct neph_diag *diag)
+{
+    const int count = neph_gpu_count_instances(scene);
+    struct neph_bounds *boxes = malloc((size_t)count * sizeof(*boxes));
+    struct neph_tree_node *nodes = malloc((size_t)neph_box_tree_room(count) * sizeof(*nodes));
+    int *order = malloc((size_t)count * sizeof(*order));
+    const enum neph_status status = boxes && nodes && order ? NEPH_OK : neph_fail_memory(diag);
+    for (int i = 0, n = 0; i < scene->solid_count && !status; i++)
+        if (is_instance(&scene->solids[i]))
+            boxes[n++] = neph_solid_bounds(&scene->solids[i]);
+    if (!status) {
+        const struct neph_box_tree tree = neph_box_tree_build(boxes, count, nodes, order);
+        struct tree_writing writing = {&tree, origin_m, boxes, to, 0};
+        write_tree(&writing);
+    }
+    free(order);
+    free(nodes);
+    free(boxes);
+    return status;
+}
+
+/* --- meshes ---------------------------------------------------------------------------------- */
+
+static void write_mesh(const struct neph_mesh *mesh, words *to)
+{
+    const struct neph_vec3 middle = find_mesh_middle(mesh);
+    struct tree_writing writing = {&mesh->tree, middle, NULL, to, 0};
+    words *triangles = to + NODE_WORDS * (size_t)mesh->tree.node_count;
+    write_tree(&writing);
+    for (int i = 0; i < mesh->data.triangle_count; i++)
+        for (int corner = 0; corner < 3; corner++)
+            set_vector(
+                triangles[TRIANGLE_WORDS * i + corner],
+                neph_vec3_sub(mesh->data.positions[mesh->data.triangles[i][corner]], middle));
+}
+
+static void write_instance(const struct neph_solid *solid, struct neph_vec3 origin_m,
+                           uint32_t first, words *to)
+{
+    const struct neph_mesh *mesh = solid->mesh;
+    const struct neph_vec3 middle = find_mesh_middle(mesh);
+    struct neph_vec3 axes[3], place_m = neph_vec3_sub(solid->center_m, origin_m);
+    neph_mesh_axes(solid, axes);
+    place_m = neph_vec3_along(place_m, axes[0], middle.x * solid->scale_m);
+    place_m = neph_vec3_along(place_m, axes[1], middle.y * solid->scale_m);
+    place_m = neph_vec3_along(place_m, axes[2], middle.z * solid->scale_m);
+    for (int axis = 0; axis < 3; axis++)
+        set_vector(to[axis], axes[axis]);
+    to[0][3] = first;
+    to[1][3] = first + NODE_WORDS * (uint32_t)mesh->tree.node_count;
+    set_vector(to[3], place_m);
+    set_float(&to[3][3], solid->scale_m);
+    set_vector(to[4], (struct neph_vec3){solid->albedo.r, solid->albedo.g, solid->albedo.b});
+    set_float(&to[4][3], find_reach(&mesh->tree.nodes[0].bounds));
+}
+
+static enum neph_status write_all(const struct neph_scene *scene, words *to, struct neph_diag *diag)
+{
+    const struct neph_bounds hull = find_hull(scene);
+    const struct neph_vec3 origin_m = neph_bounds_middle(&hull);
+    uint32_t at = (uint32_t)(FAULT_WORDS + NODE_WORDS * count_instance_nodes(scene));
+    words *instance = to + at;
+    uint32_t *firsts = malloc((size_t)scene->mesh_count * sizeof(*firsts));
+    if (!firsts)
+        return neph_fail_memory(diag);
+    at += INSTANCE_WORDS * (uint32_t)neph_gpu_count_instances(scene);
+    for (int i = 0; i < scene->mesh_count; i++) {
+        firsts[i] = at;
+        write_mesh(scene->meshes[i], to + at);
+        at += (uint32_t)count_mesh_words(scene->meshes[i]);
+    }
+    for (int i = 0; i < scene->solid_count; i++)
+        if (is_instance(&scene->solids[i])) {
+            const int mesh = neph_mesh_index(scene, &scene->solids[i]);
+            write_instance(&scene->solids[i], origin_m, firsts[mesh], instance);
+            instance += INSTANCE_WORDS;
+        }
+    free(firsts);
+    return write_instance_tree(scene, origin_m, to + FAULT_WORDS, diag);
+}
+
+enum neph_status neph_gpu_meshes_upload(const struct neph_vulkan *vulkan,
+                                        const struct neph_scene *scene,
+                                        const struct neph_buffer *buffer, struct neph_diag *diag)
+{
+    const size_t count = neph_gpu_mesh_words(scene);
+    const int bits = count_triangle_bits(scene), instances = neph_gpu_count_instances(scene);
+    if (count == 0)
+        return NEPH_OK;
+    if (count_bits(instances - 1) + bits > HIT_BITS)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "%d instances of meshes with up to 2^%d triangles; on a device there are "
+                         "numbers for 2^%d triangles of all instances",
+                         instances, bits, HIT_BITS);
+    words *data = calloc(count, sizeof(*data));
+    if (!data)
+        return neph_fail_memory(diag);
+    enum neph_status status = write_all(scene, data, diag);
+    if (!status)
+        status = neph_buffer_upload(vulkan, buffer, 0, data, count * sizeof(*data), diag);
+    free(data);
+    return status;
+}
+
+enum neph_status neph_gpu_meshes_check(const struct neph_vulkan *vulkan,
+                                       const struct neph_buffer *buffer,
+                                       const struct neph_buffer *readback, struct neph_diag *diag)
+{
+    const enum neph_status status = neph_buffer_download(vulkan, buffer, readback, sizeof(uint32_t),
+                                                         diag);
+    uint32_t fault = 0;
+    if (!status)
+        memcpy(&fault, readback->mapped, sizeof(fault));
+    return fault == 0 ? status
+                      : neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                                  "rays meet too many boxes of the meshes: the device leaves loops "
+                                  "after %d iterations; a GPU does not, or take fewer steps or "
+                                  "samples",
+                                  NEPH_KERNEL_LOOP_ITERATIONS_MAX);
+}

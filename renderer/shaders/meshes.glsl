@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: MIT
+//
+// Triangle meshes: nearest hit, any hit, and the surface at a hit. renderer/gpu_meshes.c writes the
+// data. They are
+//
+//   a tree of boxes around instances -> an instance: a mesh and its place
+//                                       -> the mesh's tree of boxes around triangles
+//
+// Rays meet triangles by S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT
+// 2(1), 2013, in float32: no ray passes between triangles with a common edge or vertex. The signs
+// of its edge functions are never wrong, because rounding keeps the order of two products; an edge
+// function that rounds to 0 belongs to both sides. `precise` forbids fused operations, which would
+// round the two sides of an edge differently.
+#ifndef NEPH_MESHES_GLSL
+#define NEPH_MESHES_GLSL
+
+#include "media.glsl"
+
+const bool MESHES = (SCENE_KINDS & NEPH_GPU_MESHES) != 0u;
+
+// The meshes are in the buffer of Horizon's textures, in front of them.
+layout(std430, binding = 4) readonly buffer MeshWords
+{
+    uvec4 mesh_words[];
+};
+
+// Its first word is set where a device has left a loop before its end: such a frame is wrong
+// (renderer/compute.h).
+layout(std430, binding = 4) writeonly buffer MeshFault
+{
+    uint mesh_fault;
+};
+
+void report_left_loop(bool is_left)
+{
+    if (ON_CPU && is_left)
+        mesh_fault = 1u;
+}
+
+// Reports if the thread has no loop iterations left. For the end of a kernel with long loops.
+void check_loops()
+{
+    uint turns = 0u, wanted = make_nonuniform(2u);
+    while (MESHES && ON_CPU && turns < wanted)
+        turns++;
+    report_left_loop(MESHES && turns < wanted);
+}
+
+// --- data -----------------------------------------------------------------------------------
+
+// A node of a tree, as SolidNode. Nodes are in the order of a walk that enters all of them.
+const uint MESH_NODE_WORDS = 2;
+
+struct MeshNode {
+    vec3 low_m;
+    uint leaf; // 0: its first child is the next node; else its content
+    vec3 high_m;
+    uint next; // behind all children; NO_SOLID: the end
+};
+
+MeshNode mesh_node(uint first, uint n)
+{
+    uvec4 low = mesh_words[first + MESH_NODE_WORDS * n];
+    uvec4 high = mesh_words[first + MESH_NODE_WORDS * n + 1];
+    return MeshNode(uintBitsToFloat(low.xyz), low.w, uintBitsToFloat(high.xyz), high.w);
+}
+
+const uint MESH_INSTANCE_WORDS = 5;
+
+struct MeshInstance {
+    mat3 turn;       // columns: the mesh's axes in the world, unit
+    vec3 position_m; // of the mesh's origin, relative to Meshes.origin_m
+    float scale_m;   // the mesh's unit of length
+    vec3 albedo;
+    float reach;    // largest coordinate of the mesh
+    uint nodes;     // index of the tree's first node
+    uint triangles; // index of the first triangle
+};
+
+MeshInstance mesh_instance(uint i)
+{
+    uint at = frame.meshes.instances + MESH_INSTANCE_WORDS * i;
+    uvec4 x = mesh_words[at], y = mesh_words[at + 1], z = mesh_words[at + 2];
+    uvec4 place = mesh_words[at + 3], surface = mesh_words[at + 4];
+    return MeshInstance(
+        mat3(uintBitsToFloat(x.xyz), uintBitsToFloat(y.xyz), uintBitsToFloat(z.xyz)),
+        uintBitsToFloat(place.xyz), uintBitsToFloat(place.w), uintBitsToFloat(surface.xyz),
+        uintBitsToFloat(surface.w), x.w, y.w);
+}
+
+struct Triangle {
+    vec3 a, b, c; // counterclockwise, seen from outside
+};
+
+Triangle mesh_triangle(uint at)
+{
+    return Triangle(uintBitsToFloat(mesh_words[at].xyz), uintBitsToFloat(mesh_words[at + 1].xyz),
+                    uintBitsToFloat(mesh_words[at + 2].xyz));
+}
+
+// Twice the area along the normal.
+vec3 triangle_area(Triangle t)
+{
+    return cross(t.b - t.a, t.c - t.a);
+}
+
+// --- the number of a hit ------------------------------------------------------------------------
+
+// A hit of a mesh has, in place of the number of a solid, these bits, the instance, and the
+// triangle in the lowest Meshes.triangle_bits.
+const uint IS_MESH = 0x80000000u;
+const uint IS_BACK = 0x40000000u; // the ray comes from the side opposite to the normal
+
+bool is_mesh(uint solid)
+{
+    return MESHES && solid >= IS_MESH && solid != NO_SOLID;
+}
+
+uint hit_instance(uint solid)
+{
+    return (solid & ~(IS_MESH | IS_BACK)) >> frame.meshes.triangle_bits;
+}
+
+uint hit_triangle(uint solid)
+{
+    return solid & ~(~0u << frame.meshes.triangle_bits);
+}
+
+// --- rays ---------------------------------------------------------------------------------------
+
+// A ray in the axes of a mesh, in the mesh's unit of length; t is in metres. In sheared
+// coordinates, with the axes `longest` + 1, + 2 and + 0, it is (0, 0, t).
+struct MeshRay {
+    vec3 origin;
+    vec3 direction; // of the length 1 / scale_m
+    vec3 inverse;
+    vec3 margin;  // boxes are larger by it, more than all rounding
+    uint longest; // axis
+    vec3 shear;
+};
+
+// Rounding of float32, with a reserve: of positions relative to their own size.
+const float MESH_ROUNDING = 1e-6;
+
+MeshRay mesh_ray(vec3 origin, vec3 direction, float reach)
+{
+    MeshRay ray;
+    ray.origin = origin;
+    ray.direction = direction;
+    vec3 size = abs(direction);
+    vec3 toward = mix(vec3(-1.0), vec3(1.0), greaterThanEqual(direction, vec3(0.0)));
+    ray.inverse = toward / max(size, vec3(PARALLEL));
+    vec3 far = abs(origin);
+    ray.margin = vec3(MESH_ROUNDING * (reach + max(far.x, max(far.y, far.z))));
+    ray.longest = size.x > size.y ? 0u : 1u;
+    ray.longest = size.z > max(size.x, size.y) ? 2u : ray.longest;
+    vec3 d = ray.longest == 0u ? direction.yzx : ray.longest == 1u ? direction.zxy : direction;
+    ray.shear = vec3(d.xy, 1.0) / d.z;
+    return ray;
+}
+
+// The part of the ray in a box between two distances. A ray in a face of the enlarged box may miss
+// it, because it is outside the box itself.
+bool meets_box(MeshRay ray, vec3 low, vec3 high, float start_m, float end_m)
+{
+    vec3 a = (low - ray.margin - ray.origin) * ray.inverse;
+    vec3 b = (high + ray.margin - ray.origin) * ray.inverse;
+    vec3 near = min(a, b), far = max(a, b);
+    float t0_m = max(max(near.x, near.y), max(near.z, start_m));
+    float t1_m = min(min(far.x, far.y), min(far.z, end_m));
+    return t0_m <= t1_m;
+}
+
+vec3 sheared(MeshRay ray, vec3 point)
+{
+    vec3 from = point - ray.origin;
+    vec3 p = ray.longest == 0u ? from.yzx : ray.longest == 1u ? from.zxy : from;
+    precise vec3 at = vec3(p.x - ray.shear.x * p.z, p.y - ray.shear.y * p.z, ray.shear.z * p.z);
+    return at;
+}
+
+// The side of the edge from a to b on which the ray passes; exactly opposite for (b, a).
+float edge_side(vec3 a, vec3 b)
+{
+    precise float left = b.x * a.y, right = b.y * a.x;
+    precise float side = left - right;
+    return side;
+}
+
+// The distance of the ray to a triangle's plane, within the distances of the triangle itself.
+// False: the ray does not pass it between its edges.
+bool meet_triangle(MeshRay ray, Triangle t, out float t_m, out bool is_back)
+{
+    vec3 a = sheared(ray, t.a), b = sheared(ray, t.b), c = sheared(ray, t.c);
+    vec3 sides = vec3(edge_side(b, c), edge_side(c, a), edge_side(a, b));
+    t_m = 0.0;
+    is_back = false;
+    if (any(lessThan(sides, vec3(0.0))) && any(greaterThan(sides, vec3(0.0))))
+        return false;
+    vec3 area = triangle_area(t);
+    float facing = -dot(area, ray.direction);
+    if (facing == 0.0 || sides == vec3(0.0))
+        return false; // edge on: its neighbours are met
+    is_back = facing < 0.0;
+    float near = min(a.z, min(b.z, c.z)), far = max(a.z, max(b.z, c.z));
+    t_m = clamp(dot(area, ray.origin - t.a) / facing, near, far);
+    return t_m > 0.0;
+}
+
+// --- walks --------------------------------------------------------------------------------------
+
+// The trees are walked by all threads of a subgroup together: a node is entered if one of them
+// meets its box. So its index is the same in all of them, and the device reads it once. Paths of
+// the tracer go different ways, each thread for itself.
+#ifdef WALKS_ALONE
+#define is_entered(meets) (meets)
+#else
+#extension GL_KHR_shader_subgroup_vote : require
+#define is_entered(meets) subgroupAny(meets)
+#endif
+
+MeshRay instance_ray(MeshInstance to, vec3 origin_m, vec3 direction)
+{
+    return mesh_ray((origin_m - to.position_m) * to.turn / to.scale_m,
+                    direction * to.turn / to.scale_m, to.reach);
+}
+
+// The nearest triangle of an instance with t > 0 if it is nearer than `hit`, except for one.
+void keep_nearest_triangle(uint instance, vec3 origin_m, vec3 direction, uint except, inout Hit hit)
+{
+    MeshInstance mesh = mesh_instance(instance);
+    MeshRay ray = instance_ray(mesh, origin_m, direction);
+    uint own = IS_MESH | instance << frame.meshes.triangle_bits;
+    uint n = 0u;
+    while (n != NO_SOLID) {
+        MeshNode node = mesh_node(mesh.nodes, n);
+        bool meets = meets_box(ray, node.low_m, node.high_m, 0.0, hit.t_m);
+        n = is_entered(meets) && node.leaf == 0u ? n + 1u : node.next;
+        for (uint i = 0u; i < (meets ? node.leaf & 15u : 0u); i++) {
+            uint triangle = (node.leaf >> 4u) + i;
+            float t_m;
+            bool is_back;
+            if ((own | triangle) != (except & ~IS_BACK) &&
+                meet_triangle(ray, mesh_triangle(mesh.triangles + 3u * triangle), t_m, is_back) &&
+                t_m < hit.t_m)
+                hit = Hit(t_m, own | triangle | (is_back ? IS_BACK : 0u));
+        }
+    }
+    report_left_loop(n != NO_SOLID);
+}
+
+// Whether a triangle of an instance is met between two distances, except for one.
+bool is_instance_met(uint instance, vec3 origin_m, vec3 direction, float start_m, float end_m,
+                     uint except)
+{
+    MeshInstance mesh = mesh_instance(instance);
+    MeshRay ray = instance_ray(mesh, origin_m, direction);
+    uint own = IS_MESH | instance << frame.meshes.triangle_bits;
+    bool is_met = false;
+    uint n = 0u;
+    while (n != NO_SOLID) {
+        MeshNode node = mesh_node(mesh.nodes, n);
+        bool meets = !is_met && meets_box(ray, node.low_m, node.high_m, start_m, end_m);
+        n = is_entered(meets) && node.leaf == 0u ? n + 1u : node.next;
+        for (uint i = 0u; i < (meets ? node.leaf & 15u : 0u); i++) {
+            uint triangle = (node.leaf >> 4u) + i;
+            float t_m;
+            bool is_back;
+            if ((own | triangle) != (except & ~IS_BACK) &&
+                meet_triangle(ray, mesh_triangle(mesh.triangles + 3u * triangle), t_m, is_back) &&
+                t_m > start_m && t_m < end_m)
+                is_met = true;
+        }
+        n = is_entered(!is_met) ? n : NO_SOLID;
+    }
+    report_left_loop(n != NO_SOLID);
+    return is_met;
+}
+
+// Unit normal of a hit, on the side that the ray came from.
+vec3 mesh_normal(uint solid)
+{
+    MeshInstance mesh = mesh_instance(hit_instance(solid));
+    vec3 area = triangle_area(mesh_triangle(mesh.triangles + 3u * hit_triangle(solid)));
+    // Scaled to about 1: the square of the area of a small triangle underflows.
+    area /= max(abs(area.x), max(abs(area.y), abs(area.z)));
+    vec3 normal = normalize(mesh.turn * area);
+    return (solid & IS_BACK) != 0u ? -normal : normal;
+}
+
+// The start of a ray relative to Meshes.origin_m. On a triangle it is moved off the triangle's
+// plane, to the side of the hit, by more than rounding: its neighbours are in this plane, or nearly,
+// and rounding would put the point behind them.
+vec3 mesh_origin_m(vec3 origin_m, uint solid)
+{
+    vec3 from_m = origin_m - frame.meshes.origin_m;
+    if (!is_mesh(solid))
+        return from_m;
+    MeshInstance mesh = mesh_instance(hit_instance(solid));
+    float size_m = length(origin_m) + length(from_m) + length(mesh.position_m) +
+                   mesh.reach * mesh.scale_m;
+    return from_m + MESH_ROUNDING * size_m * mesh_normal(solid);
+}
+
+// The nearest triangle with t > 0 in place of `hit` if it is nearer, except for one.
+void keep_nearest_mesh(vec3 origin_m, vec3 direction, uint except, inout Hit hit)
+{
+    vec3 from_m = mesh_origin_m(origin_m, except);
+    MeshRay ray = mesh_ray(from_m, direction, frame.meshes.reach_m);
+    uint n = 0u;
+    while (n != NO_SOLID) {
+        MeshNode node = mesh_node(1u, n);
+        bool meets = meets_box(ray, node.low_m, node.high_m, 0.0, hit.t_m);
+        n = is_entered(meets) && node.leaf == 0u ? n + 1u : node.next;
+        if (meets && node.leaf != 0u)
+            keep_nearest_triangle(node.leaf - 1u, from_m, direction, except, hit);
+    }
+    report_left_loop(n != NO_SOLID);
+}
+
+// Whether a triangle is met between two distances, except for one.
+bool is_mesh_met(vec3 origin_m, vec3 direction, float start_m, float end_m, uint except)
+{
+    vec3 from_m = mesh_origin_m(origin_m, except);
+    MeshRay ray = mesh_ray(from_m, direction, frame.meshes.reach_m);
+    bool is_met = false;
+    uint n = 0u;
+    while (n != NO_SOLID) {
+        MeshNode node = mesh_node(1u, n);
+        bool meets = !is_met && meets_box(ray, node.low_m, node.high_m, start_m, end_m);
+        n = is_entered(meets) && node.leaf == 0u ? n + 1u : node.next;
+        if (meets && node.leaf != 0u)
+            is_met = is_instance_met(node.leaf - 1u, from_m, direction, start_m, end_m, except);
+    }
+    report_left_loop(n != NO_SOLID);
+    return is_met;
+}
+
+#endif
