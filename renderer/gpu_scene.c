@@ -289,8 +289,8 @@ static size_t count_first(const struct neph_scene *scene, const struct neph_medi
                           uint32_t medium_count, enum neph_gpu_data data)
 {
     return data == NEPH_GPU_VALUES   ? count_phase_values(media, medium_count)
-           : data == NEPH_GPU_TEXELS ? neph_gpu_mesh_words(scene)
-                                     : 0;
+           : data == NEPH_GPU_TEXELS ? neph_gpu_mesh_words(scene) + neph_sun_grid_room(scene) / 2
+                                     : 0; /* two cells of the grid in an element */
 }
 
 /* Upload the data of one kind of all media, in the order of fill_media(). */
@@ -514,20 +514,25 @@ uint32_t neph_gpu_solid_number(const struct neph_scene *scene, int solid)
     return number;
 }
 
-/* In memory of the host first: it reads them again, and a mapped buffer may be slow to read. */
-static void fill_solids(const struct neph_scene *scene, struct neph_vec3 camera_m,
-                        struct neph_gpu_solids *mapped)
+/* Returns the number of nodes of wide solids. In memory of the host first: it reads them again, and a mapped buffer may be slow to read. */
+static uint32_t fill_solids(const struct neph_scene *scene, struct neph_vec3 camera_m,
+                            struct neph_gpu_solids *mapped)
 {
     struct neph_gpu_solids gpu;
+    bool is_wide[NEPH_GPU_SOLIDS_MAX];
     size_t count = 0;
+    const struct neph_bounds boxes = neph_boxes_hull(scene);
     for (int i = 0; i < scene->solid_count; i++)
-        if (scene->solids[i].kind != NEPH_SOLID_MESH)
+        if (scene->solids[i].kind != NEPH_SOLID_MESH) {
+            is_wide[count] = neph_is_wide_solid(&scene->solids[i], &boxes);
             gpu.solids[count++] = neph_gpu_solid_pack(&scene->solids[i], camera_m);
-    neph_solid_tree_build(&gpu, (uint32_t)count);
+        }
+    const uint32_t wide_nodes = neph_solid_tree_build(&gpu, (uint32_t)count, is_wide);
     memcpy(mapped->solids, gpu.solids, count * sizeof(gpu.solids[0]));
     memcpy(mapped->solid_order, gpu.solid_order, (count + 3) / 4 * sizeof(gpu.solid_order[0]));
     memcpy(mapped->solid_nodes, gpu.solid_nodes,
            neph_solid_tree_nodes(count) * sizeof(gpu.solid_nodes[0]));
+    return wide_nodes;
 }
 
 /* Whether a gap is significant: float32 loses gaps below 1e-6 of the distance between face and
@@ -603,7 +608,13 @@ static void fill_scene_frame(struct neph_gpu_scene *gpu, const struct neph_scene
         gpu->constants[1] |= neph_is_turned(&scene->solids[i].turn) ? NEPH_GPU_TURNED : 0u;
     for (int i = 0; i < scene->medium_count; i++)
         gpu->constants[1] |= neph_is_turned(&scene->media[i].turn) ? NEPH_GPU_TURNED_MEDIA : 0u;
-    fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
+    const uint32_t wide_nodes = fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
+    if (neph_sun_grid_fits(&gpu->sun_grid, scene)) {
+        gpu->constants[0] |= NEPH_GPU_SUN_GRID;
+        gpu->frame->sun_grid = neph_sun_grid_place(&gpu->sun_grid, camera.position_m,
+                                                   2 * (uint32_t)neph_gpu_mesh_words(scene));
+        gpu->frame->sun_grid.wide_nodes = wide_nodes;
+    }
     gpu->solid_iterations = neph_gpu_solid_iterations(scene);
     gpu->frame->meshes = neph_gpu_meshes_place(scene, camera.position_m);
     gpu->constants[0] |= neph_gpu_count_instances(scene) > 0 ? NEPH_GPU_MESHES : 0u;
@@ -612,6 +623,30 @@ static void fill_scene_frame(struct neph_gpu_scene *gpu, const struct neph_scene
         gpu->constants[1] |= NEPH_GPU_SHADED;
     set_pairs(gpu);
     place_majorants(gpu);
+}
+
+/* Build the grid before the frame is filled, and upload it behind the meshes. */
+static enum neph_status create_sun_grid(const struct neph_scene *scene, struct neph_gpu_scene *gpu,
+                                        struct neph_diag *diag)
+{
+    return neph_sun_grid_room(scene) > 0 ? neph_sun_grid_create(scene, &gpu->sun_grid, diag)
+                                         : NEPH_OK;
+}
+
+static enum neph_status upload_sun_grid(const struct neph_vulkan *vulkan,
+                                        const struct neph_scene *scene, struct neph_gpu_scene *gpu,
+                                        struct neph_diag *diag)
+{
+    const size_t cell_bytes = sizeof(gpu->sun_grid.limits_m[0]);
+    const size_t cells = (size_t)gpu->sun_grid.width * (size_t)gpu->sun_grid.height;
+    const enum neph_status status =
+        cells > 0 ? neph_buffer_upload(vulkan, &gpu->buffers[NEPH_GPU_TEXELS_BUFFER],
+                                       2 * neph_gpu_mesh_words(scene) * cell_bytes,
+                                       gpu->sun_grid.limits_m, cells * cell_bytes, diag)
+                  : NEPH_OK;
+    free(gpu->sun_grid.limits_m);
+    gpu->sun_grid.limits_m = NULL;
+    return status;
 }
 
 static enum neph_status upload_meshes(const struct neph_vulkan *vulkan,
@@ -645,6 +680,8 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
                                                  "scene frame", &gpu->buffers[0], diag);
     if (!status)
         status = create_solids(vulkan, gpu, diag);
+    if (!status)
+        status = create_sun_grid(scene, gpu, diag);
     if (status)
         return status;
     gpu->frame = gpu->buffers[0].mapped;
@@ -665,6 +702,8 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
         status = upload_data(vulkan, scene, media, NEPH_GPU_TEXELS, gpu, diag);
     if (!status)
         status = upload_meshes(vulkan, scene, gpu, diag);
+    if (!status)
+        status = upload_sun_grid(vulkan, scene, gpu, diag);
     return status;
 }
 
@@ -701,6 +740,7 @@ void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_sc
         neph_buffer_destroy(vulkan, &gpu->buffers[i]);
     neph_buffer_destroy(vulkan, &gpu->pairs);
     neph_buffer_destroy(vulkan, &gpu->mesh_readback);
+    neph_sun_grid_destroy(&gpu->sun_grid);
     gpu->frame = NULL;
 }
 

@@ -11,6 +11,7 @@
 #include "renderer/gpu_meshes.h"
 #include "renderer/shaders/constants.h"
 #include "renderer/solid_tree.h"
+#include "renderer/sun_grid.h"
 #include "scenes/scene.h"
 #include "shaders/structs.h" /* struct neph_gpu_frame and its members, shared with the shaders */
 
@@ -43,7 +44,7 @@ uint32_t neph_gpu_solid_number(const struct neph_scene *scene, int solid);
  * includes shaders/scene.glsl. */
 enum { NEPH_GPU_SCENE_BUFFERS = 5, NEPH_GPU_SCENE_UNIFORMS = 2, NEPH_GPU_SCENE_CONSTANTS = 2 };
 
-/* The buffer with textures of Horizon clouds, behind the meshes. */
+/* The buffer with meshes, the grid across the sun, and textures of Horizon clouds. */
 enum { NEPH_GPU_TEXELS_BUFFER = 4 };
 
 /* The buffer with the values of grids. On a CPU a texel of it is a value and its successor
@@ -64,6 +65,7 @@ struct neph_gpu_scene {
     uint32_t constants[NEPH_GPU_SCENE_CONSTANTS];
     bool is_on_cpu, has_pairs;
     struct neph_buffer mesh_readback; /* on a CPU, with meshes */
+    struct neph_sun_grid sun_grid;    /* without limits: they are in the buffer of texels */
     /* The position of the majorants of each medium, if any; they move with the medium. */
     struct neph_gpu_majorants {
         uint32_t size[3], first;

@@ -9,7 +9,7 @@ _Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 enum { LEAF = NEPH_GPU_LEAF_SOLIDS, SOLIDS_MAX = NEPH_GPU_SOLIDS_MAX };
 
-enum tree { UNBOUNDED, WIDE, OTHERS, TREE_COUNT };
+enum tree { WIDE, UNBOUNDED, BOXES, TREE_COUNT };
 
 /* A solid's box, the place of its centre, and its number. */
 struct boxed {
@@ -47,16 +47,6 @@ static void include(struct boxed *around, const struct boxed *box)
 
 static const struct boxed nothing = {.low_m = {INFINITY, INFINITY, INFINITY},
                                      .high_m = {-INFINITY, -INFINITY, -INFINITY}};
-
-/* Whether the box is at least a quarter as wide as all boxes along two axes. */
-static bool is_wide(const struct boxed *box, const struct boxed *all)
-{
-    int wide_axes = 0;
-    for (int axis = 0; axis < 3; axis++)
-        wide_axes += box->high_m[axis] - box->low_m[axis] >=
-                     0.25f * (all->high_m[axis] - all->low_m[axis]);
-    return wide_axes >= 2;
-}
 
 /* The axis along which the centres are spread most. */
 static int choose_axis(const struct boxed *boxes, int count)
@@ -129,31 +119,28 @@ static void build(struct builder *builder, int first, int count)
     node->next = builder->node_count;
 }
 
-void neph_solid_tree_build(struct neph_gpu_solids *gpu, uint32_t count)
+uint32_t neph_solid_tree_build(struct neph_gpu_solids *gpu, uint32_t count, const bool *is_wide)
 {
     struct builder builder = {.nodes = gpu->solid_nodes};
-    struct boxed found[SOLIDS_MAX], all = nothing;
+    uint32_t wide_nodes = 0;
     int placed = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        found[i] = find_box(&gpu->solids[i], i);
-        if (gpu->solids[i].kind == NEPH_SOLID_BOX)
-            include(&all, &found[i]);
-    }
-    for (int tree = UNBOUNDED; tree < TREE_COUNT; tree++) {
+    for (int tree = WIDE; tree < TREE_COUNT; tree++) {
         const int first = placed;
         for (uint32_t i = 0; i < count; i++) {
-            const enum tree own = gpu->solids[i].kind != NEPH_SOLID_BOX ? UNBOUNDED
-                                  : is_wide(&found[i], &all)            ? WIDE
-                                                                        : OTHERS;
+            const enum tree own = is_wide[i]                              ? WIDE
+                                  : gpu->solids[i].kind != NEPH_SOLID_BOX ? UNBOUNDED
+                                                                          : BOXES;
             if ((int)own == tree)
-                builder.boxes[placed++] = found[i];
+                builder.boxes[placed++] = find_box(&gpu->solids[i], i);
         }
         if (placed > first)
             build(&builder, first, placed - first);
+        wide_nodes = tree == WIDE ? builder.node_count : wide_nodes;
     }
     for (uint32_t i = 0; i < count; i++)
         gpu->solid_order[i / 4][i % 4] = builder.boxes[i].solid;
     for (uint32_t n = 0; n < builder.node_count; n++)
         if (gpu->solid_nodes[n].next == builder.node_count)
             gpu->solid_nodes[n].next = UINT32_MAX;
+    return wide_nodes;
 }

@@ -11,12 +11,14 @@
 #include "renderer/shaders/constants.h"
 #include "shaders/structs.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* Fill nodes and order for the first `count` solids. There are up to three trees, one behind the
- * other: of spheres and rotated boxes, whose boxes are unbounded, because the rounding of their
- * intersections could exceed any; of boxes that are wide, such as a ground; and of all others. */
-void neph_solid_tree_build(struct neph_gpu_solids *gpu, uint32_t count);
+ * other: of solids that are wide, such as a ground; of spheres and rotated boxes, whose boxes are
+ * unbounded, because the rounding of their intersections could exceed any; and of boxes. Returns the
+ * number of nodes of the first tree. */
+uint32_t neph_solid_tree_build(struct neph_gpu_solids *gpu, uint32_t count, const bool *is_wide);
 
 /* Upper bound of the number of nodes, at most `count`. In a tree all leaves but one are full, and
  * its nodes are twice its leaves, less 1. */

@@ -25,7 +25,8 @@
 
 // Bits of specialization constant 0: one for each kind of media in the scene, and further ones.
 #define NEPH_GPU_KINDS_MASK 255u
-#define NEPH_GPU_MESHES 256u // the scene has triangle meshes
+#define NEPH_GPU_MESHES 256u   // the scene has triangle meshes
+#define NEPH_GPU_SUN_GRID 512u // the scene has a grid across the sun
 
 // Bits of specialization constant 1: properties of a scene, beside its kinds of media, for which
 // kernels are specialized.

@@ -66,6 +66,20 @@ struct Meshes {
     uvec2 padding;
 };
 
+// The grid across the sun (sun_grid.glsl). A point has its place in the grid, in cells, by
+// across_u and across_v, and its height towards the sun.
+struct SunGrid {
+    vec3 across_u; // cells per metre
+    float height_m; // of the camera
+    vec3 across_v;
+    float reach_m; // points that are farther from the camera along an axis do not use it
+    vec2 corner_cells; // the camera's place
+    uvec2 size; // in cells
+    uint first; // index of cell (0, 0)
+    uint wide_nodes; // nodes of the trees of solids that are not in the grid
+    uvec2 padding;
+};
+
 struct Hit {
     float t_m;  // FAR_M when nothing is hit
     uint solid; // NO_SOLID when nothing is hit
@@ -104,6 +118,7 @@ layout(std140, binding = 0) uniform Frame {
 #include "settings/march_frame.glsl" // settings of approximations
     Lamp lamps[NEPH_GPU_LAMPS_MAX];
     Meshes meshes;
+    SunGrid sun_grid;
     FogLook fog_look; // of a march that leaves the height fog to a closed form (march_veil.glsl)
 } frame;
 

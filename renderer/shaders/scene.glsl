@@ -7,6 +7,7 @@
 
 #include "meshes.glsl"
 #include "phase.glsl"
+#include "sun_grid.glsl"
 
 // In a scene with grey media all channels take the first one's value, and the compiler removes the
 // others.
@@ -110,11 +111,13 @@ Hit scene_hit(vec3 origin_m, vec3 direction)
     return nearest_hit(origin_m, direction, NO_SOLID);
 }
 
-// Whether no solid but `except` is met between two distances from a point.
-bool is_free(vec3 point_m, vec3 direction, float start_m, float end_m, uint except)
+// Whether no solid but `except` is met between two distances from a point. Only of the solids whose
+// trees have the nodes from `first` to the one before `behind`; meshes are behind all of them.
+bool is_free(vec3 point_m, vec3 direction, float start_m, float end_m, uint except, uint first,
+             uint behind)
 {
     bool is_hidden = false;
-    for (uint n = 0; n < make_nonuniform(frame.solid_count);) {
+    for (uint n = first; n < behind;) {
         SolidNode node = solid_nodes[n];
         float t0_m = start_m, t1_m = end_m;
         bool meets = !is_hidden &&
@@ -127,14 +130,38 @@ bool is_free(vec3 point_m, vec3 direction, float start_m, float end_m, uint exce
                 is_hidden = true;
         }
     }
-    if (MESHES && !is_hidden)
-        is_hidden = is_mesh_met(point_m, direction, start_m, end_m, except);
     return !is_hidden;
+}
+
+bool is_free(vec3 point_m, vec3 direction, float start_m, float end_m, uint except)
+{
+    bool is_free = is_free(point_m, direction, start_m, end_m, except, 0u,
+                           make_nonuniform(frame.solid_count));
+    if (MESHES && is_free)
+        is_free = !is_mesh_met(point_m, direction, start_m, end_m, except);
+    return is_free;
 }
 
 // A point at the distance t has a position error of some 1e-7 t. A solid that the sun ray leaves
 // within this fraction of t only touches the point and does not shadow it.
 const float SHADOW_START = 1e-6;
+
+// With the grid across the sun, rays test only solids that are not in it, such as a ground, and for
+// points between the two limits of their cell all others.
+bool sees_sun_by_grid(vec3 point_m, float start_m)
+{
+    uint sun = sun_from_grid(point_m), wide = make_nonuniform(frame.sun_grid.wide_nodes);
+    bool is_seen = sun != SUN_HIDDEN;
+    if (is_seen)
+        is_seen = is_free(point_m, to_sun(), start_m, ENDLESS_M, NO_SOLID, 0u, wide);
+    if (is_seen && sun == SUN_UNSURE) {
+        is_seen = is_free(point_m, to_sun(), start_m, ENDLESS_M, NO_SOLID, wide,
+                          make_nonuniform(frame.solid_count));
+        if (MESHES && is_seen)
+            is_seen = !is_mesh_met(point_m, to_sun(), start_m, ENDLESS_M, NO_SOLID);
+    }
+    return is_seen;
+}
 
 // Whether a point sees the sun. `except` is the solid that the point lies on: solids are convex, so
 // where the surface faces the sun its own solid cannot shadow it. Excluding it makes an offset
@@ -146,6 +173,8 @@ bool sees_sun(vec3 point_m, uint except)
     if (ARE_KNOWN)
         return known_sees_point(point_m, to_sun(), start_m, ENDLESS_M, except);
 #endif
+    if (HAS_SUN_GRID && except == NO_SOLID)
+        return sees_sun_by_grid(point_m, start_m);
     return is_free(point_m, to_sun(), start_m, ENDLESS_M, except);
 }
 
