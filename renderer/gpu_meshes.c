@@ -145,7 +145,7 @@ static void set_vector(uint32_t *word, struct neph_vec3 v)
 /* A tree in the order of a walk that enters all nodes. */
 struct tree_writing {
     const struct neph_box_tree *tree;
-    struct neph_vec3 origin;
+    struct neph_vec3 origin, eye;
     const struct neph_bounds *items; /* NULL: a leaf of the tree is a node with its items; else each
                                         item is a node of its own, with these bounds */
     words *nodes;
@@ -176,6 +176,13 @@ static void write_items(struct tree_writing *writing, const struct neph_tree_nod
     }
 }
 
+static double distance_to(struct neph_vec3 point, const struct neph_bounds *box)
+{
+    return neph_vec3_length(neph_vec3_sub(neph_bounds_nearest(box, point), point));
+}
+
+/* The child that is nearer to the eye is first: view rays meet near triangles first then, and pass
+ * the boxes of far ones. */
 static void write_node(struct tree_writing *writing, int at)
 {
     const struct neph_tree_node *node = &writing->tree->nodes[at];
@@ -185,8 +192,11 @@ static void write_node(struct tree_writing *writing, int at)
     if (has_items && writing->items)
         write_items(writing, node);
     else if (!has_items) {
-        write_node(writing, node->first);
-        write_node(writing, node->first + 1);
+        const struct neph_tree_node *children = &writing->tree->nodes[node->first];
+        const bool swaps = distance_to(writing->eye, &children[1].bounds) <
+                           distance_to(writing->eye, &children[0].bounds);
+        write_node(writing, node->first + swaps);
+        write_node(writing, node->first + !swaps);
     }
     close_node(writing, own);
 }
@@ -201,8 +211,8 @@ static void write_tree(struct tree_writing *writing)
 }
 
 static enum neph_status write_instance_tree(const struct neph_scene *scene,
-                                            struct neph_vec3 origin_m, words *to,
-                                            struct neph_diag *diag)
+                                            struct neph_vec3 origin_m, struct neph_vec3 eye_m,
+                                            words *to, struct neph_diag *diag)
 {
     const int count = neph_gpu_count_instances(scene);
     struct neph_bounds *boxes = malloc((size_t)count * sizeof(*boxes));
@@ -214,7 +224,7 @@ static enum neph_status write_instance_tree(const struct neph_scene *scene,
             boxes[n++] = neph_solid_bounds(&scene->solids[i]);
     if (!status) {
         const struct neph_box_tree tree = neph_box_tree_build(boxes, count, nodes, order);
-        struct tree_writing writing = {&tree, origin_m, boxes, to, 0};
+        struct tree_writing writing = {&tree, origin_m, eye_m, boxes, to, 0};
         write_tree(&writing);
     }
     free(order);
@@ -225,10 +235,32 @@ static enum neph_status write_instance_tree(const struct neph_scene *scene,
 
 /* --- meshes ---------------------------------------------------------------------------------- */
 
-static void write_mesh(const struct neph_mesh *mesh, words *to)
+/* A point of the world in the axes of a mesh. */
+static struct neph_vec3 to_mesh(const struct neph_solid *solid, struct neph_vec3 point_m)
+{
+    const struct neph_vec3 from_m = neph_vec3_sub(point_m, solid->center_m);
+    struct neph_vec3 axes[3];
+    neph_mesh_axes(solid, axes);
+    return neph_vec3_scale((struct neph_vec3){neph_vec3_dot(from_m, axes[0]),
+                                              neph_vec3_dot(from_m, axes[1]),
+                                              neph_vec3_dot(from_m, axes[2])},
+                           1.0 / solid->scale_m);
+}
+
+/* The eye as seen from the first instance of a mesh. */
+static struct neph_vec3 find_eye(const struct neph_scene *scene, const struct neph_mesh *mesh,
+                                 struct neph_vec3 eye_m)
+{
+    int i = 0;
+    while (i + 1 < scene->solid_count && scene->solids[i].mesh != mesh)
+        i++;
+    return to_mesh(&scene->solids[i], eye_m);
+}
+
+static void write_mesh(const struct neph_mesh *mesh, struct neph_vec3 eye, words *to)
 {
     const struct neph_vec3 middle = find_mesh_middle(mesh);
-    struct tree_writing writing = {&mesh->tree, middle, NULL, to, 0};
+    struct tree_writing writing = {&mesh->tree, middle, eye, NULL, to, 0};
     words *triangles = to + NODE_WORDS * (size_t)mesh->tree.node_count;
     write_tree(&writing);
     for (int i = 0; i < mesh->data.triangle_count; i++)
@@ -258,7 +290,8 @@ static void write_instance(const struct neph_solid *solid, struct neph_vec3 orig
     set_float(&to[4][3], find_reach(&mesh->tree.nodes[0].bounds));
 }
 
-static enum neph_status write_all(const struct neph_scene *scene, words *to, struct neph_diag *diag)
+static enum neph_status write_all(const struct neph_scene *scene, struct neph_vec3 eye_m, words *to,
+                                  struct neph_diag *diag)
 {
     const struct neph_bounds hull = find_hull(scene);
     const struct neph_vec3 origin_m = neph_bounds_middle(&hull);
@@ -270,7 +303,7 @@ static enum neph_status write_all(const struct neph_scene *scene, words *to, str
     at += INSTANCE_WORDS * (uint32_t)neph_gpu_count_instances(scene);
     for (int i = 0; i < scene->mesh_count; i++) {
         firsts[i] = at;
-        write_mesh(scene->meshes[i], to + at);
+        write_mesh(scene->meshes[i], find_eye(scene, scene->meshes[i], eye_m), to + at);
         at += (uint32_t)count_mesh_words(scene->meshes[i]);
     }
     for (int i = 0; i < scene->solid_count; i++)
@@ -280,11 +313,11 @@ static enum neph_status write_all(const struct neph_scene *scene, words *to, str
             instance += INSTANCE_WORDS;
         }
     free(firsts);
-    return write_instance_tree(scene, origin_m, to + FAULT_WORDS, diag);
+    return write_instance_tree(scene, origin_m, eye_m, to + FAULT_WORDS, diag);
 }
 
 enum neph_status neph_gpu_meshes_upload(const struct neph_vulkan *vulkan,
-                                        const struct neph_scene *scene,
+                                        const struct neph_scene *scene, struct neph_vec3 eye_m,
                                         const struct neph_buffer *buffer, struct neph_diag *diag)
 {
     const size_t count = neph_gpu_mesh_words(scene);
@@ -299,7 +332,7 @@ enum neph_status neph_gpu_meshes_upload(const struct neph_vulkan *vulkan,
     words *data = calloc(count, sizeof(*data));
     if (!data)
         return neph_fail_memory(diag);
-    enum neph_status status = write_all(scene, data, diag);
+    enum neph_status status = write_all(scene, eye_m, data, diag);
     if (!status)
         status = neph_buffer_upload(vulkan, buffer, 0, data, count * sizeof(*data), diag);
     free(data);

@@ -650,11 +650,12 @@ static enum neph_status upload_sun_grid(const struct neph_vulkan *vulkan,
 }
 
 static enum neph_status upload_meshes(const struct neph_vulkan *vulkan,
-                                      const struct neph_scene *scene, struct neph_gpu_scene *gpu,
-                                      struct neph_diag *diag)
+                                      const struct neph_scene *scene, double frame,
+                                      struct neph_gpu_scene *gpu, struct neph_diag *diag)
 {
     const enum neph_status status = neph_gpu_meshes_upload(
-        vulkan, scene, &gpu->buffers[NEPH_GPU_TEXELS_BUFFER], diag);
+        vulkan, scene, neph_scene_camera(scene, frame).position_m,
+        &gpu->buffers[NEPH_GPU_TEXELS_BUFFER], diag);
     return status || !gpu->is_on_cpu || neph_gpu_count_instances(scene) == 0
                ? status
                : neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, sizeof(uint32_t),
@@ -701,7 +702,7 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
     if (!status)
         status = upload_data(vulkan, scene, media, NEPH_GPU_TEXELS, gpu, diag);
     if (!status)
-        status = upload_meshes(vulkan, scene, gpu, diag);
+        status = upload_meshes(vulkan, scene, frame, gpu, diag);
     if (!status)
         status = upload_sun_grid(vulkan, scene, gpu, diag);
     return status;

@@ -99,12 +99,31 @@ static void divide(struct boxed *boxes, int count, int part, int axis)
     }
 }
 
+static struct boxed find_hull(const struct boxed *boxes, int count)
+{
+    struct boxed hull = nothing;
+    for (int i = 0; i < count; i++)
+        include(&hull, &boxes[i]);
+    return hull;
+}
+
+static float squared_distance(const struct boxed *box)
+{
+    float sum = 0.0f;
+    for (int axis = 0; axis < 3; axis++) {
+        const float from_m = fmaxf(0.0f, fmaxf(box->low_m[axis], -box->high_m[axis]));
+        sum += from_m * from_m;
+    }
+    return sum;
+}
+
+/* The part of the boxes that is nearer to the camera is first: view rays meet near solids first
+ * then, and pass the boxes of far ones. */
 static void build(struct builder *builder, int first, int count)
 {
     struct neph_gpu_solid_node *node = &builder->nodes[builder->node_count++];
-    struct boxed *boxes = &builder->boxes[first], all = nothing;
-    for (int i = 0; i < count; i++)
-        include(&all, &boxes[i]);
+    struct boxed *boxes = &builder->boxes[first];
+    const struct boxed all = find_hull(boxes, count);
     for (int axis = 0; axis < 3; axis++) {
         node->low_m[axis] = all.low_m[axis];
         node->high_m[axis] = all.high_m[axis];
@@ -113,8 +132,14 @@ static void build(struct builder *builder, int first, int count)
     if (count > LEAF) {
         const int leaves = (count + LEAF - 1) / LEAF, part = LEAF * ((leaves + 1) / 2);
         divide(boxes, count, part, choose_axis(boxes, count));
+        const struct boxed low = find_hull(boxes, part),
+                           high = find_hull(boxes + part, count - part);
+        const bool swaps = squared_distance(&high) < squared_distance(&low);
+        if (swaps)
+            build(builder, first + part, count - part);
         build(builder, first, part);
-        build(builder, first + part, count - part);
+        if (!swaps)
+            build(builder, first + part, count - part);
     }
     node->next = builder->node_count;
 }

@@ -15,9 +15,9 @@
 _Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 enum {
-    SOLIDS_MIN = 12, /* fewer solids are tested in less time than a cell is read */
-    CELLS = 1 << 18,
-    MESH_CELLS = 1 << 20,
+    SOLIDS_MIN = 12,       /* fewer solids are tested in less time than a cell is read */
+    SOLID_CELLS = 1 << 12, /* cells for each solid */
+    CELLS_MAX = 1 << 20,
     SIDE_MAX = 4096,
 };
 
@@ -70,7 +70,10 @@ size_t neph_sun_grid_room(const struct neph_scene *scene)
     if (!scene->sun.present || scene->medium_count == 0 || scene->sun_key_count > 0 ||
         scene->mover_count > 0)
         return 0;
-    return has_mesh(scene) ? MESH_CELLS : scene->solid_count >= SOLIDS_MIN ? CELLS : 0;
+    if (has_mesh(scene))
+        return CELLS_MAX;
+    const size_t cells = SOLID_CELLS * (size_t)scene->solid_count;
+    return scene->solid_count < SOLIDS_MIN ? 0 : cells < CELLS_MAX ? cells : CELLS_MAX;
 }
 
 /* --- axes and cells -------------------------------------------------------------------------- */
