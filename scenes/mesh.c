@@ -271,6 +271,7 @@ void neph_mesh_destroy(struct neph_mesh *mesh)
 {
     if (!mesh)
         return;
+    neph_albedo_texture_destroy(mesh->material.texture);
     neph_mesh_data_finish(&mesh->data);
     free(mesh->number);
     free(mesh->tree.nodes);
@@ -349,12 +350,26 @@ static bool meet_triangle(const struct sheared_ray *ray, const struct corners *t
     return met->t > 0.0;
 }
 
+/* The place that a ray has met. */
+static struct neph_mesh_place find_place(const struct met *met, int triangle)
+{
+    const double sum = met->u + met->v + met->w;
+    return (struct neph_mesh_place){triangle, {met->u / sum, met->v / sum, met->w / sum}};
+}
+
+static bool is_cut_out(const struct neph_mesh *mesh, const struct met *met, int triangle)
+{
+    const struct neph_mesh_place place = find_place(met, triangle);
+    return mesh->material.alpha != NEPH_ALPHA_IGNORED &&
+           !neph_mesh_stops(&mesh->material, &mesh->data, &place);
+}
+
 /* --- hits ------------------------------------------------------------------------------------ */
 
 struct nearest {
     struct sheared_ray ray;
     struct neph_mesh_hit hit;
-    double facing;
+    struct met met;
 };
 
 static bool visit_nearest(int place, void *context)
@@ -367,11 +382,13 @@ static bool visit_nearest(int place, void *context)
         return false;
     const bool has_hit = nearest->hit.t < INFINITY;
     if (met.t == nearest->ray.ray.limit_m &&
-        !(has_hit && mesh->number[place] < mesh->number[nearest->hit.triangle]))
+        !(has_hit && mesh->number[place] < mesh->number[nearest->hit.place.triangle]))
+        return false;
+    if (is_cut_out(mesh, &met, place))
         return false;
     nearest->hit.t = nearest->ray.ray.limit_m = met.t;
-    nearest->hit.triangle = place;
-    nearest->facing = met.facing;
+    nearest->hit.place.triangle = place;
+    nearest->met = met;
     return false;
 }
 
@@ -381,9 +398,11 @@ struct neph_mesh_hit neph_mesh_meet(const struct neph_mesh *mesh, struct neph_ve
     const struct neph_tree_ray ray = {origin, direction, 0.0, limit};
     struct nearest nearest = {.ray = shear_ray(mesh, &ray), .hit = {.t = INFINITY}};
     neph_tree_walk_ray(&mesh->tree, &nearest.ray.ray, visit_nearest, &nearest);
-    if (nearest.hit.t < INFINITY)
-        nearest.hit.normal = neph_vec3_scale(neph_mesh_normal(mesh, nearest.hit.triangle),
-                                             nearest.facing > 0.0 ? 1.0 : -1.0);
+    if (!(nearest.hit.t < INFINITY))
+        return nearest.hit;
+    nearest.hit.place = find_place(&nearest.met, nearest.hit.place.triangle);
+    nearest.hit.normal = neph_vec3_scale(neph_mesh_normal(mesh, nearest.hit.place.triangle),
+                                         nearest.met.facing > 0.0 ? 1.0 : -1.0);
     return nearest.hit;
 }
 
@@ -393,7 +412,7 @@ static bool visit_any(int place, void *context)
     const struct corners corners = get_corners(&ray->mesh->data, place);
     struct met met;
     return meet_triangle(ray, &corners, &met) && met.t > ray->ray.t_min_m &&
-           met.t < ray->ray.limit_m;
+           met.t < ray->ray.limit_m && !is_cut_out(ray->mesh, &met, place);
 }
 
 bool neph_mesh_blocks(const struct neph_mesh *mesh, struct neph_vec3 origin,

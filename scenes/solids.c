@@ -308,11 +308,17 @@ struct neph_hit neph_scene_hit(const struct neph_scene *scene, struct neph_vec3 
     hit.solid = &scene->solids[search.nearest];
     if (hit.solid->kind != NEPH_SOLID_MESH) {
         hit.normal = solid_normal(hit.solid, neph_vec3_along(origin_m, direction, hit.t_m));
+        hit.shading = hit.normal;
         return hit;
     }
-    const struct neph_mesh_data *data = &hit.solid->mesh->data;
-    const int corner = data->triangles[search.mesh_hit.triangle][0];
+    const struct neph_mesh *mesh = hit.solid->mesh;
+    const struct neph_mesh_data *data = &mesh->data;
+    hit.place = search.mesh_hit.place;
+    const int corner = data->triangles[hit.place.triangle][0];
     hit.normal = from_mesh_axes(hit.solid, search.mesh_hit.normal);
+    hit.shading = from_mesh_axes(
+        hit.solid,
+        neph_mesh_shading_normal(&mesh->material, data, &hit.place, search.mesh_hit.normal));
     hit.plane_m = neph_vec3_dot(hit.normal, from_mesh(hit.solid, data->positions[corner]));
     return hit;
 }

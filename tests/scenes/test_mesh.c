@@ -165,14 +165,14 @@ static void test_the_tree_equals_brute_force(void **state)
                                                             INFINITY);
             if (one.t < nearest.t) {
                 nearest = one;
-                nearest.triangle = i;
+                nearest.place.triangle = i;
             }
             neph_mesh_add_shadows(parts[i], &ray, expected);
         }
         assert_true(hit.t == nearest.t);
         hits += hit.t < INFINITY;
         if (hit.t < INFINITY)
-            assert_int_equal(hit.triangle, nearest.triangle);
+            assert_int_equal(hit.place.triangle, nearest.place.triangle);
         assert_true(neph_mesh_blocks(soup, origin_m, direction, 0.0, INFINITY) ==
                     (nearest.t < INFINITY));
         neph_mesh_add_shadows(soup, &ray, shadows);
@@ -205,7 +205,7 @@ static void test_ties_go_to_the_first_triangle(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         const struct neph_mesh_hit hit = neph_mesh_meet(mesh, rows[i].origin, ahead, INFINITY);
         assert_true(hit.t == 3.0 && hit.normal.z == 1.0);
-        assert_int_equal(mesh->number[hit.triangle], rows[i].number);
+        assert_int_equal(mesh->number[hit.place.triangle], rows[i].number);
     }
 }
 
