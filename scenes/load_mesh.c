@@ -20,11 +20,11 @@
 #define SCATTER(member) offsetof(struct neph_scatter, member)
 
 /* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_ALPHA_COUNT == 2, "a new kind");
+_Static_assert(NEPH_ALPHA_COUNT == 3, "a new kind");
 
 static const char *const ups[] = {"y", "z", NULL};
 static const char *const shadings[] = {"flat", "smooth", NULL};
-static const char *const alphas[] = {"ignored", "cutout", NULL};
+static const char *const alphas[] = {"ignored", "cutout", "coverage", NULL};
 
 static const struct neph_field instance_fields[] = {
     {"position_m", NEPH_THREE, INSTANCE(position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
@@ -90,7 +90,9 @@ const struct neph_field neph_mesh_fields[] = {
      .note = "a .png in the scene file's folder or below, times `albedo`", .standard = "none",
      .hashing = NEPH_HASHED_AS_MADE},
     {"alpha", NEPH_WORD, MESH(alpha), .words = alphas,
-     .note = "of the texture; cutout: nothing is there where it is below 1/2",
+     .note =
+         "of the texture; cutout: nothing is there where it is below 1/2; coverage: the part of "
+         "rays that meet it",
      .standard = "ignored", .hashing = NEPH_HASHED_AS_MADE},
     {"memory_limit_mib", NEPH_WHOLE, MESH(memory_limit_mib), "MiB", 1, 8192,
      .note = "of each file, of the mesh and of the texture", .standard = "512",

@@ -19,6 +19,8 @@
 #include "scenes/mesh_material.h"
 #include "scenes/shadows.h"
 
+#include <stdint.h>
+
 #define NEPH_MESH_FAR 1e9 /* largest coordinate */
 
 /* A point may be inside a mesh without boundary. */
@@ -54,17 +56,17 @@ enum neph_status neph_mesh_create(struct neph_mesh_data *data, struct neph_mesh 
                                   struct neph_diag *diag);
 void neph_mesh_destroy(struct neph_mesh *mesh);
 
-/* The nearest hit with 0 < t < limit. */
+/* The nearest hit with 0 < t < limit. `draw`: see coverage_draw in scenes/scene.h. */
 struct neph_mesh_hit neph_mesh_meet(const struct neph_mesh *mesh, struct neph_vec3 origin,
-                                    struct neph_vec3 direction, double limit);
+                                    struct neph_vec3 direction, double limit, uint64_t draw);
 
 /* Whether any triangle is hit with t_min < t < limit. */
 bool neph_mesh_blocks(const struct neph_mesh *mesh, struct neph_vec3 origin,
-                      struct neph_vec3 direction, double t_min, double limit);
+                      struct neph_vec3 direction, double t_min, double limit, uint64_t draw);
 
 /* Adds the parts of the ray from which the mesh hides the light. The shadow of a triangle is
  * convex, so each triangle adds one interval of t. A triangle that the light grazes edge on has no
- * shadow. Not for cut-outs, whose shadows are taken as those of whole triangles. */
+ * shadow. Triangles are taken as whole, whatever their alpha is. */
 void neph_mesh_add_shadows(const struct neph_mesh *mesh, const struct neph_shadow_ray *ray,
                            struct neph_shadows *shadows);
 

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/mesh_material.h"
 
-/* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_ALPHA_COUNT == 2, "a new kind");
-
 struct neph_vec3 neph_mesh_shading_normal(const struct neph_mesh_material *material,
                                           const struct neph_mesh_data *data,
                                           const struct neph_mesh_place *place,
@@ -40,8 +37,8 @@ struct neph_rgb neph_mesh_color(const struct neph_mesh_material *material,
     return material->texture ? find_texel(material, data, place).color : (struct neph_rgb){1, 1, 1};
 }
 
-bool neph_mesh_stops(const struct neph_mesh_material *material, const struct neph_mesh_data *data,
-                     const struct neph_mesh_place *place)
+double neph_mesh_alpha(const struct neph_mesh_material *material, const struct neph_mesh_data *data,
+                       const struct neph_mesh_place *place)
 {
-    return find_texel(material, data, place).alpha >= 0.5;
+    return find_texel(material, data, place).alpha;
 }

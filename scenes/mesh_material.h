@@ -12,7 +12,8 @@
 /* The alpha of a texture, bilinear as its colour is. */
 enum neph_alpha {
     NEPH_ALPHA_IGNORED,
-    NEPH_ALPHA_CUTOUT, /* below 1/2 there is no surface, for any ray */
+    NEPH_ALPHA_CUTOUT,   /* below 1/2 there is no surface, for any ray */
+    NEPH_ALPHA_COVERAGE, /* the part of rays that meet the surface, each time */
     NEPH_ALPHA_COUNT,
 };
 
@@ -42,8 +43,8 @@ struct neph_rgb neph_mesh_color(const struct neph_mesh_material *material,
                                 const struct neph_mesh_data *data,
                                 const struct neph_mesh_place *place);
 
-/* Whether a triangle of a mesh whose alpha is not IGNORED is there for rays. */
-bool neph_mesh_stops(const struct neph_mesh_material *material, const struct neph_mesh_data *data,
-                     const struct neph_mesh_place *place);
+/* The alpha of the texture, 0..1. */
+double neph_mesh_alpha(const struct neph_mesh_material *material, const struct neph_mesh_data *data,
+                       const struct neph_mesh_place *place);
 
 #endif

@@ -270,7 +270,8 @@ static void try_hit(struct hit_search *search, int index)
     double t0_m, t1_m, t_m;
     if (solid->kind == NEPH_SOLID_MESH) {
         const struct neph_mesh_hit hit = neph_mesh_meet(solid->mesh, to_mesh(solid, origin_m),
-                                                        to_mesh_ray(solid, direction), limit_m);
+                                                        to_mesh_ray(solid, direction), limit_m,
+                                                        search->scene->coverage_draw);
         if (!(hit.t < INFINITY))
             return;
         search->mesh_hit = hit;
@@ -357,7 +358,7 @@ static bool blocks(const struct block_search *search, int index)
     if (solid->kind == NEPH_SOLID_MESH)
         return neph_mesh_blocks(solid->mesh, to_mesh(solid, ray->origin_m),
                                 to_mesh_ray(solid, ray->direction), shadow_start_m(solid),
-                                ray->limit_m);
+                                ray->limit_m, search->scene->coverage_draw);
     return solid_interval(solid, ray->origin_m, ray->direction, &t0_m, &t1_m) &&
            t1_m > shadow_start_m(solid) && t0_m < ray->limit_m;
 }

@@ -6,7 +6,7 @@
 #include <math.h>
 
 /* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_ALPHA_COUNT == 2, "a new kind");
+_Static_assert(NEPH_ALPHA_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 /* The axis of a face, from its normal in the axes of the unrotated box. */
@@ -73,14 +73,24 @@ unsigned neph_scene_mesh_looks(const struct neph_scene *scene)
         const struct neph_mesh_material *material = &scene->solids[i].mesh->material;
         looks |= (material->is_smooth ? NEPH_LOOK_SMOOTH : 0u) |
                  (material->texture ? NEPH_LOOK_TEXTURE : 0u) |
-                 (material->alpha == NEPH_ALPHA_CUTOUT ? NEPH_LOOK_CUTOUT : 0u);
+                 (material->alpha == NEPH_ALPHA_CUTOUT ? NEPH_LOOK_CUTOUT : 0u) |
+                 (material->alpha == NEPH_ALPHA_COVERAGE ? NEPH_LOOK_COVERAGE : 0u);
     }
     return looks;
+}
+
+const char *neph_coverage_obstacle(const struct neph_scene *scene)
+{
+    return neph_scene_mesh_looks(scene) & NEPH_LOOK_COVERAGE
+               ? "meshes with alpha as coverage: engines oracle, cycles and povray have them"
+               : NULL;
 }
 
 const char *neph_mesh_material_obstacle(const struct neph_scene *scene)
 {
     const unsigned looks = neph_scene_mesh_looks(scene);
+    if (looks & NEPH_LOOK_COVERAGE)
+        return neph_coverage_obstacle(scene);
     if (looks & NEPH_LOOK_CUTOUT)
         return "meshes with alpha: engines exact, oracle, surfaces, cycles and povray have them";
     if (looks & NEPH_LOOK_TEXTURE)

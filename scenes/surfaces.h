@@ -25,11 +25,15 @@ const char *neph_mesh_obstacle(const struct neph_scene *scene);
  * it can. */
 const char *neph_mesh_material_obstacle(const struct neph_scene *scene);
 
+/* Why an engine without random coverage cannot render the scene; NULL: it can. */
+const char *neph_coverage_obstacle(const struct neph_scene *scene);
+
 /* The looks of a scene's meshes, as bits. */
 enum {
     NEPH_LOOK_SMOOTH = 1,
     NEPH_LOOK_TEXTURE = 2,
     NEPH_LOOK_CUTOUT = 4, /* holes by the alpha of a texture */
+    NEPH_LOOK_COVERAGE = 8,
 };
 unsigned neph_scene_mesh_looks(const struct neph_scene *scene);
 

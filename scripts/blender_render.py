@@ -378,11 +378,16 @@ def texture_node(nodes: Nodes, texture: dict):
     return node
 
 
-def cut_out(nodes: Nodes, shader, texture: dict):
-    """The shader where alpha is at least 1/2, else nothing."""
-    if texture is None or not texture["is_cut_out"]:
+def cut_out(nodes: Nodes, shader, texture: dict, is_light: bool):
+    """The shader where alpha is at least 1/2, else nothing; or a mix of both by alpha, unless the
+    pass is of the parts of 1/2 and more."""
+    if texture is None or texture["alpha"] == "ignored":
         return shader
-    is_hole = nodes.math("LESS_THAN", texture_node(nodes, texture).outputs["Alpha"], 0.5)
+    alpha = texture_node(nodes, texture).outputs["Alpha"]
+    if texture["alpha"] == "coverage" and not is_light:
+        is_hole = nodes.math("SUBTRACT", 1.0, alpha)
+    else:
+        is_hole = nodes.math("LESS_THAN", alpha, 0.5)
     hole = nodes.add("ShaderNodeBsdfTransparent", Color=(1.0, 1.0, 1.0))
     both = nodes.add("ShaderNodeMixShader", Fac=is_hole)
     nodes.tree.links.new(shader, both.inputs[1])
@@ -431,7 +436,7 @@ def solid_material(look: str, is_light: bool):
             put(material.cycles, "sample_as_light", False)
     else:
         shader = surface_shader(nodes, tuple(albedo), surface, texture)
-    shader = cut_out(nodes, shader, texture)
+    shader = cut_out(nodes, shader, texture, is_light)
     output = nodes.add("ShaderNodeOutputMaterial")
     nodes.tree.links.new(shader, output.inputs["Surface"])
     return material

@@ -357,6 +357,8 @@ static const char *find_obstacle(const struct neph_scene *scene)
     }
     if (scene->medium_count > 0)
         return "media: this is light between solids in clear air";
+    if (neph_coverage_obstacle(scene))
+        return neph_coverage_obstacle(scene);
     if ((scene->sun.present || scene->light_count > 0) && (curved > 0 || mirrors > 1))
         return "sun or lights with a mirrored sphere or mesh, or several mirrors: no path finds "
                "their reflected light; give them a roughness";

@@ -576,6 +576,8 @@ bool neph_transport_is_exact(const struct neph_scene *scene, char *reason, size_
     if (!cannot && is_furnace(scene))
         return true;
     const bool scatters = media_scatter(scene) && scene->scattering != NEPH_SCATTERING_NONE;
+    if (!cannot)
+        cannot = neph_coverage_obstacle(scene);
     if (!cannot && scatters && (scene->sun.present || scene->light_count > 0) &&
         (neph_scene_mesh_looks(scene) & NEPH_LOOK_CUTOUT))
         cannot = "shadows of meshes with alpha on lit media, which have no closed form: engine "

@@ -13,7 +13,7 @@
 enum { NAME_BYTES = 32 };
 
 /* A new kind breaks the build here until this file handles it. */
-_Static_assert(NEPH_ALPHA_COUNT == 2, "a new kind");
+_Static_assert(NEPH_ALPHA_COUNT == 3, "a new kind");
 
 static void name_file(const char *what, int index, char name[NAME_BYTES])
 {
@@ -96,14 +96,16 @@ enum neph_status neph_cycles_write_meshes(const struct neph_scene *scene, const 
     return status;
 }
 
+static const char *const alphas[NEPH_ALPHA_COUNT] = {"ignored", "cutout", "coverage"};
+
 static json_t *texture_json(const struct neph_mesh_material *material, int index)
 {
     char name[NAME_BYTES];
     name_file("texture", index, name);
     return material->texture
-               ? json_pack("{s:s, s:i, s:i, s:b}", "file", name, "width_px",
+               ? json_pack("{s:s, s:i, s:i, s:s}", "file", name, "width_px",
                            material->texture->width_px, "height_px", material->texture->height_px,
-                           "is_cut_out", material->alpha == NEPH_ALPHA_CUTOUT)
+                           "alpha", alphas[material->alpha])
                : json_null();
 }
 

@@ -13,7 +13,7 @@
 
 /* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
-_Static_assert(NEPH_ALPHA_COUNT == 2, "a new kind");
+_Static_assert(NEPH_ALPHA_COUNT == 3, "a new kind");
 _Static_assert(NEPH_POVRAY_KIND_COUNT == 6, "a new kind");
 
 static void name_file(int index, char name[NEPH_POVRAY_FILE_NAME_MAX])
@@ -179,10 +179,14 @@ void neph_povray_write_alpha(struct neph_povray_writer *writer, const struct nep
 
 void neph_povray_start_cutout(struct neph_povray_writer *writer, const struct neph_solid *solid)
 {
+    const bool is_mix = solid->mesh->material.alpha == NEPH_ALPHA_COVERAGE &&
+                        writer->pass->kind != NEPH_POVRAY_TRANSMITTANCE;
     neph_povray_write_text(writer, " hollow texture {");
     neph_povray_write_alpha(writer, solid);
-    neph_povray_write_text(writer, " texture_map { [0.5 pigment { rgbt 1 } finish { ambient 0 "
-                                   "diffuse 0 }] [0.5");
+    neph_povray_write_text(writer,
+                           " texture_map { [%n pigment { rgbt 1 } finish { ambient 0 diffuse 0 }] "
+                           "[%n",
+                           is_mix ? 0.0 : 0.5, is_mix ? 1.0 : 0.5);
 }
 
 void neph_povray_end_cutout(struct neph_povray_writer *writer)

@@ -162,6 +162,12 @@ static void cut_out_mesh(struct stage *stage)
     stage->mesh->material.alpha = NEPH_ALPHA_CUTOUT;
 }
 
+static void covered_mesh(struct stage *stage)
+{
+    textured_mesh(stage);
+    stage->mesh->material.alpha = NEPH_ALPHA_COVERAGE;
+}
+
 static void cut_out_mesh_in_clear_air(struct stage *stage)
 {
     cut_out_mesh(stage);
@@ -309,6 +315,7 @@ static const struct feature {
     {"`solids[].mesh.albedo_texture`", ANY_KIND, ANY_LIGHT, textured_mesh},
     {"`solids[].mesh.alpha: cutout`", ANY_KIND, ANY_LIGHT, cut_out_mesh},
     {"`solids[].mesh.alpha: cutout` in clear air", ANY_KIND, ANY_LIGHT, cut_out_mesh_in_clear_air},
+    {"`solids[].mesh.alpha: coverage`", ANY_KIND, ANY_LIGHT, covered_mesh},
     {"`solids[].*.texture`", ANY_KIND, ANY_LIGHT, textured},
     {"`solids[].*.metalness`", ANY_KIND, LIGHT(MULTIPLE), metal},
     {"`solids[].*.metalness`, `roughness: 0`", ANY_KIND, LIGHT(MULTIPLE), mirror},

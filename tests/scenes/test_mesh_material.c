@@ -153,6 +153,41 @@ static void test_a_hole_shows_what_is_behind(void **state)
     assert_null(neph_scene_hit(&scene, (struct neph_vec3){0.97, 0.3, 2}, ahead).solid);
 }
 
+/* A part alpha of rays, and of the rays between two points; each ray has one answer, and rays that
+ * differ have answers of their own. */
+static void test_coverage_is_the_part_of_rays(void **state)
+{
+    enum { DRAWS = 40000 };
+    static const float alphas[] = {0.0f, 0.125f, 0.75f, 1.0f};
+    for (size_t a = 0; a < COUNT(alphas); a++) {
+        OWNED(mesh)
+        struct neph_mesh *mesh = make_quad(1.0, make_half_texture(alphas[a], alphas[a]),
+                                           NEPH_ALPHA_COVERAGE);
+        struct neph_solid solid = put_mesh(mesh);
+        struct neph_scene scene = {.solid_count = 1, .solids = &solid};
+        const struct neph_vec3 eye = {0.3, 0.4, 3}, ahead = {0, 0, -1}, to = {0.3, 0.4, -2};
+        int met = 0, hidden = 0, same = 0;
+        for (int i = 1; i <= DRAWS; i++) {
+            scene.coverage_draw = (uint64_t)i;
+            const bool is_met = neph_scene_hit(&scene, eye, ahead).solid;
+            assert_true(!neph_scene_hit(&scene, eye, ahead).solid == !is_met);
+            assert_true(neph_scene_is_visible(&scene, eye, to) == !is_met); /* one ray */
+            const struct neph_vec3 beside = {0.3 + 1e-9, 0.4, 3};
+            const bool is_hidden = neph_scene_hit(&scene, beside, ahead).solid;
+            met += is_met;
+            hidden += is_hidden;
+            same += is_met == is_hidden;
+        }
+        const double alpha = (double)alphas[a], spread = sqrt(alpha * (1.0 - alpha) / DRAWS);
+        neph_assert_close((double)met / DRAWS, alpha, 0.0, 5.0 * spread);
+        neph_assert_close((double)hidden / DRAWS, alpha, 0.0, 5.0 * spread);
+        neph_assert_close((double)same / DRAWS, alpha * alpha + (1 - alpha) * (1 - alpha), 0.0,
+                          5.0 * sqrt(0.25 / DRAWS));
+        scene.coverage_draw = 0;
+        assert_true(!neph_scene_hit(&scene, eye, ahead).solid == (alpha < 0.5));
+    }
+}
+
 /* --- smooth normals -------------------------------------------------------------------------- */
 
 /* The largest difference between the cosine of a light on a ball and on its mesh, where both the
@@ -369,6 +404,7 @@ static void test_materials_are_in_the_hash(void **state)
 {
     static const char *const keys[] = {
         "quad.obj",
+        "quad.obj, albedo_texture: leaf.png, alpha: coverage",
         "quad.obj, shading: smooth",
         "quad.obj, albedo_texture: leaf.png",
         "quad.obj, albedo_texture: plain.png",
@@ -382,7 +418,7 @@ static void test_materials_are_in_the_hash(void **state)
             assert_string_not_equal(hashes[i], hashes[k]);
     }
     OWNED(scene) struct neph_scene *linked = load_good(state, "quad.obj, albedo_texture: own.png");
-    assert_string_equal(linked->hash, hashes[2]);
+    assert_string_equal(linked->hash, hashes[3]);
 }
 
 #define files_test(function)                                                                       \
@@ -396,6 +432,7 @@ int main(void)
         cmocka_unit_test(test_colours_of_two_texels_on_a_quad),
         cmocka_unit_test(test_a_cut_out_quad_is_a_smaller_one),
         cmocka_unit_test(test_a_hole_shows_what_is_behind),
+        cmocka_unit_test(test_coverage_is_the_part_of_rays),
         cmocka_unit_test(test_a_smooth_ball_becomes_a_sphere),
         cmocka_unit_test(test_shading_normals_face_the_ray),
         files_test(test_keys_of_a_material),

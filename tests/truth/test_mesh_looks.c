@@ -5,7 +5,9 @@
  */
 #include "tests/mesh_builders.h"
 
+#include "base/image.h"
 #include "scenes/solids.h"
+#include "truth/oracle.h"
 #include "truth/path.h"
 #include "truth/reflected.h"
 #include "truth/transport.h"
@@ -208,6 +210,63 @@ static void test_paths_around_a_cut_out_quad(void **state)
     assert_non_null(strstr(reason, "alpha"));
     scenes[0].scattering = NEPH_SCATTERING_NONE;
     assert_true(neph_transport_is_exact(&scenes[0], reason, sizeof(reason)));
+}
+
+/* --- coverage -------------------------------------------------------------------------------- */
+
+/* A part `alpha` of the rays meets a quad, of the rest as many meet one behind it, and of the
+ * sunlight on that a part 1 - alpha arrives; the sky is behind both. */
+static void test_coverage_stops_a_part_of_rays(void **state)
+{
+    enum { SIDE = 12, SAMPLES = 1200 };
+    const double alpha = 0.25, sun = 3.0, sky = 0.5;             /* 1/4 is a float */
+    const double cosine = 0.8, lit = 0.25 * sun * cosine / M_PI; /* albedo of green: 1/4 */
+    OWNED(mesh)
+    struct neph_mesh *mesh = make_quad(1.0, make_half_texture(0.25f, 0.25f), NEPH_ALPHA_COVERAGE);
+    struct neph_camera_key key = {.position_m = {0.5, 0.5, 4}, .look_at_m = {0.5, 0.5, 0}};
+    struct neph_solid solids[2] = {put_mesh(mesh), put_mesh(mesh)};
+    struct neph_scene scene = {.scattering = NEPH_SCATTERING_NONE,
+                               .sun = {true, {0.6, 0, 0.8}, make_grey(sun)},
+                               .background_w_per_m2_sr = make_grey(sky),
+                               .camera_key_count = 1,
+                               .camera_keys = &key,
+                               .camera_up = {0, 1, 0},
+                               .vertical_fov_rad = 0.15,
+                               .frame_count = 1,
+                               .solid_count = 2,
+                               .solids = solids,
+                               .hash = "coverage"};
+    const struct neph_oracle_params params = {.width_px = SIDE,
+                                              .height_px = SIDE,
+                                              .seed = 3,
+                                              .samples = SAMPLES,
+                                              .time_limit_s = INFINITY};
+    const double expected = alpha * lit +
+                            (1.0 - alpha) * (alpha * lit * (1.0 - alpha) + (1.0 - alpha) * sky);
+    struct neph_image *frame = NULL;
+    double sum = 0.0, squares = 0.0;
+    char reason[200];
+    solids[1].center_m.z = -0.2;
+    neph_assert_ok(neph_oracle_render(&scene, &params, &frame, NULL, NULL), NULL);
+    const float *value = neph_image_channel(frame, "G");
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        sum += (double)value[i];
+        squares += (double)value[i] * (double)value[i];
+    }
+    const struct estimate got = finish_estimate(sum, squares, SIDE * SIDE);
+    print_message("%.5f +- %.5f, expected %.5f\n", got.mean, got.error, expected);
+    neph_assert_close(got.mean, expected, 0.0, 4.5 * got.error);
+    assert_true(got.error < 0.002 * expected);
+    const float *variance = neph_image_channel(frame, "variance.G");
+    double own = 0.0;
+    for (int i = 0; i < SIDE * SIDE; i++)
+        own += (double)variance[i] / (SIDE * SIDE);
+    /* Five standard errors, each 1 / sqrt(2 * 143), of an error that 144 pixels give. */
+    neph_assert_close(sqrt(own / (SIDE * SIDE)), got.error, 0.3, 0.0);
+    neph_image_destroy(frame);
+    assert_false(neph_transport_is_exact(&scene, reason, sizeof(reason)));
+    assert_false(neph_reflected_is_supported(&scene, reason, sizeof(reason)));
+    assert_non_null(strstr(reason, "coverage"));
 }
 
 #include "tests/main.h"
