@@ -410,15 +410,22 @@ static enum neph_status check_opaque(const char *path, const struct neph_png_cod
     return NEPH_OK;
 }
 
+/* Linear light of each code; NULL: no memory. */
+static float *make_linear_table(const struct neph_png_codes *codes)
+{
+    float *linear = calloc((size_t)codes->code_max + 1, sizeof(*linear));
+    for (uint32_t code = 0; code <= codes->code_max && linear; code++)
+        linear[code] = (float)neph_srgb_to_linear((double)code / codes->code_max);
+    return linear;
+}
+
 static enum neph_status fill_planes(const struct neph_png_codes *codes, float *planes[3],
                                     struct neph_diag *diag)
 {
     const size_t count = (size_t)codes->width_px * (size_t)codes->height_px;
-    float *linear = calloc((size_t)codes->code_max + 1, sizeof(*linear));
+    float *linear = make_linear_table(codes);
     if (!linear)
         return neph_fail_memory(diag);
-    for (uint32_t code = 0; code <= codes->code_max; code++)
-        linear[code] = (float)neph_srgb_to_linear((double)code / codes->code_max);
     for (size_t i = 0; i < count; i++)
         for (size_t c = 0; c < 3; c++)
             planes[c][i] = linear[neph_png_code(codes, codes->channel_count * i + c)];
@@ -466,4 +473,74 @@ enum neph_status neph_png_read_image(const char *path, struct neph_image **image
         status = neph_png_make_image(path, &codes, image, diag);
     free(codes.samples);
     return status;
+}
+
+/* ---- images with alpha ----------------------------------------------------------------------- */
+
+/* Before memory for the values is allocated. */
+static enum neph_status check_values(const struct reader *reader, size_t limit_bytes)
+{
+    const char *header = is_png(reader) ? find_chunk(reader, "IHDR", 13) : NULL;
+    const uint32_t width = header ? neph_png_u32(header) : 0;
+    const uint32_t height = header ? neph_png_u32(header + 4) : 0;
+    const double bytes = (double)width * height * 4.0 * sizeof(float);
+    if (bytes <= (double)limit_bytes)
+        return NEPH_OK;
+    neph_fail(reader->diag, NEPH_ERR_INPUT,
+              "'%s' has %ux%u pixels, which need %.0f MiB; the limit is %.0f MiB", reader->path,
+              width, height, bytes / 0x1p20, (double)limit_bytes / 0x1p20);
+    neph_hint(reader->diag, "make it smaller, or raise memory_limit_mib");
+    return NEPH_ERR_INPUT;
+}
+
+static enum neph_status make_rgba(const struct neph_png_codes *codes, float **rgba, bool *has_alpha,
+                                  struct neph_diag *diag)
+{
+    const size_t count = (size_t)codes->width_px * (size_t)codes->height_px;
+    float *linear = make_linear_table(codes), *made = malloc(count * 4 * sizeof(*made));
+    if (!linear || !made) {
+        free(linear);
+        free(made);
+        return neph_fail_memory(diag);
+    }
+    *has_alpha = false;
+    for (size_t i = 0; i < count; i++) {
+        const size_t at = codes->channel_count * i;
+        const uint32_t alpha = codes->channel_count == 4 ? neph_png_code(codes, at + 3)
+                                                         : codes->code_max;
+        for (size_t c = 0; c < 3; c++)
+            made[4 * i + c] = linear[neph_png_code(codes, at + c)];
+        made[4 * i + 3] = (float)((double)alpha / codes->code_max);
+        *has_alpha |= alpha != codes->code_max;
+    }
+    free(linear);
+    *rgba = made;
+    return NEPH_OK;
+}
+
+enum neph_status neph_png_read_rgba(const char *path, size_t limit_bytes, int *width_px,
+                                    int *height_px, float **rgba, bool *has_alpha,
+                                    struct neph_diag *diag)
+{
+    struct reader reader = {.path = path, .diag = diag};
+    struct neph_png_codes codes = {.samples = NULL};
+    char *file = NULL;
+    enum neph_status status = neph_file_read(path, limit_bytes, &file, &reader.file_size, diag);
+    if (status)
+        return status;
+    reader.file = file;
+    status = check_not_animated(&reader);
+    if (!status)
+        status = check_values(&reader, limit_bytes);
+    if (!status)
+        status = neph_png_decode(path, file, reader.file_size, &codes, diag);
+    free(file);
+    if (!status)
+        status = make_rgba(&codes, rgba, has_alpha, diag);
+    free(codes.samples);
+    if (status)
+        return status;
+    *width_px = codes.width_px;
+    *height_px = codes.height_px;
+    return NEPH_OK;
 }

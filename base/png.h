@@ -8,6 +8,7 @@
 
 #include "base/image.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* Write an 8-bit image. `rgb` has width * height * 3 display-encoded bytes, row 0 on top. Written
@@ -55,5 +56,13 @@ enum neph_status neph_png_read_grey16(const char *path, int *width_px, int *heig
  * NEPH_ERR_NOT_FOUND, NEPH_ERR_IO, NEPH_ERR_MEMORY. */
 enum neph_status neph_png_read_image(const char *path, struct neph_image **image,
                                      struct neph_diag *diag);
+
+/* Read any PNG as neph_png_read_image() does, with its alpha: `*rgba` has four values a pixel, rows
+ * from the top: linear R G B, not multiplied by alpha, and alpha, where the largest code is 1. The
+ * caller frees it with free(). `*has_alpha`: any alpha is below 1. NEPH_ERR_INPUT also for a file
+ * or values of more than `limit_bytes`. */
+enum neph_status neph_png_read_rgba(const char *path, size_t limit_bytes, int *width_px,
+                                    int *height_px, float **rgba, bool *has_alpha,
+                                    struct neph_diag *diag);
 
 #endif

@@ -10,14 +10,21 @@
 #include "scenes/resolve_path.h"
 #include "scenes/solids.h"
 
+#include <errno.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define MESH(member) offsetof(struct neph_written_solid, mesh.member)
 #define INSTANCE(member) offsetof(struct neph_instance, member)
 #define SCATTER(member) offsetof(struct neph_scatter, member)
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_ALPHA_COUNT == 3, "a new kind");
+
 static const char *const ups[] = {"y", "z", NULL};
+static const char *const shadings[] = {"flat", "smooth", NULL};
+static const char *const alphas[] = {"ignored", "cutout", "coverage", NULL};
 
 static const struct neph_field instance_fields[] = {
     {"position_m", NEPH_THREE, INSTANCE(position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
@@ -76,8 +83,20 @@ const struct neph_field neph_mesh_fields[] = {
      .hashing = NEPH_HASHED_AS_MADE},
     {"scatter", NEPH_RECORD, MESH(scatter), .record = &scatter_record,
      .note = "random places, instead of a list", .standard = "", .hashing = NEPH_HASHED_AS_MADE},
+    {"shading", NEPH_WORD, MESH(shading), .words = shadings,
+     .note = "smooth: light is reflected by the normals of the file's vertices", .standard = "flat",
+     .hashing = NEPH_HASHED_AS_MADE},
+    {"albedo_texture", NEPH_TEXT, MESH(albedo_texture), .least = 1, .most = 1000,
+     .note = "a .png in the scene file's folder or below, times `albedo`", .standard = "none",
+     .hashing = NEPH_HASHED_AS_MADE},
+    {"alpha", NEPH_WORD, MESH(alpha), .words = alphas,
+     .note =
+         "of the texture; cutout: nothing is there where it is below 1/2; coverage: the part of "
+         "rays that meet it",
+     .standard = "ignored", .hashing = NEPH_HASHED_AS_MADE},
     {"memory_limit_mib", NEPH_WHOLE, MESH(memory_limit_mib), "MiB", 1, 8192,
-     .note = "of the file and of the mesh", .standard = "512", .hashing = NEPH_HASHED_AS_MADE},
+     .note = "of each file, of the mesh and of the texture", .standard = "512",
+     .hashing = NEPH_HASHED_AS_MADE},
     NEPH_SURFACE_FIELDS,
     NEPH_MOTION_FIELD,
     {0},
@@ -134,6 +153,15 @@ static enum neph_status read_mesh(struct neph_reader *reader, const yaml_node_t 
     struct neph_written_solid *written = target;
     enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     written->solid.kind = NEPH_SOLID_MESH;
+    if (written->mesh.alpha && !written->mesh.albedo_texture)
+        status = neph_keep_error(
+            reader, status,
+            neph_refuse(reader, "alpha", "it is that of `albedo_texture`, which is not given"));
+    if (written->mesh.shading && written->solid.surface.metalness > 0.0)
+        status = neph_keep_error(reader, status,
+                                 neph_refuse(reader, "shading",
+                                             "smooth shading of a metal is not supported: leave "
+                                             "metalness out, or use shading: flat"));
     if (neph_were_keys_read(reader, "instances scatter position_m"))
         status = neph_keep_error(reader, status,
                                  check_places(reader, node, &written->mesh.scatter));
@@ -193,6 +221,87 @@ static enum neph_status read_data(struct neph_reader *reader,
     if (!status && mesh->up == 1)
         turn_upright(data);
     return status;
+}
+
+/* --- Its material --- */
+
+/* A file in the folder of the scene file or below it, after links were followed. */
+static enum neph_status find_beside(const struct neph_reader *reader, const char *file,
+                                    const char **path)
+{
+    const char *scene_path = reader->document->file, *slash = strrchr(scene_path, '/');
+    const char *folder = slash ? neph_arena_format(reader->arena, "%.*s/",
+                                                   (int)(slash - scene_path), scene_path)
+                               : "./";
+    const char *named = neph_arena_format(reader->arena, "%s%s", folder, file);
+    enum neph_status status = neph_arena_check(reader->arena, reader->diag);
+    if (status)
+        return status;
+    char *real_folder = realpath(folder, NULL), *real = realpath(named, NULL); /* sets errno */
+    const size_t length = real_folder ? strlen(real_folder) : 0;
+    if (file[0] != '/' && !real) {
+        status = neph_fail(reader->diag, NEPH_ERR_NOT_FOUND, "cannot open the texture '%s': %s",
+                           named, strerror(errno));
+    } else if (file[0] == '/' || !real_folder || strncmp(real, real_folder, length) != 0 ||
+               (length > 1 && real[length] != '/')) {
+        status = neph_fail(reader->diag, NEPH_ERR_INPUT,
+                           "the texture '%s' is outside the folder of the scene file", file);
+        neph_hint(reader->diag, "copy it beside the scene file and name it there");
+    }
+    free(real);
+    free(real_folder);
+    *path = named;
+    return status;
+}
+
+static enum neph_status read_texture(struct neph_reader *reader,
+                                     const struct neph_written_mesh *mesh,
+                                     struct neph_albedo_texture **texture)
+{
+    const char *path = NULL;
+    enum neph_status status = find_beside(reader, mesh->albedo_texture, &path);
+    if (!status)
+        status = neph_albedo_texture_read(path, (size_t)mesh->memory_limit_mib << 20, texture,
+                                          reader->diag);
+    return status;
+}
+
+/* A check that failed. */
+static enum neph_status refuse_data(const struct neph_reader *reader, const char *message,
+                                    const char *hint)
+{
+    neph_fail(reader->diag, NEPH_ERR_INPUT, "%s", message);
+    neph_hint(reader->diag, "%s", hint);
+    return NEPH_ERR_INPUT;
+}
+
+/* On errors `*key` is the key that has it. */
+static enum neph_status make_material(struct neph_reader *reader,
+                                      const struct neph_written_mesh *written,
+                                      struct neph_mesh *mesh, const char **key)
+{
+    struct neph_mesh_material *material = &mesh->material;
+    *key = "shading";
+    if (written->shading && !mesh->data.normals)
+        return refuse_data(reader, "the mesh has no normals for smooth shading",
+                           "write the file with normals at all vertices, or use shading: flat");
+    material->is_smooth = written->shading;
+    *key = "albedo_texture";
+    if (!written->albedo_texture)
+        return NEPH_OK;
+    if (!mesh->data.uv)
+        return refuse_data(reader, "the mesh has no uv for a texture",
+                           "write the file with texture coordinates at all vertices");
+    const enum neph_status status = read_texture(reader, written, &material->texture);
+    if (status)
+        return status;
+    *key = "alpha";
+    if (written->alpha && !material->texture->has_alpha)
+        return refuse_data(reader, "the texture is opaque everywhere", "leave `alpha` out");
+    material->alpha = (enum neph_alpha)written->alpha;
+    if (material->alpha != NEPH_ALPHA_IGNORED)
+        mesh->inside = NEPH_MESH_OPEN;
+    return NEPH_OK;
 }
 
 /* Gives an error the position of the entry's key. */
@@ -331,7 +440,12 @@ enum neph_status neph_make_mesh_solids(struct neph_reader *reader,
     const struct neph_path key = neph_format_path(
         "solids[%d].%s", index, entry->mesh.is_height_field ? "height_field" : "mesh");
     const struct neph_path file = neph_format_path("%s.file", key.text);
-    const enum neph_status status = make_mesh(reader, &written->scene, entry);
-    return status ? place_error(reader, file.text, status)
+    const char *part = "";
+    enum neph_status status = make_mesh(reader, &written->scene, entry);
+    if (status)
+        return place_error(reader, file.text, status);
+    status = make_material(reader, &entry->mesh,
+                           written->scene.meshes[written->scene.mesh_count - 1], &part);
+    return status ? place_error(reader, neph_format_path("%s.%s", key.text, part).text, status)
                   : make_solids(reader, &written->scene, entry, key.text, count);
 }

@@ -431,6 +431,17 @@ enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_writ
 
 /* --- Hash --- */
 
+/* Nothing for a mesh of one colour: older hashes stay. */
+static void hash_material(const struct neph_mesh_material *material, FILE *text)
+{
+    if (material->is_smooth)
+        neph_put_number(text, "shading", 1);
+    if (material->texture)
+        neph_put_text(text, "albedo_texture", material->texture->hash);
+    if (material->alpha != NEPH_ALPHA_IGNORED)
+        neph_put_number(text, "alpha", material->alpha);
+}
+
 void neph_solids_hash(const struct neph_scene *scene, FILE *text)
 {
     static const struct neph_field *const fields[NEPH_SOLID_KIND_COUNT] = {
@@ -443,6 +454,7 @@ void neph_solids_hash(const struct neph_scene *scene, FILE *text)
         if (solid->kind == NEPH_SOLID_MESH) {
             neph_put_text(text, "mesh", solid->mesh->hash);
             neph_put_three(text, "yaw", solid->yaw.axis, solid->yaw.cosine, solid->yaw.sine);
+            hash_material(&solid->mesh->material, text);
         }
         neph_put_number(text, "thin", scene->solids[i].thin); /* part of the masks of a frame */
     }

@@ -27,7 +27,9 @@ struct neph_scatter {
 struct neph_written_mesh {
     bool is_height_field;
     const char *file, *object, *channel;
-    int up; /* 0 y, 1 z */
+    int up;             /* 0 y, 1 z */
+    int shading, alpha; /* 0 flat, 1 smooth; enum neph_alpha */
+    const char *albedo_texture;
     int memory_limit_mib;
     double turn_deg;
     int instance_count; /* 0: one, at the entry's place */

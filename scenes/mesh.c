@@ -271,6 +271,7 @@ void neph_mesh_destroy(struct neph_mesh *mesh)
 {
     if (!mesh)
         return;
+    neph_albedo_texture_destroy(mesh->material.texture);
     neph_mesh_data_finish(&mesh->data);
     free(mesh->number);
     free(mesh->tree.nodes);
@@ -290,17 +291,31 @@ struct neph_vec3 neph_mesh_normal(const struct neph_mesh *mesh, int triangle)
 struct sheared_ray {
     const struct neph_mesh *mesh;
     struct neph_tree_ray ray;
-    int x, y, z; /* axes; z: the longest of the direction */
+    uint64_t draw; /* 0: coverage of 1/2 and more stops it, and less does not */
+    int x, y, z;   /* axes; z: the longest of the direction */
     double shear_x, shear_y, scale_z;
 };
 
-static struct sheared_ray shear_ray(const struct neph_mesh *mesh, const struct neph_tree_ray *ray)
+/* The random number of a ray on a mesh with coverage. */
+static uint64_t draw_ray(const struct neph_mesh *mesh, const struct neph_tree_ray *ray,
+                         uint64_t draw)
+{
+    return draw == 0 || mesh->material.alpha != NEPH_ALPHA_COVERAGE
+               ? 0
+               : mix_bits(hash_point(ray->origin_m) ^
+                          mix_bits(hash_point(ray->direction) ^ mix_bits(draw))) |
+                     1;
+}
+
+static struct sheared_ray shear_ray(const struct neph_mesh *mesh, const struct neph_tree_ray *ray,
+                                    uint64_t draw)
 {
     const double d[3] = {ray->direction.x, ray->direction.y, ray->direction.z};
     int z = fabs(d[0]) > fabs(d[1]) ? 0 : 1;
     z = fabs(d[2]) > fabs(d[z]) ? 2 : z;
     const int x = (z + 1) % 3, y = (z + 2) % 3;
-    return (struct sheared_ray){mesh, *ray, x, y, z, d[x] / d[z], d[y] / d[z], 1.0 / d[z]};
+    return (struct sheared_ray){
+        mesh, *ray, draw_ray(mesh, ray, draw), x, y, z, d[x] / d[z], d[y] / d[z], 1.0 / d[z]};
 }
 
 struct sheared_point {
@@ -349,12 +364,51 @@ static bool meet_triangle(const struct sheared_ray *ray, const struct corners *t
     return met->t > 0.0;
 }
 
+/* The place that a ray has met. */
+static struct neph_mesh_place find_place(const struct met *met, int triangle)
+{
+    const double sum = met->u + met->v + met->w;
+    return (struct neph_mesh_place){triangle, {met->u / sum, met->v / sum, met->w / sum}};
+}
+
+/* Edges exactly on the ray belong to one side, the same for all of their triangles. */
+static bool is_left(double side, struct neph_vec3 a, struct neph_vec3 b)
+{
+    return side != 0.0 ? side > 0.0 : is_before(a, b);
+}
+
+/* Whether a ray between the edges, with these sides of bc, ca and ab, crosses this triangle, and
+ * not another one with which it has the edge on the ray. */
+static bool is_own_crossing(const struct corners *t, double u, double v, double w)
+{
+    const bool left = is_left(u, t->b, t->c);
+    return is_left(v, t->c, t->a) == left && is_left(w, t->a, t->b) == left;
+}
+
+/* Whether a ray passes the triangle that it has met. An edge is drawn for one triangle. */
+static bool is_cut_out(const struct sheared_ray *ray, const struct met *met, int triangle)
+{
+    const struct neph_mesh *mesh = ray->mesh;
+    if (mesh->material.alpha == NEPH_ALPHA_IGNORED)
+        return false;
+    const struct neph_mesh_place place = find_place(met, triangle);
+    const double alpha = neph_mesh_alpha(&mesh->material, &mesh->data, &place);
+    if (ray->draw == 0)
+        return alpha < 0.5;
+    const struct corners corners = get_corners(&mesh->data, triangle);
+    if (!is_own_crossing(&corners, met->u, met->v, met->w))
+        return true;
+    const uint64_t own = mix_bits(ray->draw +
+                                  (uint64_t)mesh->number[triangle] * 0x9e3779b97f4a7c15u);
+    return alpha <= (double)(own >> 11) * 0x1p-53;
+}
+
 /* --- hits ------------------------------------------------------------------------------------ */
 
 struct nearest {
     struct sheared_ray ray;
     struct neph_mesh_hit hit;
-    double facing;
+    struct met met;
 };
 
 static bool visit_nearest(int place, void *context)
@@ -367,23 +421,27 @@ static bool visit_nearest(int place, void *context)
         return false;
     const bool has_hit = nearest->hit.t < INFINITY;
     if (met.t == nearest->ray.ray.limit_m &&
-        !(has_hit && mesh->number[place] < mesh->number[nearest->hit.triangle]))
+        !(has_hit && mesh->number[place] < mesh->number[nearest->hit.place.triangle]))
+        return false;
+    if (is_cut_out(&nearest->ray, &met, place))
         return false;
     nearest->hit.t = nearest->ray.ray.limit_m = met.t;
-    nearest->hit.triangle = place;
-    nearest->facing = met.facing;
+    nearest->hit.place.triangle = place;
+    nearest->met = met;
     return false;
 }
 
 struct neph_mesh_hit neph_mesh_meet(const struct neph_mesh *mesh, struct neph_vec3 origin,
-                                    struct neph_vec3 direction, double limit)
+                                    struct neph_vec3 direction, double limit, uint64_t draw)
 {
     const struct neph_tree_ray ray = {origin, direction, 0.0, limit};
-    struct nearest nearest = {.ray = shear_ray(mesh, &ray), .hit = {.t = INFINITY}};
+    struct nearest nearest = {.ray = shear_ray(mesh, &ray, draw), .hit = {.t = INFINITY}};
     neph_tree_walk_ray(&mesh->tree, &nearest.ray.ray, visit_nearest, &nearest);
-    if (nearest.hit.t < INFINITY)
-        nearest.hit.normal = neph_vec3_scale(neph_mesh_normal(mesh, nearest.hit.triangle),
-                                             nearest.facing > 0.0 ? 1.0 : -1.0);
+    if (!(nearest.hit.t < INFINITY))
+        return nearest.hit;
+    nearest.hit.place = find_place(&nearest.met, nearest.hit.place.triangle);
+    nearest.hit.normal = neph_vec3_scale(neph_mesh_normal(mesh, nearest.hit.place.triangle),
+                                         nearest.met.facing > 0.0 ? 1.0 : -1.0);
     return nearest.hit;
 }
 
@@ -393,24 +451,18 @@ static bool visit_any(int place, void *context)
     const struct corners corners = get_corners(&ray->mesh->data, place);
     struct met met;
     return meet_triangle(ray, &corners, &met) && met.t > ray->ray.t_min_m &&
-           met.t < ray->ray.limit_m;
+           met.t < ray->ray.limit_m && !is_cut_out(ray, &met, place);
 }
 
 bool neph_mesh_blocks(const struct neph_mesh *mesh, struct neph_vec3 origin,
-                      struct neph_vec3 direction, double t_min, double limit)
+                      struct neph_vec3 direction, double t_min, double limit, uint64_t draw)
 {
     const struct neph_tree_ray ray = {origin, direction, t_min, limit};
-    struct sheared_ray sheared = shear_ray(mesh, &ray);
+    struct sheared_ray sheared = shear_ray(mesh, &ray, draw);
     return neph_tree_walk_ray(&mesh->tree, &sheared.ray, visit_any, &sheared);
 }
 
 /* --- inside ---------------------------------------------------------------------------------- */
-
-/* Edges exactly on the ray belong to one side, the same for all of their triangles. */
-static bool is_left(double side, struct neph_vec3 a, struct neph_vec3 b)
-{
-    return side != 0.0 ? side > 0.0 : is_before(a, b);
-}
 
 struct crossings {
     struct sheared_ray ray;
@@ -424,8 +476,7 @@ static bool visit_crossing(int place, void *context)
     const struct sheared_ray *ray = &crossings->ray;
     const struct sheared_point a = shear_point(ray, t.a), b = shear_point(ray, t.b),
                                c = shear_point(ray, t.c);
-    const bool left = is_left(edge_side(b, c), t.b, t.c);
-    if (is_left(edge_side(c, a), t.c, t.a) != left || is_left(edge_side(a, b), t.a, t.b) != left)
+    if (!is_own_crossing(&t, edge_side(b, c), edge_side(c, a), edge_side(a, b)))
         return false;
     const struct neph_vec3 area = find_area(&t);
     const double facing = -neph_vec3_dot(area, ray->ray.direction);
@@ -442,7 +493,7 @@ bool neph_mesh_contains(const struct neph_mesh *mesh, struct neph_vec3 point)
     /* Any direction; meshes rarely have edges along this one. */
     const struct neph_vec3 direction = {0.5377, 0.7324, -0.4177};
     const struct neph_tree_ray ray = {point, direction, 0.0, INFINITY};
-    struct crossings crossings = {.ray = shear_ray(mesh, &ray)};
+    struct crossings crossings = {.ray = shear_ray(mesh, &ray, 0)};
     if (mesh->inside == NEPH_MESH_OPEN)
         return false;
     neph_tree_walk_ray(&mesh->tree, &crossings.ray.ray, visit_crossing, &crossings);

@@ -7,7 +7,7 @@
  * belongs to all of its triangles. The nearest triangle is hit; of several at the same distance the
  * first of the file. Triangles have two sides; the normal of a hit is the side of the ray. The
  * distance is that of the triangle's plane, so that a point beside this plane never sees the
- * triangle on its other side.
+ * triangle on its other side. Where the material cuts it out, a triangle is not hit.
  *
  * All coordinates are the mesh's own; t is in units of the direction, which has any length > 0.
  */
@@ -16,8 +16,10 @@
 
 #include "base/hash.h"
 #include "scenes/box_tree.h"
-#include "scenes/mesh_data.h"
+#include "scenes/mesh_material.h"
 #include "scenes/shadows.h"
+
+#include <stdint.h>
 
 #define NEPH_MESH_FAR 1e9 /* largest coordinate */
 
@@ -29,7 +31,7 @@ enum neph_mesh_inside {
     NEPH_MESH_INSIDE_COUNT,
 };
 
-/* Immutable; rays of several threads may use it. */
+/* Immutable once its material is set; rays of several threads may use it. */
 struct neph_mesh {
     struct neph_mesh_data data; /* triangles in the tree's order, without degenerate ones */
     int *number;                /* of each triangle: its index in the file */
@@ -37,12 +39,13 @@ struct neph_mesh {
     struct neph_box_tree tree;
     enum neph_mesh_inside inside;
     char hash[NEPH_HASH_HEX_SIZE]; /* of the data as they were given */
+    struct neph_mesh_material material;
 };
 
 struct neph_mesh_hit {
-    double t;                /* +inf: none */
-    int triangle;            /* in the tree's order */
-    struct neph_vec3 normal; /* unit, geometric, towards the ray's origin */
+    double t;                     /* +inf: none */
+    struct neph_mesh_place place; /* its triangle in the tree's order */
+    struct neph_vec3 normal;      /* unit, geometric, towards the ray's origin */
 };
 
 /* Checks the data, drops degenerate triangles and builds the tree. Takes over the arrays of `data`
@@ -53,17 +56,17 @@ enum neph_status neph_mesh_create(struct neph_mesh_data *data, struct neph_mesh 
                                   struct neph_diag *diag);
 void neph_mesh_destroy(struct neph_mesh *mesh);
 
-/* The nearest hit with 0 < t < limit. */
+/* The nearest hit with 0 < t < limit. `draw`: see coverage_draw in scenes/scene.h. */
 struct neph_mesh_hit neph_mesh_meet(const struct neph_mesh *mesh, struct neph_vec3 origin,
-                                    struct neph_vec3 direction, double limit);
+                                    struct neph_vec3 direction, double limit, uint64_t draw);
 
 /* Whether any triangle is hit with t_min < t < limit. */
 bool neph_mesh_blocks(const struct neph_mesh *mesh, struct neph_vec3 origin,
-                      struct neph_vec3 direction, double t_min, double limit);
+                      struct neph_vec3 direction, double t_min, double limit, uint64_t draw);
 
 /* Adds the parts of the ray from which the mesh hides the light. The shadow of a triangle is
  * convex, so each triangle adds one interval of t. A triangle that the light grazes edge on has no
- * shadow. */
+ * shadow. Triangles are taken as whole, whatever their alpha is. */
 void neph_mesh_add_shadows(const struct neph_mesh *mesh, const struct neph_shadow_ray *ray,
                            struct neph_shadows *shadows);
 

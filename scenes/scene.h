@@ -18,6 +18,7 @@
 #include "scenes/surface.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 
 #define NEPH_SCENE_MEDIA_MAX 8
@@ -324,6 +325,9 @@ struct neph_scene {
     struct neph_box_tree *solid_tree; /* over their bounds (scenes/solids.h); NULL: none */
     int mesh_count;
     struct neph_mesh **meshes; /* of its solids */
+    /* Which parts of a mesh with `alpha: coverage` a ray meets: a random number of this and of the
+     * ray decides. 0: the parts of 1/2 and more. Not in the hash. */
+    uint64_t coverage_draw;
     int mover_count;
     struct neph_mover *movers; /* of some of the solids */
     int medium_count;

@@ -270,7 +270,8 @@ static void try_hit(struct hit_search *search, int index)
     double t0_m, t1_m, t_m;
     if (solid->kind == NEPH_SOLID_MESH) {
         const struct neph_mesh_hit hit = neph_mesh_meet(solid->mesh, to_mesh(solid, origin_m),
-                                                        to_mesh_ray(solid, direction), limit_m);
+                                                        to_mesh_ray(solid, direction), limit_m,
+                                                        search->scene->coverage_draw);
         if (!(hit.t < INFINITY))
             return;
         search->mesh_hit = hit;
@@ -308,11 +309,17 @@ struct neph_hit neph_scene_hit(const struct neph_scene *scene, struct neph_vec3 
     hit.solid = &scene->solids[search.nearest];
     if (hit.solid->kind != NEPH_SOLID_MESH) {
         hit.normal = solid_normal(hit.solid, neph_vec3_along(origin_m, direction, hit.t_m));
+        hit.shading = hit.normal;
         return hit;
     }
-    const struct neph_mesh_data *data = &hit.solid->mesh->data;
-    const int corner = data->triangles[search.mesh_hit.triangle][0];
+    const struct neph_mesh *mesh = hit.solid->mesh;
+    const struct neph_mesh_data *data = &mesh->data;
+    hit.place = search.mesh_hit.place;
+    const int corner = data->triangles[hit.place.triangle][0];
     hit.normal = from_mesh_axes(hit.solid, search.mesh_hit.normal);
+    hit.shading = from_mesh_axes(
+        hit.solid,
+        neph_mesh_shading_normal(&mesh->material, data, &hit.place, search.mesh_hit.normal));
     hit.plane_m = neph_vec3_dot(hit.normal, from_mesh(hit.solid, data->positions[corner]));
     return hit;
 }
@@ -351,7 +358,7 @@ static bool blocks(const struct block_search *search, int index)
     if (solid->kind == NEPH_SOLID_MESH)
         return neph_mesh_blocks(solid->mesh, to_mesh(solid, ray->origin_m),
                                 to_mesh_ray(solid, ray->direction), shadow_start_m(solid),
-                                ray->limit_m);
+                                ray->limit_m, search->scene->coverage_draw);
     return solid_interval(solid, ray->origin_m, ray->direction, &t0_m, &t1_m) &&
            t1_m > shadow_start_m(solid) && t0_m < ray->limit_m;
 }

@@ -6,15 +6,26 @@
 #define NEPH_SCENES_SOLIDS_H
 
 #include "scenes/box_tree.h"
+#include "scenes/mesh_material.h"
 #include "scenes/scene.h"
 #include "scenes/shadows.h"
 
 struct neph_hit {
-    double t_m;              /* distance along the unit direction; +inf when nothing is hit */
-    struct neph_vec3 normal; /* unit, outward */
+    double t_m;               /* distance along the unit direction; +inf when nothing is hit */
+    struct neph_vec3 normal;  /* unit, outward */
+    struct neph_vec3 shading; /* unit, for the cosine law; of a smooth mesh not the normal */
     const struct neph_solid *solid; /* NULL when nothing is hit */
-    double plane_m; /* of a mesh: the triangle's plane has normal . point = plane_m */
+    double plane_m;               /* of a mesh: the triangle's plane has normal . point = plane_m */
+    struct neph_mesh_place place; /* of a mesh */
 };
+
+/* The cosine of the law of Lambert for light from a direction, below or at 0: none. Light from
+ * behind the surface counts as 0, even where the shading normal of a smooth mesh sees it. */
+static inline double neph_hit_cosine(const struct neph_hit *hit, struct neph_vec3 direction)
+{
+    return neph_vec3_dot(hit->normal, direction) > 0.0 ? neph_vec3_dot(hit->shading, direction)
+                                                       : 0.0;
+}
 
 /* A solid's bounds in a tree let rays skip it. The tree is built in a block of memory of this many
  * bytes, in which it stays; it is valid until a solid moves. 0: so few solids that each is tested.

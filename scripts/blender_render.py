@@ -59,7 +59,7 @@ import time
 import bpy
 from mathutils import Matrix, Vector
 
-FORMAT = 7  # of the spec; raised together with cycles_spec.c
+FORMAT = 8  # of the spec; raised together with cycles_spec.c
 
 # The largest that Blender takes. The furnace reads 1.00000 with it (0.967 with Cycles' default of
 # 12) at optical depths of 16; some of the light that leaves a medium of 64 has scattered more
@@ -354,12 +354,60 @@ def base_color(nodes: Nodes, albedo, texture: dict):
     return mix.outputs["Color"]
 
 
-def surface_shader(nodes: Nodes, albedo, surface: dict):
+@functools.cache
+def image_of(name: str, width: int, height: int):
+    """Linear values from a file beside the spec."""
+    if not re.fullmatch(r"texture[0-9]+\.bin", name):
+        raise ValueError("unknown name of a texture")
+    values = array.array("f")
+    with open(name, "rb") as file:
+        values.frombytes(file.read())
+    image = bpy.data.images.new("texture", width, height, alpha=True, float_buffer=True,
+                                is_data=True)
+    put(image, "alpha_mode", "CHANNEL_PACKED")
+    image.pixels.foreach_set(values)
+    image.pack()
+    return image
+
+
+def texture_node(nodes: Nodes, texture: dict):
+    """Bilinear and repeated, at the uv of the mesh."""
+    node = nodes.add("ShaderNodeTexImage")
+    node.image = image_of(texture["file"], texture["width_px"], texture["height_px"])
+    node.interpolation, node.extension = "Linear", "REPEAT"
+    return node
+
+
+def cut_out(nodes: Nodes, shader, texture: dict, is_light: bool):
+    """The shader where alpha is at least 1/2, else nothing; or a mix of both by alpha, unless the
+    pass is of the parts of 1/2 and more."""
+    if texture is None or texture["alpha"] == "ignored":
+        return shader
+    alpha = texture_node(nodes, texture).outputs["Alpha"]
+    if texture["alpha"] == "coverage" and not is_light:
+        is_hole = nodes.math("SUBTRACT", 1.0, alpha)
+    else:
+        is_hole = nodes.math("LESS_THAN", alpha, 0.5)
+    hole = nodes.add("ShaderNodeBsdfTransparent", Color=(1.0, 1.0, 1.0))
+    both = nodes.add("ShaderNodeMixShader", Fac=is_hole)
+    nodes.tree.links.new(shader, both.inputs[1])
+    nodes.tree.links.new(hole.outputs[0], both.inputs[2])
+    return both.outputs[0]
+
+
+def surface_shader(nodes: Nodes, albedo, surface: dict, texture: dict):
     """Lambertian, or metal in part. A GlossyBsdf squares its roughness, has no Fresnel term and the
-    shadowing of scenes/surface.h."""
+    shadowing of scenes/surface.h. The texture of a mesh is times the albedo."""
+    color = albedo
+    if texture is not None:
+        node = nodes.add("ShaderNodeMixRGB", Fac=1.0, Color2=albedo,
+                         Color1=texture_node(nodes, texture).outputs["Color"])
+        node.blend_type = "MULTIPLY"
+        color = node.outputs["Color"]
     if surface is None:
-        return nodes.add("ShaderNodeBsdfDiffuse", Color=albedo, Roughness=0.0).outputs[0]
-    color = base_color(nodes, albedo, surface["texture"])
+        return nodes.add("ShaderNodeBsdfDiffuse", Color=color, Roughness=0.0).outputs[0]
+    if texture is None:
+        color = base_color(nodes, albedo, surface["texture"])
     diffuse = nodes.add("ShaderNodeBsdfDiffuse", Color=color, Roughness=0.0).outputs[0]
     metalness, roughness = surface["metalness"], surface["roughness"]
     if metalness == 0.0:
@@ -374,10 +422,11 @@ def surface_shader(nodes: Nodes, albedo, surface: dict):
 
 @functools.cache
 def solid_material(look: str, is_light: bool):
-    """Of the solids whose albedo and surface these are, as JSON; or, in the transmittance pass,
-    glowing with radiance 1."""
+    """Of the solids whose albedo, surface and texture these are, as JSON; or, in the transmittance
+    pass, glowing with radiance 1."""
     material = bpy.data.materials.new("solid")
     nodes = Nodes(material)
+    albedo, surface, texture = json.loads(look)
     if is_light:
         shader = nodes.add("ShaderNodeEmission", Color=(1.0, 1.0, 1.0), Strength=1.0).outputs[0]
         # It is seen and lights nothing.
@@ -386,8 +435,8 @@ def solid_material(look: str, is_light: bool):
         else:
             put(material.cycles, "sample_as_light", False)
     else:
-        albedo, surface = json.loads(look)
-        shader = surface_shader(nodes, tuple(albedo), surface)
+        shader = surface_shader(nodes, tuple(albedo), surface, texture)
+    shader = cut_out(nodes, shader, texture, is_light)
     output = nodes.add("ShaderNodeOutputMaterial")
     nodes.tree.links.new(shader, output.inputs["Surface"])
     return material
@@ -490,8 +539,22 @@ def sphere_mesh(segments: int, look: str, is_light: bool):
     return mesh
 
 
+def take_array(kind: str, data: bytes, at: int, count: int) -> array.array:
+    values = array.array(kind)
+    values.frombytes(data[4 * at:4 * (at + count)])
+    return values
+
+
+def smooth_mesh(mesh, normals) -> None:
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    if has(mesh, "use_auto_smooth"):  # up to 4.0; else normals of one's own are always used
+        put(mesh, "use_auto_smooth", True)
+    mesh.normals_split_custom_set_from_vertices(list(zip(*[iter(normals)] * 3)))
+
+
 @functools.cache
-def file_mesh(name: str, vertex_count: int, look: str, is_light: bool):
+def file_mesh(name: str, vertex_count: int, triangle_count: int, is_smooth: bool, look: str,
+              is_light: bool):
     """Triangles from a file beside the spec, in Blender's axes. Solids of one mesh with the same
     material share it, so that Cycles keeps it in memory once; a material of the object, in place of
     the mesh, would prevent that."""
@@ -499,19 +562,31 @@ def file_mesh(name: str, vertex_count: int, look: str, is_light: bool):
         raise ValueError("unknown name of a mesh")
     with open(name, "rb") as file:
         data = file.read()
-    positions, indices = array.array("f"), array.array("i")
-    positions.frombytes(data[:12 * vertex_count])
-    indices.frombytes(data[12 * vertex_count:])
+    positions = take_array("f", data, 0, 3 * vertex_count)
+    at = 3 * (vertex_count + triangle_count)
+    indices = take_array("i", data, 3 * vertex_count, 3 * triangle_count)
     mesh = bpy.data.meshes.new("mesh")
     mesh.from_pydata(list(zip(*[iter(positions)] * 3)), [], list(zip(*[iter(indices)] * 3)))
     mesh.materials.append(solid_material(look, is_light))
+    if is_smooth:
+        smooth_mesh(mesh, take_array("f", data, at, 3 * vertex_count))
+        at += 3 * vertex_count
+    if json.loads(look)[2] is not None:
+        uv = take_array("f", data, at, 2 * vertex_count)
+        layer = mesh.uv_layers.new()
+        for loop in mesh.loops:
+            layer.data[loop.index].uv = uv[2 * loop.vertex_index:2 * loop.vertex_index + 2]
     return mesh
 
 
 def add_mesh(scene, solid: dict, look: str, is_light: bool, units: Units) -> None:
     """The mesh's unit vectors x, y, z in the world; Blender's are x, -z, y."""
     thing = add_object(scene, "mesh",
-                       file_mesh(solid["file"], solid["vertex_count"], look, is_light))
+                       file_mesh(solid["file"], solid["vertex_count"], solid["triangle_count"],
+                                 solid["is_smooth"], look, is_light))
+    for name in ("shadow_terminator_geometry_offset", "shadow_terminator_offset"):
+        if has(thing.cycles, name):
+            put(thing.cycles, name, 0.0)
     x, y, z = (axes_to_blender(axis) / units.unit_m for axis in solid["axes_m"])
     columns = (x, -z, y, units.point(solid["center_m"]))
     thing.matrix_world = Matrix([[column[i] for column in columns] for i in range(3)] +
@@ -519,7 +594,7 @@ def add_mesh(scene, solid: dict, look: str, is_light: bool, units: Units) -> Non
 
 
 def add_solid(scene, solid: dict, is_light: bool, units: Units) -> None:
-    look = json.dumps([solid["albedo"], solid["surface"]])
+    look = json.dumps([solid["albedo"], solid["surface"], solid.get("texture")])
     if solid["kind"] == "box":
         material = solid_material(look, is_light)
         mesh = box_mesh(solid["min_m"], solid["max_m"], material, units, solid.get("turn"))

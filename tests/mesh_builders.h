@@ -123,4 +123,68 @@ static inline struct neph_mesh_data make_soup(int count, double size, uint64_t *
     return data;
 }
 
+/* --- materials -------------------------------------------------------------------------------- */
+
+static inline struct neph_albedo_texture *make_texture(int width, int height, const float *rgba)
+{
+    const size_t bytes = (size_t)width * (size_t)height * 4 * sizeof(*rgba);
+    float *own = malloc(bytes);
+    struct neph_albedo_texture *texture = NULL;
+    assert_non_null(own);
+    memcpy(own, rgba, bytes);
+    neph_assert_ok(neph_albedo_texture_create(width, height, own, true, &texture, NULL), NULL);
+    return texture;
+}
+
+/* The square [0, 1]^2 of z = 0, with uv = (x, y), whose normal is +z; width: its part along x. */
+static inline struct neph_mesh *make_quad(double width, struct neph_albedo_texture *texture,
+                                          enum neph_alpha alpha)
+{
+    struct neph_mesh_data data = allocate_mesh(4, 2);
+    data.uv = calloc(4, sizeof(*data.uv));
+    assert_non_null(data.uv);
+    for (int i = 0; i < 4; i++) {
+        data.positions[i] = (struct neph_vec3){i & 1 ? width : 0.0, i >> 1, 0.0};
+        data.uv[i][0] = (float)data.positions[i].x;
+        data.uv[i][1] = (float)data.positions[i].y;
+    }
+    set_triangle(&data, 0, 0, 1, 3);
+    set_triangle(&data, 1, 0, 3, 2);
+    struct neph_mesh *mesh = finish_mesh(data);
+    mesh->material = (struct neph_mesh_material){.alpha = alpha, .texture = texture};
+    return mesh;
+}
+
+static inline struct neph_solid put_mesh(const struct neph_mesh *mesh)
+{
+    return (struct neph_solid){
+        .kind = NEPH_SOLID_MESH, .mesh = mesh, .scale_m = 1.0, .albedo = {0.5, 0.25, 1.0}};
+}
+
+/* Alpha is `left` up to u = 1/2, then `right`; bilinear within a pixel of 1/64. */
+static inline struct neph_albedo_texture *make_half_texture(float left, float right)
+{
+    enum { SIDE = 64 };
+    float rgba[4 * SIDE];
+    for (int i = 0; i < SIDE; i++) {
+        rgba[4 * i] = rgba[4 * i + 1] = rgba[4 * i + 2] = 1.0f;
+        rgba[4 * i + 3] = i < SIDE / 2 ? left : right;
+    }
+    return make_texture(SIDE, 1, rgba);
+}
+
+/* A ball of radius 1 whose vertices have its normals, of any length. */
+static inline struct neph_mesh *make_ball(int rings, double length)
+{
+    uint64_t seed = 1;
+    struct neph_mesh_data data = make_lump(rings, 0.0, &seed);
+    data.normals = calloc((size_t)data.vertex_count, sizeof(*data.normals));
+    assert_non_null(data.normals);
+    for (int i = 0; i < data.vertex_count; i++)
+        data.normals[i] = neph_vec3_scale(data.positions[i], length);
+    struct neph_mesh *mesh = finish_mesh(data);
+    mesh->material.is_smooth = true;
+    return mesh;
+}
+
 #endif

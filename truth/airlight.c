@@ -4,7 +4,6 @@
 #include "scenes/lights.h"
 #include "scenes/media.h"
 #include "scenes/phase_colour.h"
-#include "scenes/solids.h"
 #include "truth/cuts.h"
 #include "truth/lamp_peak.h"
 #include "truth/pieces.h"
@@ -164,12 +163,12 @@ double neph_airlight(const struct neph_scene *scene, struct neph_vec3 origin_m,
 }
 
 struct neph_rgb neph_reflect_lights(const struct neph_scene *scene, struct neph_vec3 point_m,
-                                    struct neph_vec3 normal)
+                                    const struct neph_hit *hit)
 {
     struct neph_rgb sum = {0, 0, 0};
     for (int i = 0; i < scene->light_count; i++) {
         const struct neph_lit lit = neph_light_at(&scene->lights[i], point_m);
-        const double cosine = neph_vec3_dot(normal, lit.direction);
+        const double cosine = neph_hit_cosine(hit, lit.direction);
         if (cosine <= 0.0 || !neph_scene_is_visible(scene, point_m, scene->lights[i].position_m))
             continue;
         const struct neph_rgb depth = neph_scene_optical_depth(scene, point_m, lit.direction, 0.0,

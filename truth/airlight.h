@@ -12,7 +12,7 @@
 #ifndef NEPH_TRUTH_AIRLIGHT_H
 #define NEPH_TRUTH_AIRLIGHT_H
 
-#include "scenes/scene.h"
+#include "scenes/solids.h"
 
 /* Add to `radiance` the airlight of all lights along origin + t direction (unit), t in [t0_m,
  * t1_m], both finite. All media must have closed forms. Adaptive quadrature as in
@@ -22,9 +22,9 @@ double neph_airlight(const struct neph_scene *scene, struct neph_vec3 origin_m,
                      struct neph_vec3 direction, double t0_m, double t1_m,
                      struct neph_rgb *radiance);
 
-/* Radiance of all lights reflected by a Lambertian surface of albedo 1, at a point just outside of
- * it. */
+/* Radiance of all lights reflected by a Lambertian surface of albedo 1, at the point of a hit,
+ * just outside of it. */
 struct neph_rgb neph_reflect_lights(const struct neph_scene *scene, struct neph_vec3 point_m,
-                                    struct neph_vec3 normal);
+                                    const struct neph_hit *hit);
 
 #endif

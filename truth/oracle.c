@@ -56,6 +56,7 @@ struct render {
     double *numbers;              /* owned: the checkpoint, ROW_NUMBERS per row, then the sums */
     char *identity;               /* owned: the identity of the checkpoint's job */
     bool has_flights;             /* first collisions are sampled from tables */
+    bool has_coverage;            /* views are random, and so is their unscattered light */
     /* Owned: the views of all pixels if optical depths are slow, valid if `is_known`; NULL:
      * recomputed in every round. */
     struct kept_view *views;
@@ -122,22 +123,23 @@ static enum neph_status check_params(const struct neph_oracle_params *params,
 
 /* ---- rounds ---- */
 
-static struct neph_view make_view(const struct render *render, int column, int row)
+static struct neph_view make_view(const struct render *render, const struct neph_scene *scene,
+                                  int column, int row)
 {
     const struct neph_oracle_params *params = render->params;
     const struct neph_pixel_ray ray = neph_camera_ray(&render->camera, params->width_px,
                                                       params->height_px, column, row);
-    return neph_view_create(render->scene, ray.origin_m, ray.direction);
+    return neph_view_create(scene, ray.origin_m, ray.direction);
 }
 
 static struct neph_view pixel_view(const struct render *render, int column, int row)
 {
     if (!render->views)
-        return make_view(render, column, row);
+        return make_view(render, render->scene, column, row);
     struct kept_view *kept =
         &render->views[(size_t)row * (size_t)render->params->width_px + (size_t)column];
     if (!kept->is_known)
-        *kept = (struct kept_view){make_view(render, column, row), true};
+        *kept = (struct kept_view){make_view(render, render->scene, column, row), true};
     return kept->view;
 }
 
@@ -163,6 +165,19 @@ static void init_flight(const struct render *render, const struct neph_view *vie
     neph_flight_init(flight, render->scene, &ray);
 }
 
+/* One sample of a pixel whose rays meet meshes by chance. `scene` is the row's own. */
+static struct neph_path_light sample_coverage(const struct render *render, struct neph_scene *scene,
+                                              int column, int row, struct neph_random *random,
+                                              struct neph_tracking_cost *cost)
+{
+    scene->coverage_draw = 1 + (uint64_t)(neph_random_uniform(random) * 0x1p53);
+    const struct neph_view view = make_view(render, scene, column, row);
+    struct neph_path_light light = neph_path_trace(scene, render->tracker, &view, NULL, random,
+                                                   cost);
+    light.surface = neph_rgb_add(light.surface, view.unscattered);
+    return light;
+}
+
 /* Render a row up to the round's end. */
 static void render_row(int row, void *context)
 {
@@ -171,6 +186,7 @@ static void render_row(int row, void *context)
     const int first = (int)numbers[0];
     struct neph_tracking_cost cost = {0, 0};
     struct neph_flight flight;
+    struct neph_scene drawn = *render->scene;
     for (int column = 0; column < render->params->width_px; column++) {
         const size_t pixel = (size_t)row * (size_t)render->params->width_px + (size_t)column;
         const struct neph_view view = pixel_view(render, column, row);
@@ -180,9 +196,11 @@ static void render_row(int row, void *context)
         for (int sample = first; sample < render->round_end; sample++) {
             struct neph_random random = neph_random_stream(render->params->seed, pixel,
                                                            (uint64_t)sample);
-            const struct neph_path_light light = neph_path_trace(
-                render->scene, render->tracker, &view, render->has_flights ? &flight : NULL,
-                &random, &cost);
+            const struct neph_path_light light =
+                render->has_coverage
+                    ? sample_coverage(render, &drawn, column, row, &random, &cost)
+                    : neph_path_trace(render->scene, render->tracker, &view,
+                                      render->has_flights ? &flight : NULL, &random, &cost);
             add_light(&sums, &light);
         }
         save_sums(render, pixel, &sums);
@@ -343,7 +361,9 @@ static void finish_row(int row, void *context)
         const size_t pixel = (size_t)row * (size_t)render->params->width_px + (size_t)column;
         const struct neph_view view = pixel_view(render, column, row);
         const struct sums sums = load_sums(render, pixel);
-        const struct neph_rgb t = view.transmittance, u = view.unscattered;
+        const struct neph_rgb t = view.transmittance, u = render->has_coverage
+                                                              ? (struct neph_rgb){0, 0, 0}
+                                                              : view.unscattered;
         const double transmittance[3] = {t.r, t.g, t.b}, unscattered[3] = {u.r, u.g, u.b};
         for (int j = 0; j < 3; j++) {
             layers->radiance[j][pixel] = (float)(unscattered[j] + sums.light[j] / n);
@@ -429,10 +449,12 @@ enum neph_status neph_oracle_render(const struct neph_scene *scene,
         return status;
     if (!neph_oracle_can_render(scene, reason, sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "the oracle cannot: %s", reason);
+    const bool has_coverage = neph_scene_mesh_looks(scene) & NEPH_LOOK_COVERAGE;
     struct render render = {.scene = scene,
                             .params = params,
                             .camera = neph_scene_camera(scene, params->frame),
-                            .has_flights = neph_path_has_volume(scene),
+                            .has_flights = neph_path_has_volume(scene) && !has_coverage,
+                            .has_coverage = has_coverage,
                             .start_s = neph_wall_s(),
                             .saved_s = neph_wall_s()};
     status = prepare(&render, diag);

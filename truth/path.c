@@ -188,7 +188,7 @@ static struct neph_rgb sample_segment_light(const struct path *path, double end_
 }
 
 /* Light of a point light that the surface at the path's position reflects. */
-static struct neph_rgb sample_surface_light(const struct path *path, struct neph_vec3 normal)
+static struct neph_rgb sample_surface_light(const struct path *path, const struct neph_hit *hit)
 {
     double probability;
     const struct neph_light *light = path->scene->light_count == 0
@@ -198,7 +198,7 @@ static struct neph_rgb sample_surface_light(const struct path *path, struct neph
     if (!light)
         return black;
     const struct neph_lit lit = neph_light_at(light, path->at_m);
-    const double cosine = neph_vec3_dot(normal, lit.direction);
+    const double cosine = neph_hit_cosine(hit, lit.direction);
     if (cosine <= 0.0 || !neph_scene_is_visible(path->scene, path->at_m, light->position_m))
         return black;
     const struct neph_rgb through = transmittance_between(path, path->at_m, lit.direction,
@@ -315,8 +315,7 @@ static struct neph_rgb lambertian_per_sr(double cosine)
 
 static struct neph_rgb reflected_per_sr(const void *context, struct neph_vec3 direction)
 {
-    const struct neph_vec3 *normal = context;
-    return lambertian_per_sr(neph_vec3_dot(*normal, direction));
+    return lambertian_per_sr(neph_hit_cosine(context, direction));
 }
 
 /* Move to a collision; add the emission there. */
@@ -354,24 +353,30 @@ static bool reach_surface(struct path *path, const struct neph_hit *hit)
     return true;
 }
 
+/* A path that a smooth mesh would send through its own triangle has no light. */
+static bool leaves_outside(const struct path *path, const struct neph_hit *hit)
+{
+    return largest_path_value(path) > 0.0 && neph_vec3_dot(hit->normal, path->direction) > 0.0;
+}
+
 static bool leave_surface(struct path *path, const struct neph_hit *hit)
 {
     path->sunlit = 0.5; /* not known here */
-    turn(path, neph_cosine_sample(hit->normal, path->random), reflected_per_sr, &hit->normal, false,
+    turn(path, neph_cosine_sample(hit->shading, path->random), reflected_per_sr, hit, false,
          path->peak);
-    return largest_path_value(path) > 0.0;
+    return leaves_outside(path, hit);
 }
 
 static bool meet_surface(struct path *path, const struct neph_hit *hit, struct neph_rgb *light)
 {
     if (!reach_surface(path, hit))
         return false;
-    const struct neph_vec3 own = neph_cosine_sample(hit->normal, path->random);
-    const double cosine = neph_vec3_dot(hit->normal, path->scene->sun.direction);
+    const struct neph_vec3 own = neph_cosine_sample(hit->shading, path->random);
+    const double cosine = neph_hit_cosine(hit, path->scene->sun.direction);
     add(light, sunlight(path, lambertian_per_sr(cosine)));
-    add(light, sample_surface_light(path, hit->normal));
-    turn(path, own, reflected_per_sr, &hit->normal, false, path->peak);
-    return largest_path_value(path) > 0.0;
+    add(light, sample_surface_light(path, hit));
+    turn(path, own, reflected_per_sr, hit, false, path->peak);
+    return leaves_outside(path, hit);
 }
 
 /* Trace from an event to the end of the path. `*direct` receives environment light without a
@@ -593,7 +598,7 @@ static struct neph_rgb seen_color(const struct neph_view *view)
 /* Lambertian, lit by the sun through the media: albedo / pi * E cos(theta) T V. */
 static struct neph_rgb sunlit_surface(const struct neph_scene *scene, const struct neph_view *view)
 {
-    const double cosine = neph_vec3_dot(view->hit.normal, scene->sun.direction);
+    const double cosine = neph_hit_cosine(&view->hit, scene->sun.direction);
     if (!scene->sun.present || cosine <= 0.0)
         return black;
     const struct neph_vec3 point_m = neph_hit_outside_m(&view->hit, seen_point_m(view));
@@ -614,7 +619,7 @@ static struct neph_rgb compute_surface_lights(const struct neph_scene *scene,
     if (scene->light_count == 0)
         return black;
     const struct neph_vec3 point_m = neph_hit_outside_m(&view->hit, seen_point_m(view));
-    return neph_rgb_mul(seen_color(view), neph_reflect_lights(scene, point_m, view->hit.normal));
+    return neph_rgb_mul(seen_color(view), neph_reflect_lights(scene, point_m, &view->hit));
 }
 
 struct neph_view neph_view_create(const struct neph_scene *scene, struct neph_vec3 origin_m,

@@ -21,8 +21,8 @@ static const struct neph_rgb black = {0, 0, 0}, white = {1, 1, 1};
 
 /* A hit of a path on a solid. */
 struct place {
-    const struct neph_solid *solid;
-    struct neph_vec3 point_m, normal, from; /* `from`: unit, opposite to the path */
+    struct neph_hit hit;
+    struct neph_vec3 point_m, from; /* `from`: unit, opposite to the path */
     struct neph_rgb color;
 };
 
@@ -30,9 +30,8 @@ static struct place hit_surface_place(const struct neph_hit *hit, struct neph_ve
                                       struct neph_vec3 direction)
 {
     const struct neph_vec3 point_m = neph_vec3_along(origin_m, direction, hit->t_m);
-    return (struct place){.solid = hit->solid,
+    return (struct place){.hit = *hit,
                           .point_m = neph_hit_outside_m(hit, point_m),
-                          .normal = hit->normal,
                           .from = neph_vec3_scale(direction, -1.0),
                           .color = neph_surface_color(hit, point_m)};
 }
@@ -103,7 +102,7 @@ static bool finds_face(const struct neph_scene *scene, const struct neph_solid *
 static struct neph_rgb mirrored_light(const struct place *mirror, struct neph_rgb irradiance)
 {
     return neph_rgb_scale(neph_rgb_mul(mirror->color, irradiance),
-                          mirror->solid->surface.metalness);
+                          mirror->hit.solid->surface.metalness);
 }
 
 static void add_mirrored_sun(const struct neph_scene *scene, const struct neph_solid *mirror,
@@ -173,20 +172,20 @@ static void reflect_beams(const struct neph_scene *scene, const struct place *pl
                           struct neph_rgb *diffuse, struct neph_rgb *glossy)
 {
     struct beams found;
-    const struct neph_surface *surface = &place->solid->surface;
+    const struct neph_surface *surface = &place->hit.solid->surface;
     const bool shines = surface->metalness > 0.0 && !neph_is_mirror(surface);
     *diffuse = *glossy = black;
     find_beams(scene, place->point_m, &found);
     for (int i = 0; i < found.count; i++) {
         const struct beam *beam = &found.beams[i];
-        const double cosine = neph_vec3_dot(place->normal, beam->direction);
+        const double cosine = neph_hit_cosine(&place->hit, beam->direction);
         if (cosine <= 0.0)
             continue;
         *diffuse = neph_rgb_add(*diffuse, neph_rgb_scale(beam->irradiance_w_per_m2, cosine / M_PI));
         if (shines)
             *glossy = neph_rgb_add(
                 *glossy, neph_rgb_scale(beam->irradiance_w_per_m2,
-                                        neph_metal_per_sr(surface->roughness, place->normal,
+                                        neph_metal_per_sr(surface->roughness, place->hit.shading,
                                                           place->from, beam->direction)));
     }
 }
@@ -213,20 +212,28 @@ static bool survives(struct neph_rgb *value, struct neph_random *random)
 static double leave(const struct place *place, struct neph_random *random,
                     struct neph_vec3 *direction)
 {
-    const struct neph_surface *surface = &place->solid->surface;
+    const struct neph_surface *surface = &place->hit.solid->surface;
     const bool is_metal = surface->metalness > 0.0 &&
                           (surface->metalness == 1.0 ||
                            neph_random_uniform(random) < surface->metalness);
     if (is_metal)
-        return neph_metal_sample(surface->roughness, place->normal, place->from, random, direction);
-    *direction = neph_cosine_sample(place->normal, random);
+        return neph_metal_sample(surface->roughness, place->hit.shading, place->from, random,
+                                 direction);
+    *direction = neph_cosine_sample(place->hit.shading, random);
     return 1.0;
+}
+
+/* Whether a direction does not go through the surface, as the shading normal of a smooth mesh may
+ * have it; if not, no light comes from there. */
+static bool leads_outside(const struct neph_hit *hit, struct neph_vec3 direction)
+{
+    return neph_vec3_dot(hit->normal, direction) > 0.0;
 }
 
 /* Light of beams that a surface on a path reflects. */
 static struct neph_rgb lit_surface(const struct neph_scene *scene, const struct place *place)
 {
-    const double metalness = place->solid->surface.metalness;
+    const double metalness = place->hit.solid->surface.metalness;
     struct neph_rgb diffuse, glossy;
     reflect_beams(scene, place, &diffuse, &glossy);
     return neph_rgb_mul(place->color, neph_rgb_add(neph_rgb_scale(diffuse, 1.0 - metalness),
@@ -250,7 +257,7 @@ static void follow(const struct neph_scene *scene, int bounces, struct neph_vec3
         *indirect = neph_rgb_add(*indirect, neph_rgb_mul(value, lit_surface(scene, &place)));
         point_m = place.point_m;
         value = neph_rgb_mul(value, neph_rgb_scale(place.color, leave(&place, random, &direction)));
-        if (!(largest_throughput(value) > 0.0))
+        if (!(largest_throughput(value) > 0.0) || !leads_outside(&place.hit, direction))
             return;
     }
 }
@@ -270,10 +277,7 @@ static bool leads_on_screen(const struct neph_scene *scene, const struct neph_sc
 
 static struct place viewed(const struct neph_reflected_view *view)
 {
-    return (struct place){.solid = view->hit.solid,
-                          .point_m = view->point_m,
-                          .normal = view->hit.normal,
-                          .from = view->from};
+    return (struct place){.hit = view->hit, .point_m = view->point_m, .from = view->from};
 }
 
 struct neph_reflected_view neph_reflected_view(const struct neph_scene *scene,
@@ -284,7 +288,7 @@ struct neph_reflected_view neph_reflected_view(const struct neph_scene *scene,
     if (!view.hit.solid)
         return view;
     const struct place place = hit_surface_place(&view.hit, origin_m, direction);
-    const double metalness = place.solid->surface.metalness;
+    const double metalness = place.hit.solid->surface.metalness;
     view.point_m = place.point_m;
     view.from = place.from;
     view.color[0] = neph_rgb_scale(place.color, 1.0 - metalness);
@@ -302,27 +306,31 @@ struct neph_reflected neph_reflected_sample(const struct neph_scene *scene,
     const struct place place = viewed(view);
     struct neph_reflected light = {{{0, 0, 0}}};
     struct neph_rgb *part = light.part;
-    struct neph_vec3 direction = neph_cosine_sample(place.normal, random);
+    struct neph_vec3 direction = neph_cosine_sample(place.hit.shading, random);
+    bool is_open = leads_outside(&place.hit, direction);
     const struct neph_hit ahead = neph_scene_hit(scene, place.point_m, direction);
     bool shown = leads_on_screen(scene, limits->screen, place.point_m, direction);
-    part[NEPH_AMBIENT] = ahead.t_m > limits->ao_distance_m || !ahead.solid ? white : black;
+    part[NEPH_AMBIENT] = is_open && (ahead.t_m > limits->ao_distance_m || !ahead.solid) ? white
+                                                                                        : black;
     part[NEPH_AMBIENT_ON_SCREEN] = shown ? part[NEPH_AMBIENT] : white;
     if (surface->metalness < 1.0) {
         part[NEPH_DIFFUSE_DIRECT] = view->direct[0];
-        follow(scene, limits->bounces, place.point_m, direction, 1.0, random,
-               &part[NEPH_DIFFUSE_DIRECT], &part[NEPH_DIFFUSE_INDIRECT]);
+        if (is_open)
+            follow(scene, limits->bounces, place.point_m, direction, 1.0, random,
+                   &part[NEPH_DIFFUSE_DIRECT], &part[NEPH_DIFFUSE_INDIRECT]);
         part[NEPH_DIFFUSE_ON_SCREEN] = shown ? part[NEPH_DIFFUSE_INDIRECT] : black;
     }
     if (surface->metalness > 0.0) {
         part[NEPH_GLOSSY_DIRECT] = view->direct[1];
-        const double worth = neph_metal_sample(surface->roughness, place.normal, place.from, random,
-                                               &direction);
-        if (worth > 0.0) {
+        const double worth = neph_metal_sample(surface->roughness, place.hit.shading, place.from,
+                                               random, &direction);
+        is_open = worth > 0.0 && leads_outside(&place.hit, direction);
+        if (is_open) {
             follow(scene, limits->bounces, place.point_m, direction, worth, random,
                    &part[NEPH_GLOSSY_DIRECT], &part[NEPH_GLOSSY_INDIRECT]);
             shown = leads_on_screen(scene, limits->screen, place.point_m, direction);
         }
-        part[NEPH_GLOSSY_ON_SCREEN] = worth > 0.0 && shown ? part[NEPH_GLOSSY_INDIRECT] : black;
+        part[NEPH_GLOSSY_ON_SCREEN] = is_open && shown ? part[NEPH_GLOSSY_INDIRECT] : black;
     }
     return light;
 }
@@ -349,6 +357,8 @@ static const char *find_obstacle(const struct neph_scene *scene)
     }
     if (scene->medium_count > 0)
         return "media: this is light between solids in clear air";
+    if (neph_coverage_obstacle(scene))
+        return neph_coverage_obstacle(scene);
     if ((scene->sun.present || scene->light_count > 0) && (curved > 0 || mirrors > 1))
         return "sun or lights with a mirrored sphere or mesh, or several mirrors: no path finds "
                "their reflected light; give them a roughness";

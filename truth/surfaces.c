@@ -95,7 +95,7 @@ static void put_sky(const struct render *render, size_t pixel)
 static void put_surface(const struct render *render, const struct neph_reflected_view *view,
                         size_t pixel)
 {
-    const struct neph_vec3 n = view->hit.normal;
+    const struct neph_vec3 n = view->hit.shading;
     const double normal[3] = {n.x, n.y, n.z};
     const struct sums sums = sample_pixel(render, view, pixel);
     put_sums(render, &sums, pixel);

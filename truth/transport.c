@@ -483,7 +483,7 @@ static double integrate_point_lights(const struct ray *ray, struct neph_rgb *vol
 static struct neph_rgb sunlit_radiance(const struct neph_scene *scene, const struct neph_hit *hit,
                                        struct neph_vec3 point_m)
 {
-    const double cosine = neph_vec3_dot(hit->normal, scene->sun.direction);
+    const double cosine = neph_hit_cosine(hit, scene->sun.direction);
     if (!scene->sun.present || cosine <= 0.0)
         return (struct neph_rgb){0, 0, 0};
     const struct neph_vec3 outside_m = neph_hit_outside_m(hit, point_m);
@@ -502,7 +502,7 @@ static struct neph_rgb surface_radiance(const struct neph_scene *scene, const st
     if (scene->light_count == 0)
         return sunlit;
     const struct neph_rgb lamplit = neph_reflect_lights(scene, neph_hit_outside_m(hit, point_m),
-                                                        hit->normal);
+                                                        hit);
     return neph_rgb_add(sunlit, neph_rgb_mul(neph_surface_color(hit, point_m), lamplit));
 }
 
@@ -539,7 +539,7 @@ static bool is_furnace(const struct neph_scene *scene)
     for (int i = 0; i < scene->solid_count; i++)
         if (!is_white(scene->solids[i].albedo) || neph_is_textured(&scene->solids[i].surface))
             return false;
-    return true;
+    return neph_scene_mesh_looks(scene) == 0;
 }
 
 static bool media_scatter(const struct neph_scene *scene)
@@ -576,6 +576,12 @@ bool neph_transport_is_exact(const struct neph_scene *scene, char *reason, size_
     if (!cannot && is_furnace(scene))
         return true;
     const bool scatters = media_scatter(scene) && scene->scattering != NEPH_SCATTERING_NONE;
+    if (!cannot)
+        cannot = neph_coverage_obstacle(scene);
+    if (!cannot && scatters && (scene->sun.present || scene->light_count > 0) &&
+        (neph_scene_mesh_looks(scene) & NEPH_LOOK_CUTOUT))
+        cannot = "shadows of meshes with alpha on lit media, which have no closed form: engine "
+                 "oracle has them";
     if (!cannot && scene->scattering == NEPH_SCATTERING_MULTIPLE &&
         (scatters || solids_reflect(scene)))
         cannot = "multiple scattering (outside a furnace)";

@@ -24,7 +24,7 @@ _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 enum {
-    SPEC_FORMAT = 7, /* change together with blender_render.py */
+    SPEC_FORMAT = 8, /* change together with blender_render.py */
     VOLUME_STACK = 31,
     SPHERE_SEGMENTS_MIN = 256,
     SPHERE_SEGMENTS_MAX = 2048,

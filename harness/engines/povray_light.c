@@ -31,6 +31,7 @@ enum { SOURCES_MAX = NEPH_SCENE_SOLIDS_MAX + 1 };
 
 struct sources {
     int count;
+    bool has_texture; /* of a mesh: its colours have all ratios */
     double weights[3][SOURCES_MAX];
 };
 
@@ -95,7 +96,7 @@ static bool same_albedo(const struct neph_scene *scene, int a, int b)
 static double proportion(const struct neph_scene *scene, const struct sources *sources, int from,
                          int to)
 {
-    if (!neph_povray_same_extinction(scene, from, to) ||
+    if (sources->has_texture || !neph_povray_same_extinction(scene, from, to) ||
         (scene->scattering == NEPH_SCATTERING_MULTIPLE && !same_albedo(scene, from, to)))
         return 0.0;
     double from_peak = brightest_source(sources, from), to_peak = brightest_source(sources, to);
@@ -354,7 +355,7 @@ enum neph_status neph_povray_add_surface(struct neph_povray_session *session,
 {
     const struct neph_scene *scene = session->shot.scene;
     struct neph_povray_pass pass = {.kind = NEPH_POVRAY_SURFACE};
-    struct sources sources = {.count = 0};
+    struct sources sources = {.has_texture = neph_scene_mesh_looks(scene) & NEPH_LOOK_TEXTURE};
     add_source(&sources, scene->background_w_per_m2_sr);
     for (int i = 0; i < scene->solid_count; i++)
         add_sunlit(&sources, scene, scene->solids[i].albedo);

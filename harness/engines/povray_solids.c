@@ -3,6 +3,7 @@
 
 #include "harness/engines/povray_exposure.h"
 #include "harness/engines/povray_mesh.h"
+#include "scenes/mesh.h"
 #include "scenes/solids.h"
 #include "scenes/surfaces.h"
 
@@ -13,9 +14,35 @@ _Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
 _Static_assert(NEPH_POVRAY_KIND_COUNT == 6, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
+static bool is_cut_out(const struct neph_solid *solid)
+{
+    return solid && solid->kind == NEPH_SOLID_MESH &&
+           solid->mesh->material.alpha != NEPH_ALPHA_IGNORED;
+}
+
+/* Write the values of a digit. Within a cut-out, functions would have its uv for x and y: so the
+ * cut-outs are within the functions. */
+static void write_digit_map(struct neph_povray_writer *writer, const char *channel,
+                            const struct neph_solid *solid)
+{
+    const char *colors[2] = {"<0,0,0>", channel};
+    if (!is_cut_out(solid)) {
+        neph_povray_write_text(writer, "color_map { [0 rgb 0] [1 rgb %s] }]\n", channel);
+        return;
+    }
+    neph_povray_write_text(writer, "pigment_map {");
+    for (int i = 0; i < 2; i++) {
+        neph_povray_write_text(writer, " [%i", i);
+        neph_povray_write_alpha(writer, solid);
+        neph_povray_write_text(writer, " color_map { [0.5 rgbt 1] [0.5 rgb %s] }]", colors[i]);
+    }
+    neph_povray_write_text(writer, " }]\n");
+}
+
 /* Write one digit of the depth in one channel: depth / range * base^place, wrapped at 1 by POV-Ray.
  * The factor 3 compensates the mean of three pigments. */
-static void write_digit(struct neph_povray_writer *writer, int place)
+static void write_digit(struct neph_povray_writer *writer, int place,
+                        const struct neph_solid *solid)
 {
     static const char *const channels[] = {"<3,0,0>", "<0,3,0>", "<0,0,3>"};
     const struct neph_povray_world *world = writer->world;
@@ -24,18 +51,25 @@ static void write_digit(struct neph_povray_writer *writer, int place)
     struct neph_vec3 eye = neph_vec3_scale(eye_m, world->units_per_m);
     double scale = pow(NEPH_POVRAY_DEPTH_BASE, place) / (world->depth_range_m * world->units_per_m);
     neph_povray_write_text(
-        writer,
-        "  [1 function { (%n)*((x - (%n))*(%n) + (y - (%n))*(%n) + (z - (%n))*(%n)) } "
-        "color_map { [0 rgb 0] [1 rgb %s] }]\n",
-        scale, eye.x, forward.x, eye.y, forward.y, eye.z, forward.z, channels[place]);
+        writer, "  [1 function { (%n)*((x - (%n))*(%n) + (y - (%n))*(%n) + (z - (%n))*(%n)) } ",
+        scale, eye.x, forward.x, eye.y, forward.y, eye.z, forward.z);
+    write_digit_map(writer, channels[place], solid);
+}
+
+/* `solid` NULL: one without holes. */
+static void write_depth_texture(struct neph_povray_writer *writer, const struct neph_solid *solid)
+{
+    neph_povray_write_text(writer, " texture { pigment { average pigment_map {\n");
+    for (int place = 0; place < 3; place++)
+        write_digit(writer, place, solid);
+    neph_povray_write_text(writer, "} } finish { ambient 0 diffuse 0 emission 1 } }");
 }
 
 static void declare_depth_texture(struct neph_povray_writer *writer)
 {
-    neph_povray_write_text(writer, "#declare Depth = texture { pigment { average pigment_map {\n");
-    for (int place = 0; place < 3; place++)
-        write_digit(writer, place);
-    neph_povray_write_text(writer, "} } finish { ambient 0 diffuse 0 emission 1 } }\n\n");
+    neph_povray_write_text(writer, "#declare Depth =");
+    write_depth_texture(writer, NULL);
+    neph_povray_write_text(writer, "\n\n");
 }
 
 /* Write the finish of a lit solid: its reflection properties, after its pigment. */
@@ -51,6 +85,12 @@ static void write_finish(struct neph_povray_writer *writer, const struct neph_so
 
 static void write_texture(struct neph_povray_writer *writer, const struct neph_solid *solid)
 {
+    if (is_cut_out(solid) && writer->pass->kind == NEPH_POVRAY_DEPTH) {
+        write_depth_texture(writer, solid);
+        return;
+    }
+    if (is_cut_out(solid))
+        neph_povray_start_cutout(writer, solid);
     switch (writer->pass->kind) {
     case NEPH_POVRAY_DEPTH:
         neph_povray_write_text(writer, " texture { Depth }");
@@ -65,12 +105,17 @@ static void write_texture(struct neph_povray_writer *writer, const struct neph_s
         break;
     case NEPH_POVRAY_BEAUTY:
     case NEPH_POVRAY_SURFACE:
-        neph_povray_write_text(writer, " pigment { %m }", solid->albedo);
+        if (solid->kind == NEPH_SOLID_MESH && solid->mesh->material.texture)
+            neph_povray_write_mesh_pigment(writer, solid);
+        else
+            neph_povray_write_text(writer, " pigment { %m }", solid->albedo);
         write_finish(writer, solid);
         break;
     case NEPH_POVRAY_KIND_COUNT:
         break;
     }
+    if (is_cut_out(solid))
+        neph_povray_end_cutout(writer);
 }
 
 /* Whether the pass shows the solid's texture. */

@@ -166,12 +166,26 @@ static void test_exr(void **state)
     assert_int_equal(scratch_count(state), 1); /* no temporary files remain */
 }
 
+static enum neph_status read_png_rgba(void *context, struct neph_diag *diag)
+{
+    float *rgba = NULL;
+    int width_px, height_px;
+    bool has_alpha;
+    const enum neph_status status = neph_png_read_rgba(
+        NEPH_SOURCE_DIR "/tests/fuzz/corpus/png/rgba_16.png", 1 << 20, &width_px, &height_px, &rgba,
+        &has_alpha, diag);
+    assert_int_equal(rgba != NULL, status == NEPH_OK);
+    free(rgba);
+    return status;
+}
+
 static void test_png(void **state)
 {
     struct place place = make_paths(state);
     assert_every_failure_is_reported("writing deep PNG", write_deep_png, &place);
     assert_every_failure_is_reported("writing PNG", write_png, &place);
     assert_every_failure_is_reported("reading PNG", read_png, &place);
+    assert_every_failure_is_reported("reading PNG with alpha", read_png_rgba, &place);
     assert_every_failure_is_reported("reading codes of PNG", read_png_codes, &place);
     assert_int_equal(scratch_count(state), 1);
 }

@@ -64,6 +64,16 @@ static void try(const uint8_t *data, size_t size)
     if (image && rgb)
         fuzz_require(width_px == image->width_px && height_px == image->height_px, "same size");
     free(rgb);
+    float *rgba = NULL;
+    bool has_alpha = false;
+    status = neph_png_read_rgba(file.path, 1 << 24, &width_px, &height_px, &rgba, &has_alpha,
+                                &diag);
+    fuzz_require_outcome(status, &diag, rgba);
+    for (size_t i = 0; rgba && i < 4 * (size_t)width_px * (size_t)height_px; i++)
+        fuzz_require(rgba[i] >= 0.0f && rgba[i] <= 1.0f, "a value in 0..1");
+    if (image && rgba)
+        fuzz_require(!has_alpha && rgba[0] == image->channels[0].samples[0], "the same image");
+    free(rgba);
     neph_image_destroy(image);
     if (neph_apng_count(file.path) > 0)
         try_animation(file.path);

@@ -2,8 +2,12 @@
 # SPDX-License-Identifier: MIT
 """Meshes in scene files, from the command line: a mesh of boxes is rendered as the boxes are,
 engines name what they lack, and files that are no mesh are errors with their place."""
+import base64
+import json
 import pathlib
+import struct
 import unittest
+import zlib
 
 import neph_case
 from frames import read_exr
@@ -37,6 +41,46 @@ def obj_of_boxes():
         for face in FACES:
             lines.append("f " + " ".join(str(8 * n + vertex) for vertex in face))
     return "\n".join(lines) + "\n"
+
+
+CORNERS = ((-1, 0), (1, 0), (1, 2), (-1, 2))  # x, y; u and v are 0 or 1
+
+
+def obj_of_quad():
+    """(u, v) = (0, 0) is the lower left corner."""
+    lines = [f"v {x} {y} 0" for x, y in CORNERS] + ["vt 0 0", "vt 1 0", "vt 1 1", "vt 0 1"]
+    return "\n".join(lines + ["f 1/1 2/2 3/3 4/4"]) + "\n"
+
+
+def gltf_of_quad():
+    """(u, v) = (0, 0) is the upper left corner."""
+    uv = ((0, 1), (1, 1), (1, 0), (0, 0))
+    data = (b"".join(struct.pack("<3f", x, y, 0) for x, y in CORNERS) +
+            b"".join(struct.pack("<2f", *pair) for pair in uv) +
+            struct.pack("<6H", 0, 1, 2, 0, 2, 3))
+    views = [{"buffer": 0, "byteOffset": at, "byteLength": size}
+             for at, size in ((0, 48), (48, 32), (80, 12))]
+    accessors = [{"bufferView": i, "componentType": kind, "count": count, "type": name}
+                 for i, (kind, count, name) in enumerate(
+                     ((5126, 4, "VEC3"), (5126, 4, "VEC2"), (5123, 6, "SCALAR")))]
+    accessors[0].update(min=[-1, 0, 0], max=[1, 2, 0])
+    uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    primitive = {"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2}
+    return json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+                       "nodes": [{"mesh": 0}], "meshes": [{"primitives": [primitive]}],
+                       "buffers": [{"uri": uri, "byteLength": len(data)}], "bufferViews": views,
+                       "accessors": accessors})
+
+
+def png(rows):
+    """8-bit RGB."""
+    def chunk(kind, data):
+        return (struct.pack(">I", len(data)) + kind + data +
+                struct.pack(">I", zlib.crc32(kind + data)))
+    lines = b"".join(b"\0" + bytes(value for pixel in row for value in pixel) for row in rows)
+    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 2, 0, 0, 0)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) +
+            chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b""))
 
 
 @unittest.skipUnless(pathlib.Path(neph_case.NEPH).with_name("neph-mesh").exists(),
@@ -105,6 +149,26 @@ class Meshes(neph_case.NephCase):
             self.assertIn(done.returncode, (65, 66), done.stderr)
             self.assertIn(said, done.stderr)
             self.assertIn(f"bad.yaml:{line}:", done.stderr)
+
+    def test_textures_of_obj_and_gltf_are_upright(self):
+        """Red at the top, blue at the bottom, and of the same pixels in both formats."""
+        self.put("quad.obj", obj_of_quad())
+        self.put("quad.gltf", gltf_of_quad())
+        (self.folder / "flag.png").write_bytes(png([[(255, 0, 0)], [(0, 0, 0)], [(0, 0, 255)]]))
+        frames = []
+        for kind in ("obj", "gltf"):
+            self.put_scene(kind, f"  - mesh: {{file: quad.{kind}, albedo_texture: flag.png, "
+                                 "position_m: [0, 0, -3], "
+                                 "albedo: [1, 1, 1]}", scattering="none")
+            frames.append(self.render(kind, "-e", "exact"))
+        for channel in ("R", "G", "B", "Z"):
+            for a, b in zip(frames[0][channel], frames[1][channel]):
+                self.assertAlmostEqual(a, b, delta=1e-6 * abs(a) if a < 1e9 else 0)
+        rows = [{c: frames[0][c][y * 48 + 24] for c in "RBZ"} for y in range(27)]
+        rows = [row for row in rows if row["Z"] < 100]
+        self.assertGreater(len(rows), 5)
+        self.assertGreater(rows[1]["R"], 2 * rows[1]["B"])
+        self.assertGreater(rows[-2]["B"], 2 * rows[-2]["R"])
 
     def test_a_missing_reader_is_named(self):
         self.put_both()

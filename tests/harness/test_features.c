@@ -27,6 +27,7 @@ struct stage {
     struct neph_grid *grid;
     struct neph_horizon *horizon;
     struct neph_mesh *mesh;
+    struct neph_albedo_texture *leaf;
 };
 
 static void change_medium(struct stage *stage, enum neph_medium_kind kind)
@@ -135,8 +136,42 @@ static void meshed(struct stage *stage)
     solids(stage);
     if (!stage->mesh)
         stage->mesh = make_box_mesh((struct neph_vec3){-9, -2, -19}, (struct neph_vec3){9, -1, -1});
+    stage->mesh->material = (struct neph_mesh_material){0};
     stage->test.solids[0] = (struct neph_solid){
         .kind = NEPH_SOLID_MESH, .mesh = stage->mesh, .scale_m = 1, .albedo = {0.5, 0.5, 0.5}};
+}
+
+/* No engine looks at the mesh's data before it renders. */
+static void smooth_mesh(struct stage *stage)
+{
+    meshed(stage);
+    stage->mesh->material.is_smooth = true;
+}
+
+static void textured_mesh(struct stage *stage)
+{
+    meshed(stage);
+    if (!stage->leaf)
+        stage->leaf = make_half_texture(1.0f, 0.0f);
+    stage->mesh->material.texture = stage->leaf;
+}
+
+static void cut_out_mesh(struct stage *stage)
+{
+    textured_mesh(stage);
+    stage->mesh->material.alpha = NEPH_ALPHA_CUTOUT;
+}
+
+static void covered_mesh(struct stage *stage)
+{
+    textured_mesh(stage);
+    stage->mesh->material.alpha = NEPH_ALPHA_COVERAGE;
+}
+
+static void cut_out_mesh_in_clear_air(struct stage *stage)
+{
+    cut_out_mesh(stage);
+    stage->test.scene.medium_count = 0;
 }
 
 static void textured(struct stage *stage)
@@ -276,6 +311,11 @@ static const struct feature {
     {"`solids` in clear air", ANY_KIND, ANY_LIGHT, add_only_solids},
     {"`solids` in clear air, and light between them", ANY_KIND, LIGHT(MULTIPLE), add_only_solids},
     {"`solids[].mesh`, `solids[].height_field`", ANY_KIND, ANY_LIGHT, meshed},
+    {"`solids[].mesh.shading: smooth`", ANY_KIND, ANY_LIGHT, smooth_mesh},
+    {"`solids[].mesh.albedo_texture`", ANY_KIND, ANY_LIGHT, textured_mesh},
+    {"`solids[].mesh.alpha: cutout`", ANY_KIND, ANY_LIGHT, cut_out_mesh},
+    {"`solids[].mesh.alpha: cutout` in clear air", ANY_KIND, ANY_LIGHT, cut_out_mesh_in_clear_air},
+    {"`solids[].mesh.alpha: coverage`", ANY_KIND, ANY_LIGHT, covered_mesh},
     {"`solids[].*.texture`", ANY_KIND, ANY_LIGHT, textured},
     {"`solids[].*.metalness`", ANY_KIND, LIGHT(MULTIPLE), metal},
     {"`solids[].*.metalness`, `roughness: 0`", ANY_KIND, LIGHT(MULTIPLE), mirror},
@@ -375,6 +415,8 @@ static void print_features(FILE *file)
         print_row(file, &features[i], &stage);
     neph_grid_destroy(stage.grid);
     neph_horizon_destroy(stage.horizon);
+    stage.mesh->material.texture = NULL;
+    neph_albedo_texture_destroy(stage.leaf);
     neph_mesh_destroy(stage.mesh);
 }
 

@@ -310,6 +310,21 @@ static void test_meshes(void **state)
     assert_every_failure_is_reported("a mesh", take_mesh, &output);
 }
 
+static enum neph_status read_texture(void *context, struct neph_diag *diag)
+{
+    struct neph_albedo_texture *texture = NULL;
+    const enum neph_status status = neph_albedo_texture_read(context, 1 << 20, &texture, diag);
+    assert_int_equal(texture != NULL, status == NEPH_OK);
+    neph_albedo_texture_destroy(texture);
+    return status;
+}
+
+static void test_textures(void **state)
+{
+    static char path[] = NEPH_SOURCE_DIR "/tests/fuzz/corpus/png/rgba_8.png";
+    assert_every_failure_is_reported("a texture", read_texture, path);
+}
+
 /* A cloud of MYSTIC with radii and uneven layers. */
 static void test_text(void **state)
 {
@@ -335,6 +350,7 @@ int main(void)
         scratch_test(test_volume_files),  cmocka_unit_test(test_phase_tables),
         cmocka_unit_test(test_netcdf),    cmocka_unit_test(test_meshes),
         scratch_test(test_height_fields), scratch_test(test_text),
+        cmocka_unit_test(test_textures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

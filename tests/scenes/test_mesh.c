@@ -43,7 +43,7 @@ static void test_a_mesh_of_a_box_is_hit_as_the_box(void **state)
         const struct neph_vec3 direction = neph_vec3_normalize(
             neph_vec3_sub(draw_target(&seed), origin_m));
         const struct neph_hit expected = neph_scene_hit(&scene, origin_m, direction);
-        const struct neph_mesh_hit hit = neph_mesh_meet(mesh, origin_m, direction, INFINITY);
+        const struct neph_mesh_hit hit = neph_mesh_meet(mesh, origin_m, direction, INFINITY, 0);
         const double t_m = isfinite(hit.t) ? hit.t : expected.t_m;
         if (is_near_edge(neph_vec3_along(origin_m, direction, t_m)))
             continue;
@@ -57,8 +57,8 @@ static void test_a_mesh_of_a_box_is_hit_as_the_box(void **state)
         neph_assert_close(hit.t, expected.t_m, 1e-14, 1e-14);
         const double facing = neph_vec3_dot(expected.normal, direction) < 0.0 ? 1.0 : -1.0;
         neph_assert_close(neph_vec3_dot(hit.normal, expected.normal), facing, 1e-15, 0.0);
-        assert_true(neph_mesh_blocks(mesh, origin_m, direction, 0.0, INFINITY));
-        assert_false(neph_mesh_blocks(mesh, origin_m, direction, 0.0, hit.t * (1.0 - 1e-12)));
+        assert_true(neph_mesh_blocks(mesh, origin_m, direction, 0.0, INFINITY, 0));
+        assert_false(neph_mesh_blocks(mesh, origin_m, direction, 0.0, hit.t * (1.0 - 1e-12), 0));
     }
     print_message("%d hits\n", hits);
     assert_true(hits > neph_test_paths(60000) / 3);
@@ -94,7 +94,7 @@ static void test_a_mesh_of_a_box_has_its_shadow(void **state)
         const struct neph_vec3 shaded = neph_vec3_along(draw_target(&seed), sun,
                                                         -neph_test_uniform(&seed, 0.0, 9.0));
         const struct neph_vec3 direction = neph_vec3_normalize(neph_vec3_sub(shaded, origin_m));
-        const struct neph_mesh_hit hit = neph_mesh_meet(mesh, origin_m, direction, 20.0);
+        const struct neph_mesh_hit hit = neph_mesh_meet(mesh, origin_m, direction, 20.0, 0);
         const double end_m = fmin(20.0, hit.t);
         double t0_m = 0.0, t1_m = 0.0;
         if (neph_mesh_contains(mesh, origin_m))
@@ -157,23 +157,23 @@ static void test_the_tree_equals_brute_force(void **state)
         const struct neph_vec3 light_m = random_point(&seed, 2.0);
         const struct neph_shadow_ray ray = {origin_m, direction, sun, trial % 2 ? &light_m : NULL,
                                             0.0,      2.0};
-        const struct neph_mesh_hit hit = neph_mesh_meet(soup, origin_m, direction, INFINITY);
+        const struct neph_mesh_hit hit = neph_mesh_meet(soup, origin_m, direction, INFINITY, 0);
         struct neph_mesh_hit nearest = {.t = INFINITY};
         expected->count = shadows->count = 0;
         for (int i = 0; i < SOUP; i++) {
-            const struct neph_mesh_hit one = neph_mesh_meet(parts[i], origin_m, direction,
-                                                            INFINITY);
+            const struct neph_mesh_hit one = neph_mesh_meet(parts[i], origin_m, direction, INFINITY,
+                                                            0);
             if (one.t < nearest.t) {
                 nearest = one;
-                nearest.triangle = i;
+                nearest.place.triangle = i;
             }
             neph_mesh_add_shadows(parts[i], &ray, expected);
         }
         assert_true(hit.t == nearest.t);
         hits += hit.t < INFINITY;
         if (hit.t < INFINITY)
-            assert_int_equal(hit.triangle, nearest.triangle);
-        assert_true(neph_mesh_blocks(soup, origin_m, direction, 0.0, INFINITY) ==
+            assert_int_equal(hit.place.triangle, nearest.place.triangle);
+        assert_true(neph_mesh_blocks(soup, origin_m, direction, 0.0, INFINITY, 0) ==
                     (nearest.t < INFINITY));
         neph_mesh_add_shadows(soup, &ray, shadows);
         assert_int_equal(shadows->count, expected->count);
@@ -203,9 +203,9 @@ static void test_ties_go_to_the_first_triangle(void **state)
         int number;
     } rows[] = {{{0.2, 0.2, 3}, 0}, {{0.8, 0.8, 3}, 1}, {{0.5, 0.5, 3}, 0}, {{0, 1, 3}, 0}};
     for (size_t i = 0; i < COUNT(rows); i++) {
-        const struct neph_mesh_hit hit = neph_mesh_meet(mesh, rows[i].origin, ahead, INFINITY);
+        const struct neph_mesh_hit hit = neph_mesh_meet(mesh, rows[i].origin, ahead, INFINITY, 0);
         assert_true(hit.t == 3.0 && hit.normal.z == 1.0);
-        assert_int_equal(mesh->number[hit.triangle], rows[i].number);
+        assert_int_equal(mesh->number[hit.place.triangle], rows[i].number);
     }
 }
 
@@ -251,13 +251,14 @@ static void test_no_ray_passes_a_closed_mesh(void **state)
         const struct neph_vec3 origin = i % 7 == 0 ? (struct neph_vec3){0, 0, 0}
                                                    : random_point(&seed, 0.3);
         const struct neph_vec3 direction = neph_vec3_sub(at, origin);
-        const bool is_blocked = neph_mesh_blocks(lump, origin, direction, 0.0, INFINITY);
+        const bool is_blocked = neph_mesh_blocks(lump, origin, direction, 0.0, INFINITY, 0);
         if (!is_blocked)
             print_error("ray %d: from %.17g %.17g %.17g to %.17g %.17g %.17g\n", i, origin.x,
                         origin.y, origin.z, at.x, at.y, at.z);
         assert_true(is_blocked);
         if (i % 7 == 0) /* seen from there, the lump has no silhouettes */
-            neph_assert_close(neph_mesh_meet(lump, origin, direction, INFINITY).t, 1.0, 1e-13, 0.0);
+            neph_assert_close(neph_mesh_meet(lump, origin, direction, INFINITY, 0).t, 1.0, 1e-13,
+                              0.0);
     }
 }
 
@@ -352,9 +353,10 @@ static void test_shadows_equal_rays_to_the_light(void **state)
                 continue;
             tested++;
             hidden += is_hidden;
-            if (neph_mesh_blocks(mesh, p, way, 0.0, is_lamp ? 1.0 : INFINITY) != is_hidden)
+            if (neph_mesh_blocks(mesh, p, way, 0.0, is_lamp ? 1.0 : INFINITY, 0) != is_hidden)
                 print_error("trial %d, t %.17g, hidden %d\n", trial, t, is_hidden);
-            assert_true(neph_mesh_blocks(mesh, p, way, 0.0, is_lamp ? 1.0 : INFINITY) == is_hidden);
+            assert_true(neph_mesh_blocks(mesh, p, way, 0.0, is_lamp ? 1.0 : INFINITY, 0) ==
+                        is_hidden);
         }
     }
     for (int i = 0; i < 3; i++)
