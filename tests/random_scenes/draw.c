@@ -499,6 +499,49 @@ static void draw_solids(struct dice *dice, const struct stage *stage, bool has_p
         recipe->solids[recipe->solid_count++] = any_ground(dice, stage);
 }
 
+/* ---- meshes ---------------------------------------------------------------------------------- */
+
+static void draw_corners(struct dice *dice, struct recipe_mesh *mesh)
+{
+    const struct neph_vec3 across = any_direction(dice),
+                           half = {uniform(dice, 0.1, 1.0), uniform(dice, 0.1, 1.0),
+                                   uniform(dice, 0.1, 1.0)};
+    const struct neph_vec3 along_u = neph_vec3_normalize(
+        neph_vec3_cross(across, any_direction(dice)));
+    const struct neph_vec3 along_v = neph_vec3_cross(across, along_u);
+    for (int i = 0; i < RECIPE_CORNERS_MAX; i++) {
+        const struct neph_vec3 sides = {i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y,
+                                        i & 4 ? half.z : -half.z};
+        const struct neph_vec3 flat = along(neph_vec3_scale(along_u, i % 3 - 1), along_v,
+                                            i / 3 - 1);
+        const struct neph_vec3 random = in_cube(dice, 1.0);
+        mesh->corners[i] = mesh->kind == RECIPE_TETRAHEDRON ? random
+                           : mesh->kind == RECIPE_BLOCK     ? sides
+                                                            : along(flat, random, 0.3);
+    }
+}
+
+static struct recipe_mesh any_mesh(struct dice *dice, const struct stage *stage)
+{
+    const double scale_m = stage->scale_m;
+    struct recipe_mesh mesh = {
+        .kind = (enum recipe_mesh_kind)whole(dice, 0, RECIPE_MESH_KINDS - 1),
+        .position_m = neph_vec3_add(stage->center_m, in_cube(dice, 1.2 * scale_m)),
+        .scale_m = scale_m * uniform(dice, 0.1, 0.7),
+        .turn_deg = uniform(dice, -180.0, 180.0),
+        .albedo = any_color(dice, 0.0, 0.9),
+    };
+    draw_corners(dice, &mesh);
+    return mesh;
+}
+
+static void draw_meshes(struct dice *dice, const struct stage *stage, struct recipe *recipe)
+{
+    recipe->mesh_count = happens(dice, 0.3) ? whole(dice, 1, RECIPE_MESHES_MAX) : 0;
+    for (int i = 0; i < recipe->mesh_count; i++)
+        recipe->meshes[i] = any_mesh(dice, stage);
+}
+
 /* ---- a scene --------------------------------------------------------------------------------- */
 
 static void draw_camera(struct dice *dice, bool is_high, struct recipe *recipe)
@@ -586,6 +629,7 @@ struct recipe recipe_draw(uint64_t seed, int index, int attempt)
     draw_time(&dice, &recipe);
     draw_solids(&dice, &stage, has_planet, &recipe);
     draw_lights(&dice, &stage, index % 4 == 1, &recipe);
+    draw_meshes(&dice, &stage, &recipe);
     return recipe;
 }
 

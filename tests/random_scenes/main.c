@@ -21,6 +21,7 @@
 #include "harness/engines/vulkan_device.h"
 #include "renderer/vulkan.h"
 #include "scenes/media.h"
+#include "scenes/mesh_file.h"
 #include "scenes/motion.h"
 
 #include <argp.h>
@@ -49,6 +50,7 @@ struct options {
     int frame;          /* of `scene` */
     unsigned engines;
     bool prints, is_quiet, is_kept_whole;
+    bool has_meshes; /* the program that reads them is there */
 };
 
 /* ---- scenes from recipes --------------------------------------------------------------------- */
@@ -77,26 +79,60 @@ static enum neph_status open_moment(const char *path, int frame, struct moment *
     return status;
 }
 
+static enum neph_status finish_file(FILE *file, const char *path, struct neph_diag *diag)
+{
+    return file && !fclose(file) ? NEPH_OK
+                                 : neph_fail(diag, NEPH_ERR_IO, "cannot write '%s': %s",
+                                             path ? path : "", strerror(errno));
+}
+
+static char *name_mesh(const char *folder, const char *name, int mesh)
+{
+    return neph_format("%s/%s_%d.obj", folder, name, mesh);
+}
+
+static enum neph_status write_meshes(const struct recipe *recipe, const char *folder,
+                                     const char *name, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < recipe->mesh_count && !status; i++) {
+        char *path = name_mesh(folder, name, i);
+        FILE *file = path ? fopen(path, "we") : NULL;
+        if (file)
+            recipe_write_mesh(&recipe->meshes[i], "", file);
+        status = finish_file(file, path, diag);
+        free(path);
+    }
+    return status;
+}
+
+static void remove_meshes(const struct recipe *recipe, const char *folder, const char *name)
+{
+    for (int i = 0; i < recipe->mesh_count; i++) {
+        char *path = name_mesh(folder, name, i);
+        if (path)
+            unlink(path);
+        free(path);
+    }
+}
+
+/* The scene's file, and those of its meshes. */
 static enum neph_status write_recipe(const struct recipe *recipe, const char *folder,
                                      const char *name, const char *note, char **path,
                                      struct neph_diag *diag)
 {
     char *file_path = neph_format("%s/%s.yaml", folder, name);
     FILE *file = file_path ? fopen(file_path, "we") : NULL;
-    if (!file) {
-        neph_fail(diag, NEPH_ERR_IO, "cannot write '%s': %s", file_path ? file_path : "",
-                  strerror(errno));
+    if (file)
+        recipe_write(recipe, name, note, file);
+    enum neph_status status = finish_file(file, file_path, diag);
+    if (!status)
+        status = write_meshes(recipe, folder, name, diag);
+    if (status)
         free(file_path);
-        return NEPH_ERR_IO;
-    }
-    recipe_write(recipe, name, note, file);
-    if (fclose(file)) {
-        neph_fail(diag, NEPH_ERR_IO, "cannot write '%s': %s", file_path, strerror(errno));
-        free(file_path);
-        return NEPH_ERR_IO;
-    }
-    *path = file_path;
-    return NEPH_OK;
+    else
+        *path = file_path;
+    return status;
 }
 
 /* Loads the recipe through a file, as a user's scene is loaded. */
@@ -109,6 +145,7 @@ static enum neph_status load_recipe(const struct recipe *recipe, const char *fol
     if (!status) {
         status = open_moment(path, recipe->frame, moment, diag);
         unlink(path);
+        remove_meshes(recipe, folder, name);
     }
     free(path);
     return status;
@@ -158,14 +195,16 @@ static enum neph_status open_both(const struct recipe *recipe, const char *folde
 }
 
 /* Draws until the loader accepts the recipe. */
-static enum neph_status draw_scene(uint64_t seed, int index, const char *folder,
-                                   struct recipe *recipe, struct moment *written,
-                                   struct moment *still, struct neph_diag *diag)
+static enum neph_status draw_scene(const struct options *options, int index, struct recipe *recipe,
+                                   struct moment *written, struct moment *still,
+                                   struct neph_diag *diag)
 {
     enum neph_status status = NEPH_ERR_INPUT;
     for (int attempt = 0; attempt < ATTEMPTS_MAX && status == NEPH_ERR_INPUT; attempt++) {
-        *recipe = recipe_draw(seed, index, attempt);
-        status = open_both(recipe, folder, written, still, diag);
+        *recipe = recipe_draw(options->seed, index, attempt);
+        if (!options->has_meshes)
+            recipe->mesh_count = 0;
+        status = open_both(recipe, options->folder, written, still, diag);
     }
     return status;
 }
@@ -289,9 +328,9 @@ static void print_media(const struct recipe *recipe)
     for (int i = 0; i < recipe->medium_count; i++)
         printf("%s%s", i > 0 ? " + " : "", recipe_form_name(recipe->media[i].form));
     static const char *const words[] = {"none", "single", "multiple"};
-    printf("; %s%s; %d lights, %d solids%s%s", words[recipe->scattering],
+    printf("; %s%s; %d lights, %d solids, %d meshes%s%s", words[recipe->scattering],
            recipe->environment_light ? " with environment" : "", recipe->light_count,
-           recipe->solid_count, recipe->has_wind ? ", wind" : "",
+           recipe->solid_count, recipe->mesh_count, recipe->has_wind ? ", wind" : "",
            recipe->orthographic_height_m > 0.0 ? ", orthographic" : "");
 }
 
@@ -323,8 +362,7 @@ static enum neph_status run_scene(struct run *run, int index, struct neph_diag *
     struct recipe recipe;
     struct moment written, still;
     struct compare_result result;
-    enum neph_status status = draw_scene(run->options->seed, index, run->options->folder, &recipe,
-                                         &written, &still, diag);
+    enum neph_status status = draw_scene(run->options, index, &recipe, &written, &still, diag);
     if (status == NEPH_ERR_INPUT) {
         printf("scene %d: no attempt is a scene: %s\n", index, diag->message);
         return NEPH_OK;
@@ -581,8 +619,8 @@ static enum neph_status print_recipe(const struct options *options, struct neph_
 {
     struct recipe recipe;
     struct moment written, still;
-    const enum neph_status status = draw_scene(options->seed, options->first, options->folder,
-                                               &recipe, &written, &still, diag);
+    const enum neph_status status = draw_scene(options, options->first, &recipe, &written, &still,
+                                               diag);
     if (status)
         return status;
     close_moment(&written);
@@ -590,6 +628,10 @@ static enum neph_status print_recipe(const struct options *options, struct neph_
     char name[64];
     snprintf(name, sizeof(name), "random_%llu_%d", (unsigned long long)recipe.seed, recipe.index);
     printf("# Frame %d\n", recipe.frame);
+    for (int i = 0; i < recipe.mesh_count; i++) {
+        printf("# %s_%d.obj:\n", name, i);
+        recipe_write_mesh(&recipe.meshes[i], "#   ", stdout);
+    }
     recipe_write(&recipe, name, "", stdout);
     return NEPH_OK;
 }
@@ -703,6 +745,17 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
+static bool find_mesh_program(void)
+{
+    char *program = NULL;
+    struct neph_diag diag = {0};
+    const bool is_found = !neph_mesh_find_program(&program, &diag);
+    free(program);
+    if (!is_found)
+        printf("without meshes: %s\n", diag.message);
+    return is_found;
+}
+
 static enum neph_status make_folder(const char *folder, struct neph_diag *diag)
 {
     if (mkdir(folder, 0777) && errno != EEXIST)
@@ -723,6 +776,7 @@ int main(int argc, char **argv)
                               .engines = (1u << COMPARE_ENGINES) - 1u};
     argp_err_exit_status = 64;
     argp_parse(&argp, argc, argv, 0, NULL, &options);
+    options.has_meshes = find_mesh_program();
     struct neph_diag diag = {0};
     struct run run = {.options = &options, .start_s = neph_wall_s()};
     bool is_right = true;

@@ -35,6 +35,8 @@ enum {
     RECIPE_MEDIA_MAX = 3,
     RECIPE_LIGHTS_MAX = 3,
     RECIPE_SOLIDS_MAX = 4,
+    RECIPE_MESHES_MAX = 3,
+    RECIPE_CORNERS_MAX = 9,
     RECIPE_VALUES_MAX = 64,
     RECIPE_WIDTH_PX = 6,
     RECIPE_HEIGHT_PX = 4,
@@ -86,6 +88,22 @@ struct recipe_solid {
     double pitch_m, height_m;
 };
 
+/* Meshes, each a file of its own beside the scene's. */
+enum recipe_mesh_kind {
+    RECIPE_TETRAHEDRON,
+    RECIPE_BLOCK,   /* a box */
+    RECIPE_SURFACE, /* open: 2 x 2 bent squares */
+    RECIPE_MESH_KINDS,
+};
+
+struct recipe_mesh {
+    enum recipe_mesh_kind kind;
+    struct neph_vec3 corners[RECIPE_CORNERS_MAX]; /* in units of scale_m */
+    struct neph_vec3 position_m;
+    double scale_m, turn_deg;
+    struct neph_rgb albedo;
+};
+
 enum { RECIPE_KEY_FRAME = 20 };
 
 struct recipe {
@@ -101,10 +119,11 @@ struct recipe {
     struct neph_vec3 wind_m_per_s; /* at frame 0; keyed: twice this at RECIPE_KEY_FRAME */
     bool environment_light, has_near_light;
     enum neph_scattering scattering;
-    int medium_count, light_count, solid_count;
+    int medium_count, light_count, solid_count, mesh_count;
     struct recipe_medium media[RECIPE_MEDIA_MAX];
     struct recipe_light lights[RECIPE_LIGHTS_MAX];
     struct recipe_solid solids[RECIPE_SOLIDS_MAX];
+    struct recipe_mesh meshes[RECIPE_MESHES_MAX];
 };
 
 /* Draws a recipe. The indices 0 .. RECIPE_PERIOD - 1, and any range of this length, contain every
@@ -122,8 +141,11 @@ struct neph_camera recipe_camera(const struct recipe *recipe);
 struct recipe recipe_without_wind(const struct recipe *recipe);
 
 /* Writes the scene as YAML. `note` becomes comment lines at the top; each line of it must begin
- * with "# ". */
+ * with "# ". It names the files NAME_0.obj, NAME_1.obj, ... of its meshes. */
 void recipe_write(const struct recipe *recipe, const char *name, const char *note, FILE *file);
+
+/* Writes a mesh as Wavefront OBJ, with `prefix` in front of each line. */
+void recipe_write_mesh(const struct recipe_mesh *mesh, const char *prefix, FILE *file);
 
 /* Applies one simplification to a recipe; false if change number `change` does not apply. Changes
  * end at recipe_change_count(). */

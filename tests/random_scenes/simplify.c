@@ -65,6 +65,16 @@ static bool remove_solid(struct recipe *recipe, int at)
     return true;
 }
 
+static bool remove_mesh(struct recipe *recipe, int at)
+{
+    if (at >= recipe->mesh_count)
+        return false;
+    recipe->mesh_count--;
+    for (int i = at; i < recipe->mesh_count; i++)
+        recipe->meshes[i] = recipe->meshes[i + 1];
+    return true;
+}
+
 static bool stop_wind(struct recipe *recipe, int at)
 {
     const bool had = recipe->has_wind;
@@ -234,6 +244,22 @@ static bool grey_solid(struct recipe *recipe, int at)
            set_rgb(&recipe->solids[at].albedo, grey);
 }
 
+static bool blacken_mesh(struct recipe *recipe, int at)
+{
+    return at < recipe->mesh_count && set_rgb(&recipe->meshes[at].albedo, black);
+}
+
+static bool grey_mesh(struct recipe *recipe, int at)
+{
+    return at < recipe->mesh_count && !is_same(recipe->meshes[at].albedo, black) &&
+           set_rgb(&recipe->meshes[at].albedo, grey);
+}
+
+static bool straighten_mesh(struct recipe *recipe, int at)
+{
+    return at < recipe->mesh_count && set_number(&recipe->meshes[at].turn_deg, 0.0);
+}
+
 static bool whiten_sun(struct recipe *recipe, int at)
 {
     return at == 0 && recipe->has_sun && set_rgb(&recipe->sun_w_per_m2, white);
@@ -285,6 +311,17 @@ static bool round_solid(struct recipe *recipe, int at)
     return round_number(&solid->radius_m) || low || high || center;
 }
 
+static bool round_mesh(struct recipe *recipe, int at)
+{
+    if (at >= recipe->mesh_count)
+        return false;
+    struct recipe_mesh *mesh = &recipe->meshes[at];
+    bool differs = round_three(&mesh->position_m);
+    for (int i = 0; i < RECIPE_CORNERS_MAX; i++)
+        differs |= round_three(&mesh->corners[i]);
+    return round_number(&mesh->scale_m) || differs;
+}
+
 static bool round_medium(struct recipe *recipe, int at)
 {
     if (at >= recipe->medium_count)
@@ -310,13 +347,14 @@ static bool round_medium(struct recipe *recipe, int at)
 /* ---- table ----------------------------------------------------------------------------------- */
 
 static change_recipe *const changes[] = {
-    remove_medium,    remove_solid,  remove_light,       stop_wind,    stop_time,
-    lower_scattering, remove_sun,    end_environment,    stop_solid,   darken_background,
-    remove_layer,     remove_voxels, see_in_perspective, open_cone,    stop_emission,
-    make_medium_grey, set_albedo,    scatter_evenly,     repeat_once,  fill_grid,
-    remove_streaks,   unbound,       blacken_solid,      grey_solid,   whiten_light,
-    whiten_sun,       round_camera,  round_sun,          round_medium, round_light,
-    round_solid,
+    remove_medium,     remove_solid,     remove_mesh,     remove_light,       stop_wind,
+    stop_time,         lower_scattering, remove_sun,      end_environment,    stop_solid,
+    darken_background, remove_layer,     remove_voxels,   see_in_perspective, open_cone,
+    stop_emission,     make_medium_grey, set_albedo,      scatter_evenly,     repeat_once,
+    fill_grid,         remove_streaks,   unbound,         blacken_solid,      grey_solid,
+    blacken_mesh,      grey_mesh,        straighten_mesh, whiten_light,       whiten_sun,
+    round_camera,      round_sun,        round_medium,    round_light,        round_solid,
+    round_mesh,
 };
 
 int recipe_change_count(void)

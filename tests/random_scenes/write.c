@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A recipe as a scene file. Numbers are written so that they are read back as the same double.
+ * A recipe as a scene file, and its meshes. Numbers of the scene are written so that they are read
+ * back as the same double.
  */
 #include "tests/random_scenes/recipe.h"
 
@@ -206,6 +207,54 @@ static void write_solid(FILE *file, const struct recipe_solid *solid)
         write_motion(file, solid);
 }
 
+static void write_mesh_solid(FILE *file, const struct recipe_mesh *mesh, const char *name,
+                             int number)
+{
+    fprintf(file, "  - mesh:\n      file: %s_%d.obj\n", name, number);
+    write_three(file, "      position_m", mesh->position_m);
+    fprintf(file, "\n      scale_m: %.17g\n      turn_deg: %.17g\n      ", mesh->scale_m,
+            mesh->turn_deg);
+    write_rgb(file, "albedo", mesh->albedo);
+    fprintf(file, "\n");
+}
+
+/* Of a block, bit 0 of a corner's number is its side along x, bit 1 along y, bit 2 along z. */
+static const struct {
+    int corner_count, triangle_count, triangles[12][3];
+} mesh_forms[RECIPE_MESH_KINDS] = {
+    [RECIPE_TETRAHEDRON] = {4, 4, {{1, 2, 3}, {1, 4, 2}, {1, 3, 4}, {2, 4, 3}}},
+    [RECIPE_BLOCK] = {8,
+                      12,
+                      {{1, 5, 7},
+                       {1, 7, 3},
+                       {2, 4, 8},
+                       {2, 8, 6},
+                       {1, 2, 6},
+                       {1, 6, 5},
+                       {3, 7, 8},
+                       {3, 8, 4},
+                       {1, 3, 4},
+                       {1, 4, 2},
+                       {5, 6, 8},
+                       {5, 8, 7}}},
+    [RECIPE_SURFACE] =
+        {9,
+         8,
+         {{1, 4, 2}, {2, 4, 5}, {2, 5, 3}, {3, 5, 6}, {4, 7, 5}, {5, 7, 8}, {5, 8, 6}, {6, 8, 9}}},
+};
+
+void recipe_write_mesh(const struct recipe_mesh *mesh, const char *prefix, FILE *file)
+{
+    for (int i = 0; i < mesh_forms[mesh->kind].corner_count; i++) {
+        const struct neph_vec3 p = mesh->corners[i];
+        fprintf(file, "%sv %.9g %.9g %.9g\n", prefix, p.x, p.y, p.z);
+    }
+    for (int i = 0; i < mesh_forms[mesh->kind].triangle_count; i++) {
+        const int *corners = mesh_forms[mesh->kind].triangles[i];
+        fprintf(file, "%sf %d %d %d\n", prefix, corners[0], corners[1], corners[2]);
+    }
+}
+
 static void write_camera(const struct recipe *recipe, FILE *file)
 {
     write_three(file, "camera: {position_m", recipe->eye_m);
@@ -253,10 +302,12 @@ void recipe_write(const struct recipe *recipe, const char *name, const char *not
         fprintf(file, "lights:\n");
     for (int i = 0; i < recipe->light_count; i++)
         write_light(file, &recipe->lights[i]);
-    if (recipe->solid_count > 0)
+    if (recipe->solid_count + recipe->mesh_count > 0)
         fprintf(file, "solids:\n");
     for (int i = 0; i < recipe->solid_count; i++)
         write_solid(file, &recipe->solids[i]);
+    for (int i = 0; i < recipe->mesh_count; i++)
+        write_mesh_solid(file, &recipe->meshes[i], name, i);
     if (recipe->medium_count > 0)
         fprintf(file, "media:\n");
     for (int i = 0; i < recipe->medium_count; i++)

@@ -1,0 +1,553 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Triangle meshes on the device. Rays through vertices and edges do not leak; distances and
+ * sunlight equal those in double precision; a convex mesh does not hide itself; and what a device
+ * cannot do is an error.
+ *
+ * A device rounds positions to float32. So a pixel is compared with exact rays around its own,
+ * displaced by this rounding: where they differ, at edges and silhouettes, each of them is right.
+ */
+#include "tests/mesh_builders.h"
+#include "tests/renderer/frames.h"
+
+#include "scenes/solids.h"
+
+/* Of a position on a device, relative to its size: half a unit of the last of 24 bits, for each of
+ * some four operations. */
+static const double position_rounding = 0x1p-22;
+
+/* --- meshes ------------------------------------------------------------------------------------ */
+
+/* The number of a vertex, a new one if there is none at this position. */
+static int find_vertex(struct neph_mesh_data *data, struct neph_vec3 position)
+{
+    int v = 0;
+    while (v < data->vertex_count && (data->positions[v].x != position.x ||
+                                      data->positions[v].y != position.y ||
+                                      data->positions[v].z != position.z))
+        v++;
+    data->positions[v] = position;
+    data->vertex_count += v == data->vertex_count;
+    return v;
+}
+
+static struct neph_vec3 find_middle(struct neph_vec3 a, struct neph_vec3 b)
+{
+    return neph_vec3_normalize(neph_vec3_add(a, b));
+}
+
+static void add_patch(struct neph_mesh_data *data, struct neph_vec3 a, struct neph_vec3 b,
+                      struct neph_vec3 c, int levels)
+{
+    if (levels == 0) {
+        const int triangle = data->triangle_count++;
+        set_triangle(data, triangle, find_vertex(data, a), find_vertex(data, b),
+                     find_vertex(data, c));
+        return;
+    }
+    const struct neph_vec3 ab = find_middle(a, b), bc = find_middle(b, c), ca = find_middle(c, a);
+    add_patch(data, a, ab, ca, levels - 1);
+    add_patch(data, b, bc, ab, levels - 1);
+    add_patch(data, c, ca, bc, levels - 1);
+    add_patch(data, ab, bc, ca, levels - 1);
+}
+
+/* A sphere of radius 1: an icosahedron, with each triangle cut into 4 `levels` times. */
+static struct neph_mesh_data make_icosphere(int levels)
+{
+    static const double g = 1.618033988749895;
+    static const struct neph_vec3 corners[12] = {
+        {-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+        {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+    static const int faces[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                     {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                     {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                     {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+    const int pieces = 1 << 2 * levels;
+    struct neph_mesh_data data = allocate_mesh(10 * pieces + 2, 20 * pieces);
+    data.vertex_count = data.triangle_count = 0;
+    for (int f = 0; f < 20; f++)
+        add_patch(&data, neph_vec3_normalize(corners[faces[f][0]]),
+                  neph_vec3_normalize(corners[faces[f][1]]),
+                  neph_vec3_normalize(corners[faces[f][2]]), levels);
+    assert_int_equal(data.vertex_count, 10 * pieces + 2);
+    return data;
+}
+
+/* Turns all vertices about a random axis, and scales them. */
+static void place_at_random(struct neph_mesh_data *data, double radius, uint64_t *seed)
+{
+    const struct neph_vec3 z = random_direction(seed);
+    const struct neph_vec3 x = neph_vec3_normalize(neph_vec3_cross(z, random_direction(seed)));
+    const struct neph_vec3 y = neph_vec3_cross(z, x);
+    for (int v = 0; v < data->vertex_count; v++) {
+        const struct neph_vec3 p = neph_vec3_scale(data->positions[v], radius), none = {0, 0, 0};
+        data->positions[v] = neph_vec3_along(
+            neph_vec3_along(neph_vec3_along(none, x, p.x), y, p.y), z, p.z);
+    }
+}
+
+/* A solid of a mesh, of which the scene has only this one. */
+static struct neph_solid *add_instance(struct test_scene *test, struct neph_mesh **mesh)
+{
+    struct neph_solid *solid = &test->solids[test->scene.solid_count++];
+    *solid = (struct neph_solid){
+        .kind = NEPH_SOLID_MESH, .mesh = *mesh, .scale_m = 1.0, .albedo = {0.5, 0.4, 0.3}};
+    test->scene.meshes = mesh;
+    test->scene.mesh_count = 1;
+    return solid;
+}
+
+/* --- frames ------------------------------------------------------------------------------------ */
+
+enum { SIDE = 64, PIXELS = SIDE * SIDE };
+
+enum device_engine { MARCH, TRACER, DEVICE_ENGINES };
+
+static struct neph_image *render(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                                 enum device_engine engine)
+{
+    const struct neph_march_params march = {.width_px = SIDE, .height_px = SIDE, .steps = 1};
+    const struct neph_tracer_params tracer = test_samples(SIDE, SIDE, 1,
+                                                          NEPH_TRACER_BATCH_SAMPLES);
+    return engine == MARCH ? test_march(vulkan, scene, &march, NULL)
+                           : test_trace(vulkan, scene, &tracer, NULL);
+}
+
+/* --- exact rays -------------------------------------------------------------------------------- */
+
+enum { AROUND = 9 };
+
+/* The exact light on rays around that of a pixel, displaced by the rounding of positions. */
+struct exact_pixel {
+    struct neph_ray_light rays[AROUND];
+    double depth_per_m; /* the depth of a point, per metre of its ray */
+    double rounding_m;
+};
+
+/* `sizes_m`: coordinates that a device computes with, beside the distance of the hit. */
+static struct exact_pixel find_exact(const struct neph_scene *scene, double sizes_m, int pixel)
+{
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    const struct neph_pixel_ray ray = test_ray(scene, SIDE, SIDE, pixel);
+    struct exact_pixel made = {.depth_per_m = neph_vec3_dot(ray.direction, camera.forward)};
+    made.rays[0] = neph_transport_ray(scene, ray.origin_m, ray.direction);
+    const double hit_m = made.rays[0].hit_m;
+    made.rounding_m = position_rounding * (sizes_m + (isfinite(hit_m) ? hit_m : 0.0));
+    for (int i = 1; i < AROUND; i++) {
+        const double angle_rad = 2.0 * M_PI * i / (AROUND - 1);
+        const struct neph_vec3 from_m = neph_vec3_along(
+            neph_vec3_along(ray.origin_m, camera.right, made.rounding_m * cos(angle_rad)),
+            camera.up, made.rounding_m * sin(angle_rad));
+        made.rays[i] = neph_transport_ray(scene, from_m, ray.direction);
+    }
+    return made;
+}
+
+static bool is_depth_exact(const struct exact_pixel *exact, double z_m, double relative_to_m)
+{
+    for (int i = 0; i < AROUND; i++) {
+        const double expected_m = exact->rays[i].hit_m * exact->depth_per_m;
+        if (isinf(expected_m) ? isinf(z_m)
+                              : fabs(z_m - expected_m) <= 2e-6 * relative_to_m + exact->rounding_m)
+            return true;
+    }
+    return false;
+}
+
+static void assert_depths(const struct neph_scene *scene, const struct neph_image *frame,
+                          double sizes_m)
+{
+    const float *z_m = neph_image_channel(frame, "Z");
+    for (int p = 0; p < PIXELS; p++) {
+        const struct exact_pixel exact = find_exact(scene, sizes_m, p);
+        const double hit_m = exact.rays[0].hit_m;
+        if (!is_depth_exact(&exact, (double)z_m[p], sizes_m + (isfinite(hit_m) ? hit_m : 0.0)))
+            fail_msg("pixel (%d, %d): Z is %.9g m, expected %.9g m", p % SIDE, p / SIDE,
+                     (double)z_m[p], hit_m * exact.depth_per_m);
+    }
+}
+
+static int count_sky(const struct neph_image *frame)
+{
+    const float *z_m = neph_image_channel(frame, "Z");
+    int count = 0;
+    for (int p = 0; p < PIXELS; p++)
+        count += isinf(z_m[p]) != 0;
+    return count;
+}
+
+/* --- leaks ------------------------------------------------------------------------------------- */
+
+/* Lengths in radii of the mesh. */
+static const struct {
+    const char *name;
+    double away, fov_rad, height;
+    int levels; /* edges are some pixels long */
+    bool is_inside;
+} views[] = {
+    {"inside", 0.2, 1.5, 0.0, 3, true},
+    {"inside, orthographic", 0.2, 0.0, 0.9, 4, true},
+    {"outside", 3.0, 0.75, 0.0, 3, false},
+    {"outside, orthographic", 3.0, 0.0, 2.2, 3, false},
+};
+
+static void set_view(struct test_scene *test, size_t view, double radius_m, uint64_t *seed)
+{
+    const struct neph_vec3 away = random_direction(seed);
+    test_scene_init(test);
+    test->key.position_m = neph_vec3_scale(away, views[view].away * radius_m);
+    test->key.look_at_m = neph_vec3_scale(away, (views[view].away - 1.0) * radius_m);
+    test->scene.vertical_fov_rad = views[view].fov_rad;
+    test->scene.orthographic_height_m = views[view].height * radius_m;
+}
+
+/* Moves vertices onto the rays of pixels with even numbers, one each, at their depth. The pixel in
+ * the middle between two such vertices is on the edge between them. Only where a ray meets the
+ * sphere steeply: elsewhere this would fold the mesh. */
+static int move_to_rays(const struct neph_scene *scene, bool is_inside, struct neph_mesh_data *data)
+{
+    const struct neph_camera camera = neph_scene_camera(scene, 0.0);
+    bool is_taken[PIXELS] = {false};
+    int moved = 0;
+    for (int v = 0; v < data->vertex_count; v++) {
+        struct neph_point_in_frame at;
+        if (!neph_camera_find_pixel(&camera, SIDE, SIDE, data->positions[v], &at))
+            continue;
+        const double i = 2.0 * round(0.5 * at.i), j = 2.0 * round(0.5 * at.j);
+        const int pixel = (int)(j * SIDE + i);
+        if (!(i >= 0.0 && j >= 0.0 && i < SIDE && j < SIDE && at.depth_m > 0.0) || is_taken[pixel])
+            continue;
+        const struct neph_pixel_ray ray = neph_camera_ray(&camera, SIDE, SIDE, i, j);
+        const double depth_per_m = neph_vec3_dot(ray.direction, camera.forward);
+        const double cosine = neph_vec3_dot(ray.direction, neph_vec3_normalize(data->positions[v]));
+        if (!(is_inside ? cosine > 0.4 : cosine < -0.4))
+            continue;
+        is_taken[pixel] = true;
+        data->positions[v] = neph_vec3_along(ray.origin_m, ray.direction, at.depth_m / depth_per_m);
+        moved++;
+    }
+    return moved;
+}
+
+static void test_no_ray_leaves_a_closed_mesh(void **state)
+{
+    uint64_t seed = 14142;
+    for (size_t trial = 0; trial < COUNT(views) * (size_t)neph_test_by_day(1, 20); trial++) {
+        const size_t view = trial % COUNT(views);
+        struct test_scene test;
+        const uint64_t first = seed;
+        const double radius_m = pow(10.0, neph_test_uniform(&seed, -2.0, 3.0));
+        struct neph_mesh_data data = make_icosphere(views[view].levels);
+        place_at_random(&data, radius_m, &seed);
+        set_view(&test, view, radius_m, &seed);
+        const int moved = move_to_rays(&test.scene, views[view].is_inside, &data);
+        OWNED(mesh) struct neph_mesh *mesh = finish_mesh(data);
+        add_instance(&test, &mesh);
+        for (int engine = MARCH; engine < (trial == 0 ? DEVICE_ENGINES : TRACER); engine++) {
+            OWNED(image) struct neph_image *frame = render(*state, &test.scene, engine);
+            const int sky = count_sky(frame);
+            print_message("%s, seed %llu, radius %.3g m: rays meet %d vertices; %d pixels of sky\n",
+                          views[view].name, (unsigned long long)first, radius_m, moved, sky);
+            assert_true(moved > 80);
+            assert_true(views[view].is_inside ? sky == 0 : sky > PIXELS / 20 && sky < PIXELS / 2);
+            assert_depths(&test.scene, frame, (1.0 + views[view].away) * radius_m);
+        }
+    }
+}
+
+/* A grid of SIDE / step squares across the view and around it, seen along -z from the height 64 m.
+ * Vertices are at multiples of 1 / 64 m, which float32 has exactly. */
+static struct neph_mesh_data make_grid(int step, uint64_t *seed)
+{
+    const int row = SIDE / step + 3;
+    struct neph_mesh_data data = make_hills(row - 1, 1.0, 0.0);
+    for (int v = 0; v < row * row; v++) {
+        const int i = step * (v % row - 1), j = step * (v / row - 1);
+        data.positions[v] = (struct neph_vec3){
+            i + 0.5 - SIDE / 2, SIDE / 2 - j - 0.5,
+            round(64.0 * neph_test_uniform(seed, -4.0, 4.0)) / 64.0};
+    }
+    return data;
+}
+
+static void test_no_ray_passes_between_triangles_of_a_grid(void **state)
+{
+    uint64_t seed = 17320;
+    for (int step = 1; step <= 2; step++) {
+        struct test_scene test;
+        OWNED(mesh) struct neph_mesh *mesh = finish_mesh(make_grid(step, &seed));
+        test_scene_init(&test);
+        test.scene.vertical_fov_rad = 0.0;
+        test.scene.orthographic_height_m = SIDE;
+        test.key.position_m = (struct neph_vec3){0, 0, 64};
+        test.key.look_at_m = (struct neph_vec3){0, 0, 0};
+        add_instance(&test, &mesh);
+        OWNED(image) struct neph_image *frame = render(*state, &test.scene, MARCH);
+        const float *z_m = neph_image_channel(frame, "Z");
+        assert_int_equal(count_sky(frame), 0);
+        assert_depths(&test.scene, frame, 64.0);
+        for (int p = 0; p < PIXELS; p++)
+            if (p % SIDE % step == 0 && p / SIDE % step == 0) {
+                const int vertex = (p / SIDE / step + 1) * (SIDE / step + 3) + p % SIDE / step + 1;
+                neph_assert_close((double)z_m[p], 64.0 - mesh->data.positions[vertex].z, 2e-6, 0);
+            }
+    }
+}
+
+/* --- sunlight ---------------------------------------------------------------------------------- */
+
+/* The size of a mesh over the lowest height of its triangles. */
+static double find_slimness(const struct neph_mesh *mesh)
+{
+    const struct neph_mesh_data *data = &mesh->data;
+    double low = INFINITY, size = 0.0;
+    for (int i = 0; i < data->triangle_count; i++) {
+        const struct neph_vec3 a = data->positions[data->triangles[i][0]];
+        const struct neph_vec3 b = neph_vec3_sub(data->positions[data->triangles[i][1]], a);
+        const struct neph_vec3 c = neph_vec3_sub(data->positions[data->triangles[i][2]], a);
+        const double longest = fmax(neph_vec3_length(neph_vec3_sub(b, c)),
+                                    fmax(neph_vec3_length(b), neph_vec3_length(c)));
+        low = fmin(low, neph_vec3_length(neph_vec3_cross(b, c)) / longest);
+        size = fmax(size, neph_vec3_length(neph_vec3_sub(a, data->positions[0])));
+    }
+    return size / low;
+}
+
+/* Of a reflected radiance, relative to a white surface that faces the sun: some eight roundings of
+ * numbers up to 1, and the turn of a triangle's normal. Both ends of the triangle's height move by
+ * up to sqrt(3) / 2 roundings of the size of the mesh, whose coordinates are from its middle. */
+static double find_light_rounding(const struct neph_mesh *mesh)
+{
+    return 0x1p-24 * (8.0 + sqrt(3.0) * find_slimness(mesh));
+}
+
+static double find_light_error(const struct neph_scene *scene, const struct exact_pixel *exact,
+                               const struct test_rgb *found, int pixel)
+{
+    const struct neph_rgb sun = scene->sun.irradiance_w_per_m2;
+    double least = INFINITY;
+    for (int i = 0; i < AROUND; i++) {
+        const struct neph_rgb expected = exact->rays[i].radiance;
+        const double error = fmax(fabs((double)found->of[0][pixel] - expected.r) / sun.r,
+                                  fmax(fabs((double)found->of[1][pixel] - expected.g) / sun.g,
+                                       fabs((double)found->of[2][pixel] - expected.b) / sun.b));
+        least = fmin(least, M_PI * error);
+    }
+    return least;
+}
+
+/* Depths and radiances of all pixels, also at silhouettes and beside shadow. */
+static void assert_frame(const struct neph_scene *scene, const struct neph_image *frame,
+                         double sizes_m)
+{
+    const struct test_rgb radiance = test_layer(frame, NULL);
+    const double allowed = find_light_rounding(scene->meshes[0]);
+    double worst = 0.0;
+    int lit = 0;
+    assert_depths(scene, frame, sizes_m);
+    for (int p = 0; p < PIXELS; p++) {
+        const struct exact_pixel exact = find_exact(scene, sizes_m, p);
+        const double error = find_light_error(scene, &exact, &radiance, p);
+        if (!(error <= allowed))
+            fail_msg("pixel (%d, %d): radiance is %.9g, expected %.9g; off by %.2g, allowed %.2g",
+                     p % SIDE, p / SIDE, (double)radiance.of[1][p], exact.rays[0].radiance.g, error,
+                     allowed);
+        worst = fmax(worst, error);
+        lit += isfinite(exact.rays[0].hit_m) && exact.rays[0].radiance.g > 0.0;
+    }
+    print_message("%d sunlit pixels, largest error %.1e of %.1e\n", lit, worst, allowed);
+    assert_true(lit > PIXELS / 20);
+}
+
+/* An asymmetric convex body, not around its origin. */
+static struct neph_mesh *make_body(struct neph_vec3 sides, struct neph_vec3 middle)
+{
+    struct neph_mesh_data data = make_icosphere(2);
+    for (int v = 0; v < data.vertex_count; v++) {
+        struct neph_vec3 *p = &data.positions[v];
+        *p = (struct neph_vec3){middle.x + sides.x * p->x, middle.y + sides.y * p->y,
+                                middle.z + sides.z * p->z};
+    }
+    return finish_mesh(data);
+}
+
+/* One instance is 5e5 m from the world's origin, near the camera, and the other at the origin. */
+static void test_instances_far_apart(void **state)
+{
+    OWNED(mesh) struct neph_mesh *mesh = make_body((struct neph_vec3){1, 0.6, 1.5},
+                                                   (struct neph_vec3){0.5, -0.3, 1});
+    for (int engine = MARCH; engine < DEVICE_ENGINES; engine++) {
+        struct test_scene test;
+        test_scene_init(&test);
+        test.key.position_m = (struct neph_vec3){5e5, 1e3, 0};
+        test.key.look_at_m = (struct neph_vec3){0, 1e3, 0};
+        test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.8, 0.5, 0.6});
+        struct neph_solid *near = add_instance(&test, &mesh), *far = add_instance(&test, &mesh);
+        near->center_m = (struct neph_vec3){5e5 - 40.0, 1e3, 8.0};
+        near->scale_m = 5.0;
+        near->yaw = (struct neph_turn){1, cos(0.7), sin(0.7)};
+        far->scale_m = 7e4;
+        far->center_m = (struct neph_vec3){0, 0, -1.2e5};
+        far->albedo = (struct neph_rgb){0.2, 0.9, 0.4};
+        far->yaw = (struct neph_turn){1, cos(-2.0), sin(-2.0)};
+        far->turn = (struct neph_turn){2, cos(1.1), sin(1.1)};
+        OWNED(image) struct neph_image *frame = render(*state, &test.scene, engine);
+        assert_frame(&test.scene, frame, 5e5);
+    }
+}
+
+/* Bodies of long triangles, too, and far from the camera. */
+static void test_a_convex_mesh_does_not_hide_itself_from_the_sun(void **state)
+{
+    static const struct {
+        struct neph_vec3 sides;
+        double away; /* of the camera */
+    } bodies[] = {{{1, 1, 1}, 3.0}, {{1, 1, 1}, 1000.0}, {{1, 0.01, 1}, 3.0}, {{0.05, 4, 1}, 9.0}};
+    uint64_t seed = 22360;
+    for (size_t b = 0; b < COUNT(bodies); b++) {
+        struct test_scene test;
+        OWNED(mesh) struct neph_mesh *mesh = make_body(bodies[b].sides,
+                                                       (struct neph_vec3){0, 0, 0});
+        test_scene_init(&test);
+        const struct neph_vec3 away = random_direction(&seed);
+        print_message("seed %llu: ", (unsigned long long)seed);
+        test.key.position_m = neph_vec3_scale(away, bodies[b].away);
+        test.key.look_at_m = (struct neph_vec3){0, 0, 0};
+        test.scene.vertical_fov_rad = 2.0 * atan(1.1 / bodies[b].away);
+        test.scene.sun.direction = neph_vec3_normalize(
+            neph_vec3_add(neph_vec3_scale(away, 0.3), random_direction(&seed)));
+        add_instance(&test, &mesh);
+        for (int engine = MARCH; engine < (b == 0 ? DEVICE_ENGINES : TRACER); engine++) {
+            OWNED(image) struct neph_image *frame = render(*state, &test.scene, engine);
+            assert_frame(&test.scene, frame, bodies[b].away + 4.0);
+        }
+    }
+}
+
+/* --- limits ------------------------------------------------------------------------------------ */
+
+/* A wall behind and a roof above, and slivers along the diagonal of the box around both, which no
+ * ray of the fog's light comes near; but all rays meet their boxes. */
+static struct neph_mesh *make_slivers(int count, uint64_t *seed)
+{
+    static const struct neph_vec3 low = {-10, -18, -20}, high = {10, 2, 0};
+    struct neph_mesh_data data = allocate_mesh(8 + 3 * count, 4 + count);
+    for (int i = 0; i < 4; i++) {
+        const double x = i & 1 ? high.x : low.x, y = i & 2 ? high.y : low.y;
+        data.positions[i] = (struct neph_vec3){x, y, low.z};
+        data.positions[4 + i] = (struct neph_vec3){x, high.y, i & 2 ? -10.0 : low.z};
+    }
+    for (int quad = 0; quad < 2; quad++) {
+        set_triangle(&data, 2 * quad, 4 * quad, 4 * quad + 1, 4 * quad + 2);
+        set_triangle(&data, 2 * quad + 1, 4 * quad + 1, 4 * quad + 3, 4 * quad + 2);
+    }
+    for (int i = 0; i < count; i++) {
+        const int a = 8 + 3 * i;
+        const double off = i == 0 ? 0.0 : neph_test_uniform(seed, 0.0, 0.01);
+        data.positions[a] = neph_vec3_along(low, (struct neph_vec3){1, 1, 1}, off);
+        data.positions[a + 1] = neph_vec3_along(high, (struct neph_vec3){1, 1, 1}, -off);
+        data.positions[a + 2] = neph_vec3_add((struct neph_vec3){0, -8, -10},
+                                              random_point(seed, 0.1));
+        set_triangle(&data, 4 + i, a, a + 1, a + 2);
+    }
+    return finish_mesh(data);
+}
+
+static void set_foggy_view(struct test_scene *test, struct neph_mesh **mesh)
+{
+    test_scene_init(test);
+    test_add_medium(test, 0.05, 0.05, 0.0);
+    test->key.position_m = (struct neph_vec3){0, 0, 5};
+    test->key.look_at_m = (struct neph_vec3){0, 0, -5};
+    test->scene.vertical_fov_rad = 0.1;
+    test->scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.02, 1, 0.05});
+    add_instance(test, mesh);
+}
+
+/* Where a walk through a mesh is left before its end, the frame is an error; all other frames are
+ * as without slivers, to the last bit. */
+static void test_a_walk_that_is_left_is_an_error(void **state)
+{
+    static const int counts[] = {1, 300, 400, 500, 600, 700, 800, 1000, 2000, 40000};
+    const struct neph_vulkan *vulkan = *state;
+    const struct neph_march_params params = {.width_px = 4, .height_px = 2, .steps = 64};
+    OWNED(image) struct neph_image *first = NULL;
+    uint64_t seed = 26457;
+    int refused = 0;
+    for (size_t i = 0; i < COUNT(counts); i++) {
+        struct test_scene test;
+        struct neph_diag diag = {0};
+        OWNED(image) struct neph_image *frame = NULL;
+        OWNED(mesh) struct neph_mesh *mesh = make_slivers(counts[i], &seed);
+        set_foggy_view(&test, &mesh);
+        const enum neph_status status = test_march_frame(*state, &test.scene, &params, &frame, NULL,
+                                                         &diag);
+        print_message("%d slivers: %s\n", counts[i], status ? diag.message : "a frame");
+        if (status) {
+            assert_int_equal(status, NEPH_ERR_UNSUPPORTED);
+            assert_non_null(strstr(diag.message, "rays meet too many boxes"));
+            assert_null(frame);
+            refused++;
+        } else if (i == 0) {
+            first = frame;
+            frame = NULL;
+            assert_int_equal(neph_image_channel(first, "Z")[0] < 26.0f, 1);
+        } else
+            assert_same_bits(frame, first);
+    }
+    if (vulkan->description.is_cpu)
+        neph_assert_in_range(refused, 1, COUNT(counts) - 2);
+    else
+        assert_int_equal(refused, 0);
+}
+
+static void test_more_triangles_than_numbers_are_refused(void **state)
+{
+    enum { INSTANCES = 8193, CELLS = 182 }; /* over 2^13 and over 2^16 / 2 */
+    struct neph_scene scene;
+    struct test_scene test;
+    struct neph_diag diag = {0};
+    struct neph_image *frame = NULL;
+    const struct neph_march_params params = {.width_px = 8, .height_px = 8, .steps = 1};
+    OWNED(mesh) struct neph_mesh *mesh = finish_mesh(make_hills(CELLS, 1.0, 0.1));
+    OWNED(memory) struct neph_solid *solids = calloc(INSTANCES, sizeof(*solids));
+    test_scene_init(&test);
+    for (int i = 0; i < INSTANCES; i++)
+        solids[i] = *add_instance(&test, &mesh), test.scene.solid_count = 0;
+    scene = test.scene;
+    scene.solids = solids;
+    scene.solid_count = INSTANCES;
+    assert_int_equal(test_march_frame(*state, &scene, &params, &frame, NULL, &diag),
+                     NEPH_ERR_UNSUPPORTED);
+    assert_non_null(strstr(diag.message, "numbers for 2^30"));
+}
+
+static void test_meshes_that_move_are_refused(void **state)
+{
+    struct test_scene test;
+    struct neph_mover mover = {.first = 0, .count = 1};
+    const struct neph_settings settings = test_preset(NULL, "");
+    OWNED(mesh) struct neph_mesh *mesh = make_body((struct neph_vec3){1, 1, 1},
+                                                   (struct neph_vec3){0, 0, -5});
+    char reason[256];
+    test_scene_init(&test);
+    add_instance(&test, &mesh);
+    assert_true(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
+    assert_true(neph_tracer_can_render(&test.scene, reason, sizeof(reason)));
+    assert_true(neph_realtime_can_render(&test.scene, &settings, reason, sizeof(reason)));
+    test.scene.movers = &mover;
+    test.scene.mover_count = 1;
+    for (int engine = 0; engine < 3; engine++) {
+        reason[0] = '\0';
+        assert_false(
+            engine == 0   ? neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason,
+                                                  sizeof(reason))
+            : engine == 1 ? neph_tracer_can_render(&test.scene, reason, sizeof(reason))
+                          : neph_realtime_can_render(&test.scene, &settings, reason,
+                                                     sizeof(reason)));
+        assert_non_null(strstr(reason, "triangle meshes that move"));
+    }
+}
+
+#include "tests/renderer/main.h"
