@@ -206,6 +206,64 @@ class folder_files : public Assimp::IOSystem
 
 /* ---- the formats ----------------------------------------------------------------------------- */
 
+/* A line with those that continue it; `count` is how many. */
+bool read_obj_line(std::istream &file, std::string &line, long &count)
+{
+    std::string more;
+    line.clear();
+    for (count = 0; std::getline(file, more); line.back() = ' ') {
+        count++;
+        line += more;
+        if (!line.empty() && line.back() == '\r')
+            line.pop_back();
+        if (line.empty() || line.back() != '\\')
+            return true;
+    }
+    return count > 0;
+}
+
+/* Numbers of a line as Assimp 5.2 counts them: words that begin with a digit or a sign. */
+int count_numbers(const std::string &line)
+{
+    int count = 0;
+    for (size_t i = 1; i < line.size() && line[i] != '#'; i++)
+        count += strchr(" \t", line[i - 1]) && line[i] != 0 && strchr("0123456789+-", line[i]);
+    return count;
+}
+
+/* Assimp 5.2 leaves out a vertex that has not 3, 4 or 6 numbers, so that faces name others, and
+ * reads 0x1 as 0. */
+int64_t check_obj_vertices(const char *path, const mesh_limits &limits)
+{
+    const int64_t faces = check_obj(path, limits);
+    std::ifstream file(path, std::ios::binary);
+    std::string line;
+    for (long number = 1, lines = 0; read_obj_line(file, line, lines); number += lines) {
+        const size_t start = std::min(line.find_first_not_of(" \t"), line.size());
+        if (line.compare(start, 2, "v ") != 0 && line.compare(start, 2, "v\t") != 0)
+            continue;
+        const int count = count_numbers(line);
+        if ((count != 3 && count != 4 && count != 6) || line.find_first_of("xX#") < line.find('#'))
+            throw bad_file(words("line %ld, '%.60s': Assimp would leave this vertex out\twrite 3 "
+                                 "numbers, each with a digit before its point, and after them "
+                                 "nothing, a weight, or a colour of 3",
+                                 number, line.c_str()));
+    }
+    return faces;
+}
+
+/* Assimp 5.2 reads a part of the strips of a PLY file, or none. */
+int64_t check_ply_faces(const char *path, const mesh_limits &limits)
+{
+    const int64_t faces = check_ply(path, limits);
+    std::ifstream file(path, std::ios::binary);
+    std::string line;
+    while (std::getline(file, line) && line.compare(0, 10, "end_header") != 0)
+        if (line.compare(0, 17, "element tristrips") == 0)
+            throw bad_file("its triangles are strips ('element tristrips')\twrite them as faces");
+    return faces;
+}
+
 struct format {
     const char *extension;
     const char *importer; /* the start of its name in Assimp */
@@ -214,8 +272,8 @@ struct format {
 };
 
 constexpr format formats[] = {
-    {".obj", "Wavefront Object Importer", false, check_obj},
-    {".ply", "Stanford Polygon Library (PLY) Importer", false, check_ply},
+    {".obj", "Wavefront Object Importer", false, check_obj_vertices},
+    {".ply", "Stanford Polygon Library (PLY) Importer", false, check_ply_faces},
     {".gltf", "glTF2 Importer", true, check_gltf},
     {".glb", "glTF2 Importer", true, check_gltf},
 };

@@ -234,13 +234,13 @@ class Nodes:
 def fog_density(nodes: Nodes, layers: list[dict], scale: float, medium: dict, units: Units):
     """Extinction per unit: a number, or the socket of sum_i bottom_i exp(-falloff_i (y - bottom)).
 
-    The reference height is the bottom of the container, so that every exponential lies in 0..1.
+    The bottom is that of the container, so that every exponential lies in 0..1.
     """
     if all(layer["falloff_per_m"] == 0.0 for layer in layers):
         return units.per_length(scale * sum(layer["bottom_per_m"] for layer in layers))
     position = nodes.add("ShaderNodeNewGeometry").outputs["Position"]
     height = nodes.add("ShaderNodeSeparateXYZ", Vector=position).outputs["Z"]
-    above = nodes.math("SUBTRACT", height, units.point(medium["min_m"]).z)
+    above = nodes.math("SUBTRACT", height, units.point((0.0, medium["bottom_m"], 0.0)).z)
     total = None
     for layer in layers:
         exponent = nodes.math("MULTIPLY", above, -units.per_length(layer["falloff_per_m"]))
@@ -325,6 +325,10 @@ def medium_material(medium: dict, color, emission, scatters: bool, units: Units)
 def set_step(material, medium: dict, step_m: float) -> None:
     """Written past the property, which stops at 0.001 (a step of 14 m in a box of 100 km)."""
     edges_m = [b - a for a, b in zip(medium["min_m"], medium["max_m"])]
+    if medium["turn"]:  # the edges of the box around it, which the axis keeps or lengthens
+        axis, cosine, sine = medium["turn"]
+        edges_m = [edge if k == axis else edge * (abs(cosine) + abs(sine))
+                   for k, edge in enumerate(edges_m)]
     rate = step_m / (0.1 * sum(edges_m) / 3.0)
     material.cycles.volume_step_rate = 1.0
     stored_settings(material)["volume_step_rate"] = rate
@@ -646,7 +650,8 @@ def add_medium(scene, medium: dict, render_pass: dict, scatters: bool, emits: bo
         step_m = grid_step_m(medium, render_pass["grid_step"])
         add_grid(scene, medium, material, step_m, units)
         return
-    add_object(scene, "medium", box_mesh(medium["min_m"], medium["max_m"], material, units))
+    add_object(scene, "medium", box_mesh(medium["min_m"], medium["max_m"], material, units,
+                                           medium["turn"]))
     if medium["feature_m"] is not None:
         set_step(material, medium, medium["feature_m"] * render_pass["step"])
 

@@ -8,12 +8,6 @@
 
 static const double rms_max = 0.5;
 
-/* Fog in bounds that are not turned. */
-static bool is_known(const struct neph_medium *medium)
-{
-    return neph_medium_is_fog(medium) && !neph_is_turned(&medium->turn);
-}
-
 static enum neph_status bake_medium(const struct neph_scene *scene, int index, int resolution,
                                     struct neph_baked_scene *baked, struct neph_diag *diag)
 {
@@ -49,7 +43,7 @@ enum neph_status neph_baked_scene_make(const struct neph_scene *scene, int resol
     for (int i = 0; i < scene->medium_count && !status; i++) {
         const struct neph_medium *medium = &scene->media[i];
         const struct neph_bounds support = neph_medium_support(medium);
-        if (is_known(medium))
+        if (neph_medium_is_fog(medium))
             made.scene.media[made.scene.medium_count++] = *medium;
         else if (neph_medium_extinction_bound_per_m(medium, &support) > 0.0)
             status = bake_medium(scene, i, resolution ? resolution : scene->bake_resolution, &made,
@@ -76,6 +70,23 @@ double neph_fog_layer_per_m(const struct neph_fog_layer *layer, double y_m)
     return layer->extinction_per_m * exp(-layer->falloff_per_m * (y_m - layer->height_m));
 }
 
+bool neph_is_container_turned(const struct neph_medium *medium)
+{
+    return neph_medium_is_fog(medium) && neph_is_turned(&medium->turn);
+}
+
+struct neph_bounds neph_own_container(const struct neph_medium *medium,
+                                      const struct neph_bounds *container)
+{
+    const struct neph_bounds *across[3] = {&medium->box, &medium->box, &medium->box};
+    if (!neph_is_container_turned(medium))
+        return *container;
+    across[medium->turn.axis] = container;
+    return (struct neph_bounds){
+        {across[0]->min_m.x, across[1]->min_m.y, across[2]->min_m.z},
+        {across[0]->max_m.x, across[1]->max_m.y, across[2]->max_m.z}};
+}
+
 double neph_densest_per_m(const struct neph_medium *medium, const struct neph_bounds *bounds)
 {
     if (!neph_medium_is_fog(medium))
@@ -91,8 +102,7 @@ bool neph_scene_needs_voxels(const struct neph_scene *scene)
     bool needs = false;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
-        needs |= !is_known(medium) &&
-                 (neph_medium_is_fog(medium) || medium->extinction_per_m > 0.0);
+        needs |= !neph_medium_is_fog(medium) && medium->extinction_per_m > 0.0;
     }
     return needs;
 }

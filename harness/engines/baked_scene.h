@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Bakes a scene for engines that support fog and voxels only: every other medium becomes voxels,
- * and so does a fog in turned bounds.
+ * Bakes a scene for engines that support fog and voxels only: every other medium becomes voxels.
  */
 #ifndef NEPH_HARNESS_ENGINES_BAKED_SCENE_H
 #define NEPH_HARNESS_ENGINES_BAKED_SCENE_H
@@ -37,6 +36,13 @@ enum neph_status neph_baked_scene_make(const struct neph_scene *scene, int resol
  * their bottom). Both exclude extinction_color. */
 double neph_fog_layer_per_m(const struct neph_fog_layer *layer, double y_m);
 double neph_densest_per_m(const struct neph_medium *medium, const struct neph_bounds *bounds);
+
+/* Whether an engine has to turn the container of a medium: a fog in turned bounds. Then its box
+ * before the turn about its middle, from the box around it, whose two faces across the axis an
+ * engine may have moved; else that box. */
+bool neph_is_container_turned(const struct neph_medium *medium);
+struct neph_bounds neph_own_container(const struct neph_medium *medium,
+                                      const struct neph_bounds *container);
 
 void neph_baked_scene_finish(struct neph_baked_scene *baked);
 

@@ -325,9 +325,12 @@ static json_t *layers_json(const struct neph_medium *medium, double bottom_m)
 static json_t *medium_json(int index, const struct neph_medium *medium,
                            const struct neph_bounds *container, double length_m)
 {
+    const struct neph_bounds own = neph_own_container(medium, container);
     json_t *json = json_pack(
-        "{s:o, s:o, s:o, s:o, s:o, s:o}", "min_m", neph_vector_json(container->min_m), "max_m",
-        neph_vector_json(container->max_m), "extinction_color",
+        "{s:o, s:o, s:o, s:f, s:o, s:o, s:o, s:o}", "min_m", neph_vector_json(own.min_m), "max_m",
+        neph_vector_json(own.max_m), "turn",
+        neph_is_container_turned(medium) ? turn_json(&medium->turn) : json_null(), "bottom_m",
+        container->min_m.y, "extinction_color",
         neph_colour_json(medium->extinction_color), "albedo", neph_colour_json(medium->albedo),
         "lobes", neph_cycles_lobes(&medium->phase), "feature_m",
         isinf(length_m) ? json_null() : json_real(length_m));

@@ -32,6 +32,7 @@
 #include "scenes/emission.h"
 #include "scenes/lights.h"
 #include "scenes/media.h"
+#include "scenes/medium_bounds.h"
 #include "scenes/phase_same.h"
 #include "scenes/solids.h"
 
@@ -204,23 +205,24 @@ static bool has_marked_face(const struct neph_povray_container *container)
 /* Write the container of a medium. A shadow ray is attenuated where it leaves the medium, so a
  * light inside gets a hole. The hole is a cube: POV-Ray's spheres of that size are lost in
  * rounding. */
-static void write_container(struct neph_povray_writer *writer,
+static void write_container(struct neph_povray_writer *writer, const struct neph_medium *medium,
                             const struct neph_povray_container *container)
 {
     const struct neph_scene *scene = writer->world->scene;
-    const struct neph_bounds reach = grown(&container->bounds, 2.0 * hole_units, writer);
+    const struct neph_bounds own = neph_own_container(medium, &container->bounds);
+    const struct neph_bounds reach = grown(&own, 2.0 * hole_units, writer);
     bool is_difference = has_marked_face(container);
     for (int i = 0; i < scene->light_count; i++)
-        is_difference |= neph_bounds_contain(&reach, scene->lights[i].position_m);
+        is_difference |= neph_bounds_contain(
+            &reach, neph_medium_own_point_m(medium, scene->lights[i].position_m));
     if (!is_difference) {
-        neph_povray_write_text(writer, "box { %p, %p", container->bounds.min_m,
-                               container->bounds.max_m);
+        neph_povray_write_text(writer, "box { %p, %p", own.min_m, own.max_m);
         return;
     }
     neph_povray_write_text(writer, "difference {");
-    cut_box(writer, &container->bounds, container->is_near_an_eye);
+    cut_box(writer, &own, container->is_near_an_eye);
     for (int i = 0; i < scene->light_count; i++) {
-        const struct neph_vec3 at_m = scene->lights[i].position_m;
+        const struct neph_vec3 at_m = neph_medium_own_point_m(medium, scene->lights[i].position_m);
         const struct neph_bounds point = {at_m, at_m};
         if (neph_bounds_contain(&reach, at_m))
             box(writer, grown(&point, hole_units, writer));
@@ -530,7 +532,9 @@ static void write_medium(struct neph_povray_writer *writer, int index)
     const struct neph_povray_container *container = &writer->world->containers[index];
     const double per_unit = extinction_per_unit(writer, index);
     write_comment(writer, medium, container);
-    write_container(writer, container);
+    write_container(writer, medium, container);
+    if (neph_is_container_turned(medium))
+        neph_povray_write_turn(writer, &medium->turn, &medium->box);
     neph_povray_write_text(writer,
                            " hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 }\n"
                            "  interior { media {\n"

@@ -179,24 +179,6 @@ static void write_paint(struct neph_povray_writer *writer, const struct neph_sol
     write_finish(writer, box);
 }
 
-/* Write the rotation of a solid, before its texture, which would otherwise not turn with it. Row i
- * of POV-Ray's matrix is the image of unit vector i. */
-static void write_turn(struct neph_povray_writer *writer, const struct neph_solid *box)
-{
-    const struct neph_vec3 middle_m = neph_vec3_scale(neph_vec3_add(box->box.min_m, box->box.max_m),
-                                                      0.5);
-    if (!neph_is_turned(&box->turn))
-        return;
-    neph_povray_write_text(writer, " translate -%p matrix <", middle_m);
-    for (int axis = 0; axis < 3; axis++) {
-        const struct neph_vec3 unit = {axis == 0, axis == 1, axis == 2};
-        const struct neph_vec3 row = neph_rotate(&box->turn, unit);
-        for (int i = 0; i < 3; i++)
-            neph_povray_write_text(writer, "%n, ", neph_povray_axis(row, i));
-    }
-    neph_povray_write_text(writer, "0, 0, 0> translate %p", middle_m);
-}
-
 static void write_solid(struct neph_povray_writer *writer, const struct neph_solid *solid)
 {
     switch (solid->kind) {
@@ -204,7 +186,7 @@ static void write_solid(struct neph_povray_writer *writer, const struct neph_sol
         neph_povray_write_text(writer, "box { %p, %p", solid->box.min_m, solid->box.max_m);
         if (shows_paint(writer, solid))
             write_paint(writer, solid);
-        write_turn(writer, solid);
+        neph_povray_write_turn(writer, &solid->turn, &solid->box);
         break;
     case NEPH_SOLID_SPHERE:
         neph_povray_write_text(writer, "sphere { %p, U*%n", solid->center_m, solid->radius_m);

@@ -2,6 +2,8 @@
 #include "harness/engines/povray_text.h"
 
 #include "harness/engines/povray_exposure.h"
+#include "scenes/bounds.h"
+#include "scenes/solids.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -106,4 +108,21 @@ bool neph_povray_has_radiosity(const struct neph_povray_writer *writer)
 {
     return writer->world->radiosity.rays > 0 &&
            (writer->pass->kind == NEPH_POVRAY_BEAUTY || writer->pass->kind == NEPH_POVRAY_SURFACE);
+}
+
+/* Row i of POV-Ray's matrix is the image of unit vector i. */
+void neph_povray_write_turn(struct neph_povray_writer *writer, const struct neph_turn *turn,
+                            const struct neph_bounds *box)
+{
+    const struct neph_vec3 middle_m = neph_bounds_middle(box);
+    if (!neph_is_turned(turn))
+        return;
+    neph_povray_write_text(writer, " translate -%p matrix <", middle_m);
+    for (int axis = 0; axis < 3; axis++) {
+        const struct neph_vec3 unit = {axis == 0, axis == 1, axis == 2};
+        const struct neph_vec3 row = neph_rotate(turn, unit);
+        for (int i = 0; i < 3; i++)
+            neph_povray_write_text(writer, "%n, ", neph_povray_axis(row, i));
+    }
+    neph_povray_write_text(writer, "0, 0, 0> translate %p", middle_m);
 }

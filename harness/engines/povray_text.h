@@ -21,6 +21,11 @@ struct neph_povray_writer {
  * metres (the macro P converts it to units), %l a colour of light, %m a colour of matter. */
 void neph_povray_write_text(struct neph_povray_writer *writer, const char *text, ...);
 
+/* Write the rotation of a box about its middle; nothing where there is none. It only turns what is
+ * written before it. */
+void neph_povray_write_turn(struct neph_povray_writer *writer, const struct neph_turn *turn,
+                            const struct neph_bounds *box);
+
 /* Whether this image includes light between solids. */
 bool neph_povray_has_radiosity(const struct neph_povray_writer *writer);
 

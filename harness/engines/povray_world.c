@@ -271,12 +271,19 @@ static enum neph_status find_free_plane(const struct neph_povray_world *world, i
                      "xyz"[axis], *plane_m, container + 1, gap_m, face_steps_max * fabs(step_m));
 }
 
+/* Whether a face of the box around a container is none of its own. */
+static bool is_face_turned(const struct neph_medium *medium, int axis)
+{
+    return neph_is_container_turned(medium) && axis != medium->turn.axis;
+}
+
 /* Move the faces of a container until no other face is near: to the inside of a solid that they
  * touch, where they are invisible, or by a few 1e-9 of the world's size. */
 static enum neph_status separate_faces(struct neph_povray_world *world, int index,
                                        struct neph_diag *diag)
 {
     struct neph_povray_container *container = &world->containers[index];
+    const struct neph_medium *medium = &world->scene->media[index];
     const struct neph_bounds before = container->bounds;
     const double float_m = float_units / world->units_per_m;
     double shift_m = 0.0;
@@ -292,7 +299,8 @@ static enum neph_status separate_faces(struct neph_povray_world *world, int inde
                                  plane_m);
             shift_m = fmax(shift_m, fabs(plane_m - from_m));
             const struct nearness near = nearest_origins(world, axis, plane_m, 1.0);
-            container->is_near_an_eye[axis][side] = fmin(near.inside_m, near.outside_m) < float_m;
+            container->is_near_an_eye[axis][side] =
+                fmin(near.inside_m, near.outside_m) < float_m && !is_face_turned(medium, axis);
         }
     }
     if (!has_inside(&container->bounds))
@@ -300,7 +308,7 @@ static enum neph_status separate_faces(struct neph_povray_world *world, int inde
                          "medium %d is thinner than the %.2g m by which a face must keep off the "
                          "eye",
                          index + 1, shift_m);
-    const double per_m = neph_densest_per_m(&world->scene->media[index], &container->bounds);
+    const double per_m = neph_densest_per_m(medium, &container->bounds);
     container->extinction_per_m = per_m;
     world->shift_error = fmax(world->shift_error, per_m * shift_m);
     return NEPH_OK;

@@ -14,7 +14,7 @@
 struct neph_povray_container {
     bool used; /* false: the medium has no extinction */
     bool uniform;
-    struct neph_bounds bounds; /* finite */
+    struct neph_bounds bounds; /* finite; of a turned container the box around it */
     /* For each axis, lower and upper face: a pixel's ray starts so near to this face that POV-Ray's
      * float bounding box could put its origin on the wrong side.
      */

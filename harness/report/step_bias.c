@@ -17,6 +17,7 @@
 #include "scenes/emission.h"
 #include "scenes/lights.h"
 #include "scenes/media.h"
+#include "scenes/medium_bounds.h"
 #include "scenes/motion.h"
 #include "scenes/solids.h"
 
@@ -116,6 +117,16 @@ static void include_layer(const struct neph_fog_layer *layer, struct neph_rgb co
     }
 }
 
+/* As clip_medium() of renderer/shaders/media.glsl: to the support, and to bounds that are turned. */
+static bool clip_medium(const struct neph_medium *medium, const struct way *way,
+                        struct stretch *inside)
+{
+    const struct neph_bounds support = neph_medium_support(medium);
+    return neph_bounds_clip(&support, way->origin_m, way->direction, &inside->t0_m,
+                            &inside->t1_m) &&
+           neph_medium_clip(medium, way->origin_m, way->direction, &inside->t0_m, &inside->t1_m);
+}
+
 /* As scene_stretch() of renderer/shaders/scene.glsl; media other than fogs contribute their
  * bounds. */
 static struct stretch find_marched_interval(const struct neph_scene *scene, const struct way *way)
@@ -124,9 +135,8 @@ static struct stretch find_marched_interval(const struct neph_scene *scene, cons
     double opaque_m = way->length_m;
     for (int m = 0; m < scene->medium_count; m++) {
         const struct neph_medium *medium = &scene->media[m];
-        const struct neph_bounds support = neph_medium_support(medium);
         struct stretch inside = {0.0, way->length_m};
-        if (!neph_bounds_clip(&support, way->origin_m, way->direction, &inside.t0_m, &inside.t1_m))
+        if (!clip_medium(medium, way, &inside))
             continue;
         for (int l = 0; l < medium->layer_count; l++)
             include_layer(&medium->layers[l], medium->extinction_color, way, inside, &hull,
@@ -167,10 +177,8 @@ static struct neph_rgb depth_on(const struct march *march, const struct way *way
                                                              0.0, way->length_m)));
             continue;
         }
-        const struct neph_bounds support = neph_medium_support(medium);
         struct stretch part = stretch;
-        if (!is_marched &&
-            !neph_bounds_clip(&support, way->origin_m, way->direction, &part.t0_m, &part.t1_m))
+        if (!is_marched && !clip_medium(medium, way, &part))
             continue;
         const double step_m = (part.t1_m - part.t0_m) / steps;
         for (int i = 0; i < steps && step_m > 0.0; i++)

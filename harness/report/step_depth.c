@@ -5,6 +5,7 @@
 #include "base/threads.h"
 #include "harness/report/marched_scene.h"
 #include "scenes/media.h"
+#include "scenes/medium_bounds.h"
 #include "scenes/motion.h"
 #include "scenes/solids.h"
 
@@ -31,13 +32,18 @@ struct ray {
     const struct neph_bounds *containers; /* of the media */
     struct neph_vec3 origin_m, direction;
     double end_m;
+    bool shared; /* as in marchers */
 };
 
+/* POV-Ray gets turned bounds as voxels in the box around them, except those of fogs. */
 static bool clip(const struct ray *ray, int medium, double *t0_m, double *t1_m)
 {
+    const struct neph_medium *own = &ray->scene->media[medium];
+    const bool is_turned = ray->shared || neph_medium_is_fog(own);
     *t0_m = 0.0;
     *t1_m = ray->end_m;
-    return neph_bounds_clip(&ray->containers[medium], ray->origin_m, ray->direction, t0_m, t1_m);
+    return neph_bounds_clip(&ray->containers[medium], ray->origin_m, ray->direction, t0_m, t1_m) &&
+           (!is_turned || neph_medium_clip(own, ray->origin_m, ray->direction, t0_m, t1_m));
 }
 
 static double brightest(struct neph_rgb color)
@@ -126,7 +132,8 @@ static void measure_row_depth(int row, void *context)
         struct ray ray = {.scene = frame->scene,
                           .containers = frame->containers,
                           .origin_m = seen.origin_m,
-                          .direction = seen.direction};
+                          .direction = seen.direction,
+                          .shared = frame->shared};
         ray.end_m = neph_scene_hit(frame->scene, ray.origin_m, ray.direction).t_m;
         frame->most[row] = fmax(frame->most[row],
                                 frame->shared ? find_deepest_shared_step(&ray, frame->steps)

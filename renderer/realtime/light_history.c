@@ -7,8 +7,8 @@
 
 static const double unlike_part = 0.1, unlike_rad = 0.1;
 
-static const struct neph_rt_light_frame *
-find_earlier_frame(const struct neph_rt_light_history *history, uint32_t frame_count)
+const struct neph_rt_light_frame *
+neph_rt_light_history_frame(const struct neph_rt_light_history *history, uint32_t frame_count)
 {
     return &history->frames[(history->last - frame_count) % NEPH_RT_LIGHT_HISTORY_MAX];
 }
@@ -24,7 +24,7 @@ static bool are_colors_similar(struct neph_rgb a, struct neph_rgb b)
            is_within_tolerance(a.b, b.b);
 }
 
-static bool are_suns_similar(const struct neph_sun *a, const struct neph_sun *b)
+bool neph_rt_are_suns_similar(const struct neph_sun *a, const struct neph_sun *b)
 {
     if (!a->present || !b->present)
         return a->present == b->present;
@@ -42,7 +42,8 @@ static bool are_lights_similar(const struct neph_light *a, const struct neph_lig
 static bool are_frames_similar(const struct neph_rt_light_frame *a,
                                const struct neph_rt_light_frame *b)
 {
-    bool are_similar = are_suns_similar(&a->sun, &b->sun) && a->light_count == b->light_count;
+    bool are_similar = neph_rt_are_suns_similar(&a->sun, &b->sun) &&
+                       a->light_count == b->light_count;
     for (int i = 0; i < a->light_count && are_similar; i++)
         are_similar = are_lights_similar(&a->lights[i], &b->lights[i]);
     return are_similar;
@@ -67,13 +68,13 @@ void neph_rt_light_history_add(struct neph_rt_light_history *history, uint32_t n
 
 bool neph_rt_light_history_is_periodic(const struct neph_rt_light_history *history, uint32_t period)
 {
-    const struct neph_rt_light_frame *latest = find_earlier_frame(history, 0);
+    const struct neph_rt_light_frame *latest = neph_rt_light_history_frame(history, 0);
     bool is_steady = true;
     if (period > NEPH_RT_LIGHT_HISTORY_MAX / 2 || history->count < 2 * period)
         return false;
     for (uint32_t i = 0; i < period; i++) {
-        const struct neph_rt_light_frame *frame = find_earlier_frame(history, i);
-        if (!are_frames_similar(frame, find_earlier_frame(history, i + period)))
+        const struct neph_rt_light_frame *frame = neph_rt_light_history_frame(history, i);
+        if (!are_frames_similar(frame, neph_rt_light_history_frame(history, i + period)))
             return false;
         is_steady = is_steady && are_frames_similar(latest, frame);
     }
@@ -84,7 +85,8 @@ bool neph_rt_light_history_has_jump(const struct neph_rt_light_history *history,
                                     uint32_t frame_count)
 {
     for (uint32_t i = 0; i < frame_count && i + 1 < history->count; i++)
-        if (!are_frames_similar(find_earlier_frame(history, i), find_earlier_frame(history, i + 1)))
+        if (!are_frames_similar(neph_rt_light_history_frame(history, i),
+                                neph_rt_light_history_frame(history, i + 1)))
             return true;
     return false;
 }

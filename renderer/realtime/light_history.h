@@ -32,6 +32,13 @@ struct neph_rt_light_history {
 void neph_rt_light_history_add(struct neph_rt_light_history *history, uint32_t number,
                                const struct neph_scene *static_scene);
 
+/* The frame `frame_count` before the latest one; it is less than the history's count. */
+const struct neph_rt_light_frame *
+neph_rt_light_history_frame(const struct neph_rt_light_history *history, uint32_t frame_count);
+
+/* Whether two suns differ by less than neph_rt_light_history_is_periodic() says. */
+bool neph_rt_are_suns_similar(const struct neph_sun *a, const struct neph_sun *b);
+
 /* Whether the latest 2 x `period` frames are one period twice, with a difference inside the period.
  * Two suns or lights differ when a channel of the irradiance or intensity differs by a tenth or the
  * direction or axis by 0.1 rad: from there on the presets with a gradient treat light as changed.

@@ -8,6 +8,7 @@
 #include "renderer/march_split.h"
 #include "renderer/realtime/images.h"
 #include "renderer/realtime/injection.h"
+#include "renderer/realtime/lamp_changes.h"
 #include "renderer/realtime/light_history.h"
 #include "renderer/realtime/march_settings.h"
 #include "renderer/realtime/moment.h"
@@ -813,9 +814,10 @@ static void set_solid_motion(struct neph_realtime *realtime, const struct neph_s
 
 /* Flags from the light history that rays cannot find: whether the two samples of a gradient see the
  * same phase of a flashing light (samples of the medium are 4 frames apart, samples behind it as
- * many as the jitter has places), and whether texels that the override leaves out have old
- * light. */
-static void set_light_flags(struct neph_realtime *realtime, const struct neph_scene *static_scene)
+ * many as the jitter has places), or no froxels, in which the light has changed; and whether texels
+ * that the override leaves out have old light. */
+static void set_light_flags(struct neph_realtime *realtime, const struct neph_scene *static_scene,
+                            const struct neph_rt_transforms *now)
 {
     struct neph_gpu_view *view = realtime->device.view;
     const uint32_t number = realtime->frame_count;
@@ -823,11 +825,19 @@ static void set_light_flags(struct neph_realtime *realtime, const struct neph_sc
     const uint32_t places = (uint32_t)view->settings[RT_TAA_JITTER_LENGTH];
     const uint32_t awake = (uint32_t)view->settings[RT_OVERRIDE_WAKE];
     neph_rt_light_history_add(&realtime->lights, number, static_scene);
+    neph_rt_view_set_lamp_changes(view, &realtime->lights,
+                                  neph_vec3_sub(now->origin_m, realtime->past.origin_m),
+                                  now->camera.position_m);
     view->strobes_medium = is_tested && neph_rt_light_history_is_periodic(&realtime->lights, 4);
     view->strobes_behind = is_tested &&
                            neph_rt_light_history_is_periodic(&realtime->lights, places);
     view->resting |= number / 4 % 2 == 1 &&
                      neph_rt_light_history_has_jump(&realtime->lights, awake);
+    if (view->settings[RT_FROXEL_VOLUME] == 0.0f ||
+        (view->lamps_changed == 0 && view->sun_jumped == 0))
+        return;
+    view->strobes_medium = 1;
+    view->strobes_behind = 1;
 }
 
 /* Whether rays see only the content that neph_rt_static_content_update() compares: no light that is
@@ -907,7 +917,7 @@ static enum neph_status render_size(struct neph_realtime *realtime,
     *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
     neph_rt_view_set_transforms(view, frame->scene, &now, past, realtime->frame_count);
     set_solid_motion(realtime, frame->scene);
-    set_light_flags(realtime, static_scene);
+    set_light_flags(realtime, static_scene, &now);
     status = update_static_state(realtime, frame, is_mirrored, image, static_scene, &made.given,
                                  diag);
     made.moment = make_march_transforms(view, &now);

@@ -10,6 +10,7 @@
 #define NEPH_FRAME_GLSL
 
 #include "fog_look.glsl"
+#include "lamp.glsl"
 
 const uint MEDIA_MAX = NEPH_GPU_MEDIA_MAX;
 const uint NO_SOLID = 0xffffffffu;
@@ -19,16 +20,6 @@ struct Lattice {
     vec3 origin_m; // position of node (0, 0, 0), relative to the camera
     vec3 per_m;    // nodes or cells per metre
     uvec3 size;
-};
-
-// A point or spot light (scenes/lights.h). A point light has cosines below -1.
-struct Lamp {
-    vec3 position_m;
-    float inner_cosine;
-    vec3 axis; // unit, away from the light
-    float outer_cosine;
-    vec3 intensity; // W/sr
-    float padding;
 };
 
 // A level of the shadow map: position of texel (0, 0), and texels per metre along both sides.

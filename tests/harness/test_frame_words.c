@@ -10,6 +10,8 @@
 #include "harness/report/step_depth.h"
 #include "harness/run/noise.h"
 #include "harness/run/seed.h"
+#include "scenes/medium_bounds.h"
+#include "scenes/solids.h"
 
 /* A slab 10 m deep, seen perpendicularly. */
 struct stage {
@@ -130,6 +132,31 @@ static void test_the_step_bias_of_a_slab(void **state)
     assert_null(neph_step_bias_warning(0.09, march));
     assert_null(neph_step_bias_warning(-0.09, march));
     assert_null(neph_step_bias_warning(NAN, march));
+}
+
+/* A slab that is turned with its camera and its sun has the steps of the slab: between the turned
+ * faces, not between those of the box around them. */
+static void test_the_steps_of_a_turned_slab(void **state)
+{
+    const struct neph_turn turn = {1, cos(0.5), sin(0.5)};
+    double bias[2], depth[2];
+    for (int is_turned = 0; is_turned < 2; is_turned++) {
+        struct stage stage;
+        make_slab(&stage, 100.0);
+        stage.scene.sun = (struct neph_sun){true, {0, 0, 1}, {3, 3, 3}};
+        stage.scene.scattering = NEPH_SCATTERING_SINGLE;
+        if (is_turned) {
+            neph_medium_turn_bounds(&stage.scene.media[0], &turn);
+            stage.key.position_m = neph_rotate(&turn, stage.key.position_m);
+            stage.scene.sun.direction = neph_rotate(&turn, stage.scene.sun.direction);
+        }
+        bias[is_turned] = step_bias(&stage, "march", 0.0f);
+        depth[is_turned] = step_depth(&stage, "march");
+    }
+    print_message("step bias of a slab %.6f, turned %.6f; depth of a step %.6f, turned %.6f\n",
+                  bias[0], bias[1], depth[0], depth[1]);
+    neph_assert_close(bias[1], bias[0], 1e-9, 0.0); /* rounding in double */
+    neph_assert_close(depth[1], depth[0], 1e-9, 0.0);
 }
 
 /* 40 rays with n and with 2 n steps are a million steps where n is 8,333. */

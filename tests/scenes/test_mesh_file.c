@@ -383,6 +383,15 @@ static void test_text_at_fault(void **state)
         {"nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "line 1, 'v nan 0 0'"},
         {"inf.obj", "v 0 0 0\nv 1e60 0 0\nv 0 1 0\nf 1 2 3\n", "line 2, 'v 1e60 0 0'"},
         {"short.obj", "v 0 0 0\nv 1 0\nv 0 1 0\nf 1 2 3\n", "line 2, 'v 1 0'"},
+        {"point.obj", "v .5 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n", "line 1, 'v .5 0 0'"},
+        {"seven.obj", "v 1 2 3 1 1 1 1\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n", "line 1, 'v 1 2"},
+        {"five.obj", "v 0 0 0\nv 1 2 \\\n3 4 5\nv 0 1 0\nv 0 0 1\nf 1 2 3\n", "line 2, 'v 1"},
+        {"hex.obj", "v 0 0 0\nv 0x1 0 0\nv 0 1 0\nf 1 2 3\n", "line 2, 'v 0x1 0 0'"},
+        {"strips.ply",
+         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+         "property float z\nelement tristrips 1\nproperty list int int vertex_indices\n"
+         "end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n4 0 1 2 3\n",
+         "strips"},
         {"word.obj", "v 0 0 0\nv 1 0 zero\nv 0 1 0\nf 1 2 3\n", "line 2"},
         {"high.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\nv 0 1 0\nf 1 2 4\n", "names vertex 4, and"},
         {"zero.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "line 4, 'f 0 1 2'"},

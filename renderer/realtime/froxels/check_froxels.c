@@ -426,6 +426,99 @@ static void test_history_follows_the_world(void **state)
     history_follows(*state, "lamps, isotropic", scene_point_lights, even, 0.6);
 }
 
+/* ---- lights that change ---- */
+
+enum { BEFORE_CHANGE = 20, AFTER_CHANGE = 6 };
+
+/* Sets the lights of a frame; frame 0 is the first after the change. */
+typedef void change(struct neph_scene *scene, int frame);
+
+static const struct neph_rgb bright = {40, 30, 20}, faint = {4, 3, 2}, dark = {0, 0, 0};
+
+static void end_lamp(struct neph_scene *scene, int frame)
+{
+    scene->lights[0].intensity_w_per_sr = frame < 0 ? bright : dark;
+}
+
+static void start_lamp(struct neph_scene *scene, int frame)
+{
+    scene->lights[0].intensity_w_per_sr = frame < 0 ? dark : bright;
+}
+
+static void dim_lamp(struct neph_scene *scene, int frame)
+{
+    scene->lights[0].intensity_w_per_sr = frame < 0 ? bright : faint;
+}
+
+static void move_lamp(struct neph_scene *scene, int frame)
+{
+    scene->lights[0].intensity_w_per_sr = bright;
+    scene->lights[0].position_m.x = -1.3 + 0.2 * frame;
+}
+
+static void end_sun(struct neph_scene *scene, int frame)
+{
+    scene->sun.present = frame < 0;
+}
+
+static void start_sun(struct neph_scene *scene, int frame)
+{
+    scene->sun.present = frame >= 0;
+}
+
+/* The largest rms error of the frames after a change; `is_held`: with their lights from the start. */
+static double measure_change(struct neph_vulkan *vulkan, change *set, bool has_sun, bool is_held)
+{
+    struct test_scene test;
+    double most_rms = 0.0;
+    const struct neph_settings settings = test_settings(
+        "froxels=on froxel_px=2 froxel_end_m=24 froxel_slices=64 taa=off target_format=float "
+        "ray_dither_amount=0 upscale_amount_px=0 steps=64");
+    const int last = is_held ? 0 : AFTER_CHANGE - 1;
+    scene_point_lights(&test);
+    test.scene.sun.present = has_sun;
+    set(&test.scene, is_held ? AFTER_CHANGE - 1 : -BEFORE_CHANGE);
+    OWNED(realtime)
+    struct neph_realtime *realtime = test_sequence(vulkan, &test.scene, &settings, WIDTH_PX,
+                                                   HEIGHT_PX);
+    for (int frame = -BEFORE_CHANGE; frame <= last; frame++) {
+        set(&test.scene, is_held ? AFTER_CHANGE - 1 : frame);
+        OWNED(image)
+        struct neph_image *image = test_next(realtime, &test.scene, frame + BEFORE_CHANGE, NULL);
+        if (frame >= 0)
+            most_rms = fmax(most_rms, measure_error(&test, image).rms);
+    }
+    return most_rms;
+}
+
+/* In each frame after a change of lights the error is at most that of the same lights without
+ * history: the mean of samples with weights 0.1 0.9^k has 0.1 / 1.9 of the variance of one sample.
+ */
+static void test_history_follows_lights(void **state)
+{
+    static const struct {
+        const char *name;
+        change *set;
+        bool has_sun;
+    } cases[] = {
+        {"lamp ends", end_lamp, false},
+        {"lamp starts", start_lamp, false},
+        {"lamp ends in the sun", end_lamp, true},
+        {"lamp starts in the sun", start_lamp, true},
+        {"lamp dims", dim_lamp, false},
+        {"lamp moves", move_lamp, false},
+        {"sun ends", end_sun, true},
+        {"sun starts", start_sun, true},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        const double held = measure_change(*state, cases[i].set, cases[i].has_sun, true);
+        const double most = measure_change(*state, cases[i].set, cases[i].has_sun, false);
+        print_message("%s: rms at most %.3f, with constant lights %.3f\n", cases[i].name, most,
+                      held);
+        assert_true(most < sqrt(1.9 / 0.1) * held);
+    }
+}
+
 /* Scenes that froxels do not support are refused. */
 static void test_refusals(void **state)
 {

@@ -5,11 +5,11 @@
 // sun with the shadows of solids and media, point and spot lights, emission. A froxel has one
 // sample point, which is jittered within it, except for terms with a closed form along its ray
 // (optical depth, and 1/d^2 of a light). The result is blended with the froxels of the frame before
-// at the same place of the world. Where the surface seen through the sample point lies within the
+// at the same place of the world, after their light was changed as the lights have changed. Where the surface seen through the sample point lies within the
 // slice, the sample is taken in front of it: behind it may be another room.
 #extension GL_GOOGLE_include_directive : require
 
-// Defined in froxels.glsl, which needs the view.
+// Defined below, because froxels.glsl needs the view.
 float left_to_pixels_m(vec3 lamp_m);
 #define LAMP_BALL_M(lamp) left_to_pixels_m(lamp.position_m)
 
@@ -73,6 +73,67 @@ vec3 scattered_per_m(Mixture mixture, ViewRay ray, vec3 point_m, Reach reach,
     return light;
 }
 
+// What lamps that differ from the frame before have added to the light of a froxel.
+struct Change {
+    vec3 added;    // light per metre of these lamps now minus then, at this frame's sample point
+    vec3 possible; // the sum of both where nothing hides these lamps, without optical depth
+};
+
+vec3 lamp_light_per_m(Lamp lamp, Mixture mixture, ViewRay ray, Reach reach, float extinction_per_m)
+{
+    return lamp_light(lamp, lamp_pass(lamp.position_m, ray, LAMP_BALL_M(lamp)),
+                      mixture.extinction_per_m, ray, reach.inside.t0_m,
+                      reach.inside.t1_m - reach.inside.t0_m,
+                      vec3(extinction_per_m * reach.length_m)) /
+           froxel_reach_m(extinction_per_m, reach.length_m);
+}
+
+vec3 unhidden_light_per_m(Lamp lamp, vec3 point_m)
+{
+    vec3 way_m = lamp.position_m - point_m;
+    float distance_m = max(length(way_m), 1e-12);
+    vec3 direction = way_m / distance_m;
+    return lamp_irradiance(lamp, direction, 1.0 / (distance_m * distance_m)) *
+           scattered_from(direction);
+}
+
+Change find_change(Mixture mixture, ViewRay ray, vec3 point_m, Reach reach, float extinction_per_m)
+{
+    Change change = Change(vec3(0.0), vec3(0.0));
+    uint changed = force_nonuniform(view.lamps_changed);
+    if (!LAMPS || make_nonuniform(frame.scatters_lamps) == 0 ||
+        mixture.extinction_per_m == vec3(0.0))
+        return change;
+    for (uint i = 0; i < 2u * make_nonuniform(frame.lamp_count); i++) {
+        bool is_now = (i & 1u) == 0u;
+        if ((changed >> (i / 2u) & 1u) == 0u)
+            continue;
+        Lamp lamp = frame.lamps[i / 2u];
+        if (!is_now)
+            lamp = view.lamps_before[i / 2u];
+        vec3 light = lamp_light_per_m(lamp, mixture, ray, reach, extinction_per_m);
+        change.added += is_now ? light : -light;
+        change.possible += unhidden_light_per_m(lamp, point_m);
+    }
+    return change;
+}
+
+// Where history cannot follow: no lamp that has changed is visible from the sample point, but from
+// the sample points of earlier frames they may have been. A tenth: renderer/realtime/light_history.h
+bool is_unknown(vec3 before, Change change)
+{
+    return change.added == vec3(0.0) && any(greaterThan(change.possible, 0.1 * before));
+}
+
+// History as if the lamps of this frame had been there before. Light that lamps have added at the
+// sample point is added; light that they have taken away is taken away in proportion, so that
+// nothing remains of the only lamp where it has ended.
+vec3 follow_lamps(vec3 before, vec3 now, vec3 added)
+{
+    vec3 dimmed = before * clamp(now / max(now - added, LEAST), 0.0, 1.0);
+    return mix(before + added, dimmed, lessThan(added, vec3(0.0)));
+}
+
 Reach find_reach(int slice, ViewRay ray, vec2 place_px)
 {
     float slope = 1.0 / dot(ray.direction, frame.camera_forward);
@@ -85,8 +146,9 @@ Reach find_reach(int slice, ViewRay ray, vec2 place_px)
                  Stretch(max(low_m * slope, hull.t0_m), min(high_m * slope, hull.t1_m)));
 }
 
-vec4 compute_froxel_light(ivec3 froxel)
+vec4 compute_froxel_light(ivec3 froxel, out Change change)
 {
+    change = Change(vec3(0.0), vec3(0.0));
     vec3 place = vec3(froxel) + froxel_jitter();
     vec2 place_px = place.xy * float(froxel_px);
     ViewRay ray = camera_ray_at(frame_camera(), place_px);
@@ -99,8 +161,12 @@ vec4 compute_froxel_light(ivec3 froxel)
     Mixture mixture = mixture_at(point_m);
     float extinction_per_m = mean_extinction_per_m(mixture, ray, reach);
     vec3 light = scattered_per_m(mixture, ray, point_m, reach, extinction_per_m);
-    if (HAS_VEIL) // as in a step of the march
+    if (make_nonuniform(view.lamps_changed) != 0u)
+        change = find_change(mixture, ray, point_m, reach, extinction_per_m);
+    if (HAS_VEIL) { // as in a step of the march
         light = behind_veil(ray.direction, distance_m, light, vec3(extinction_per_m));
+        change.added = behind_veil(ray.direction, distance_m, change.added, vec3(0.0));
+    }
     return vec4(light, extinction_per_m);
 }
 
@@ -147,9 +213,16 @@ void main()
     if (thread >= run.ray_count)
         return;
     ivec3 froxel = find_froxel(run.first_ray + thread);
-    vec4 light = compute_froxel_light(froxel), before;
-    if (is_set(RT_FROXEL_HISTORY) && has_past && light_before(froxel, before) && is_sound(before))
+    Change change;
+    vec4 light = compute_froxel_light(froxel, change), before;
+    bool has_history = is_set(RT_FROXEL_HISTORY) && has_past &&
+                       force_nonuniform(view.sun_jumped) == 0u;
+    if (has_history && light_before(froxel, before) && is_sound(before) &&
+        !is_unknown(before.rgb, change)) {
+        if (change.added != vec3(0.0))
+            before.rgb = follow_lamps(before.rgb, light.rgb, change.added);
         light = mix(light, before, setting(RT_FROXEL_HISTORY));
+    }
     put(RT_FROXELS, froxel_texel(froxel_section_now(), froxel), light);
     check_loops();
     count_cost();

@@ -14,6 +14,7 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
 #include "renderer/shaders/halves.glsl"
+#include "renderer/shaders/lamp.glsl"
 #include "renderer/shaders/numbers.glsl"
 #include "choices.glsl"
 #include "names.h"
@@ -85,10 +86,15 @@ layout(std430, binding = REALTIME_BINDING) VIEW_BLOCK View {
     float rendered_per_px[2]; // size_px over picture_px
     float exposure; // factor on colours before they are stored
     float exposure_before;
-    // 1: the sun flashes with the period of the gradient samples of the medium, or of those behind
-    // it, which then find no difference (renderer/realtime/suns.h): the change is complete.
+    // 1: the gradient samples of the medium, or those behind it, cannot find that the light has
+    // changed (set_light_flags() of renderer/realtime/pipeline.c): the change is complete.
     uint strobes_medium;
     uint strobes_behind;
+    // For the history of froxels (renderer/realtime/lamp_changes.h). Bit i: lamp i of this frame
+    // differs from the frame before, where it was lamps_before[i], relative to this frame's camera.
+    uint lamps_changed;
+    uint sun_jumped; // 1: the sun differs from the frame before by more than its history follows
+    Lamp lamps_before[NEPH_GPU_LAMPS_MAX];
 } view;
 
 // Ranks of the blue noise masks: 64x64, then 64x64x32 (renderer/blue_noise.h).

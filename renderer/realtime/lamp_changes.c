@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/realtime/lamp_changes.h"
+
+#include "base/vec3.h"
+#include "renderer/relative.h"
+
+#include <string.h>
+
+/* As in renderer/gpu_scene.c. */
+static struct neph_gpu_lamp pack_lamp(const struct neph_light *light, struct neph_vec3 camera_m)
+{
+    const struct neph_rgb intensity = light->intensity_w_per_sr;
+    struct neph_gpu_lamp lamp = {
+        .inner_cosine = light->is_spot ? (float)light->inner_cosine : -2.0f,
+        .outer_cosine = light->is_spot ? (float)light->outer_cosine : -3.0f,
+        .intensity = {(float)intensity.r, (float)intensity.g, (float)intensity.b},
+    };
+    neph_relative_position(lamp.position_m, light->position_m, camera_m);
+    if (light->is_spot)
+        neph_gpu_direction(lamp.axis, light->axis);
+    return lamp;
+}
+
+/* Compares as floats relative to the camera: a static lamp whose world has moved has not changed.
+ */
+static bool set_lamp_before(struct neph_gpu_view *view, int index, const struct neph_light *now,
+                            const struct neph_light *before, struct neph_vec3 origin_shift_m,
+                            struct neph_vec3 camera_m)
+{
+    const struct neph_gpu_lamp lamp = pack_lamp(now, camera_m);
+    struct neph_light shifted = *before;
+    shifted.position_m = neph_vec3_add(before->position_m, origin_shift_m);
+    view->lamps_before[index] = pack_lamp(&shifted, camera_m);
+    return memcmp(&lamp, &view->lamps_before[index], sizeof(lamp)) != 0;
+}
+
+void neph_rt_view_set_lamp_changes(struct neph_gpu_view *view,
+                                   const struct neph_rt_light_history *history,
+                                   struct neph_vec3 origin_shift_m, struct neph_vec3 camera_m)
+{
+    const struct neph_rt_light_frame *now = neph_rt_light_history_frame(history, 0);
+    const struct neph_rt_light_frame *before = neph_rt_light_history_frame(history, 1);
+    view->lamps_changed = 0;
+    view->sun_jumped = 0;
+    if (history->count < 2)
+        return;
+    view->sun_jumped = now->light_count != before->light_count ||
+                       !neph_rt_are_suns_similar(&now->sun, &before->sun);
+    for (int i = 0; i < now->light_count && i < before->light_count; i++)
+        if (set_lamp_before(view, i, &now->lights[i], &before->lights[i], origin_shift_m, camera_m))
+            view->lamps_changed |= 1u << i;
+}
