@@ -19,7 +19,6 @@ struct world {
     struct neph_scene scene;
     struct neph_solid solids[SOLIDS];
     struct neph_mesh *meshes[2];
-    struct neph_medium fog;
 };
 
 static void test_end_world(struct world *world)
@@ -89,7 +88,6 @@ static void make_world(struct world *world, bool has_meshes, uint64_t *seed)
         world->scene.mesh_count = 2;
     }
     world->scene.meshes = world->meshes;
-    world->scene.media = &world->fog;
     world->scene.sun.present = true;
     world->scene.sun.direction = random_direction(seed);
     for (int i = 0; i < SOLIDS; i++)
@@ -151,8 +149,9 @@ static void check_worlds(bool has_meshes)
             known_hidden += said == 2;
         }
     }
-    assert_true(decided > 0.9 * all); /* 0.94 to 0.99 measured; a grid without use has 0 */
-    assert_true(known_hidden > 0.3 * hidden);
+    print_message("%d of %d decided, %d of %d hidden known\n", decided, all, known_hidden, hidden);
+    assert_true(decided > 0.9 * all);
+    assert_true(known_hidden > 0.5 * hidden);
 }
 
 static void test_the_grid_of_boxes_and_balls_decides_as_rays_do(void **state)
