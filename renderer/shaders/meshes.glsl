@@ -193,17 +193,21 @@ bool meet_triangle(MeshRay ray, Triangle t, out float t_m, out bool is_back)
 {
     vec3 a = sheared(ray, t.a), b = sheared(ray, t.b), c = sheared(ray, t.c);
     vec3 sides = vec3(edge_side(b, c), edge_side(c, a), edge_side(a, b));
+    vec3 low = min(a, min(b, c)), high = max(a, max(b, c));
     t_m = 0.0;
     is_back = false;
     if (any(lessThan(sides, vec3(0.0))) && any(greaterThan(sides, vec3(0.0))))
+        return false;
+    // All sides of a triangle that is edge on, in a plane with the ray, may round to 0, also beside
+    // the triangle.
+    if (any(greaterThan(low.xy, vec2(0.0))) || any(lessThan(high.xy, vec2(0.0))))
         return false;
     vec3 area = triangle_area(t);
     float facing = -dot(area, ray.direction);
     if (facing == 0.0 || sides == vec3(0.0))
         return false; // edge on: its neighbours are met
     is_back = facing < 0.0;
-    float near = min(a.z, min(b.z, c.z)), far = max(a.z, max(b.z, c.z));
-    t_m = clamp(dot(area, ray.origin - t.a) / facing, near, far);
+    t_m = clamp(dot(area, ray.origin - t.a) / facing, low.z, high.z);
     return t_m > 0.0;
 }
 
