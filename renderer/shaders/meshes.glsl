@@ -293,8 +293,8 @@ vec3 mesh_normal(uint solid)
 }
 
 // The start of a ray relative to Meshes.origin_m. On a triangle it is moved off the triangle's
-// plane, to the side of the hit, by more than rounding: its neighbours are in this plane, or nearly,
-// and rounding would put the point behind them.
+// plane, to the side of the hit, by more than rounding: its neighbours are in this plane or near
+// it, and rounding would put the point behind them.
 vec3 mesh_origin_m(vec3 origin_m, uint solid)
 {
     vec3 from_m = origin_m - frame.meshes.origin_m;
