@@ -12,11 +12,11 @@
 
 #include "scenes/solids.h"
 
-/* Of a position on a device, relative to its size: half a unit of the last of 24 bits, for each of
- * some four operations. */
+/* The rounding of a position on a device, relative to its size: half a unit of the last of 24 bits,
+ * for each of some four operations. */
 static const double position_rounding = 0x1p-22;
 
-/* --- meshes ------------------------------------------------------------------------------------ */
+/* --- meshes ---------------------------------------------------------------------------------- */
 
 /* The number of a vertex, a new one if there is none at this position. */
 static int find_vertex(struct neph_mesh_data *data, struct neph_vec3 position)
@@ -98,7 +98,7 @@ static struct neph_solid *add_instance(struct test_scene *test, struct neph_mesh
     return solid;
 }
 
-/* --- frames ------------------------------------------------------------------------------------ */
+/* --- frames ---------------------------------------------------------------------------------- */
 
 enum { SIDE = 64, PIXELS = SIDE * SIDE };
 
@@ -113,7 +113,7 @@ static struct neph_image *render(struct neph_vulkan *vulkan, const struct neph_s
                            : test_trace(vulkan, scene, &tracer, NULL);
 }
 
-/* --- exact rays -------------------------------------------------------------------------------- */
+/* --- exact rays ------------------------------------------------------------------------------ */
 
 enum { AROUND = 9 };
 
@@ -181,7 +181,7 @@ static int count_sky(const struct neph_image *frame)
     return count;
 }
 
-/* --- leaks ------------------------------------------------------------------------------------- */
+/* --- leaks ----------------------------------------------------------------------------------- */
 
 /* Lengths in radii of the mesh. */
 static const struct {
@@ -299,8 +299,8 @@ static void test_no_ray_passes_between_triangles_of_a_grid(void **state)
     }
 }
 
-/* Triangles in planes with the rays of a row of pixels, which a device need not meet, in the columns
- * COLUMN to SIDE - COLUMN. */
+/* Triangles in the planes of the rays of rows of pixels, which a device need not meet, in the
+ * columns COLUMN to SIDE - COLUMN. */
 enum { ROWS = 8, COLUMN = 24 };
 
 static struct neph_mesh *make_edge_on(const struct neph_camera *camera, uint64_t *seed)
@@ -341,7 +341,7 @@ static void test_no_ray_meets_a_triangle_beside_it(void **state)
     }
 }
 
-/* --- sunlight ---------------------------------------------------------------------------------- */
+/* --- sunlight -------------------------------------------------------------------------------- */
 
 /* The size of a mesh over the lowest height of its triangles. */
 static double find_slimness(const struct neph_mesh *mesh)
@@ -360,9 +360,10 @@ static double find_slimness(const struct neph_mesh *mesh)
     return size / low;
 }
 
-/* Of a reflected radiance, relative to a white surface that faces the sun: some eight roundings of
- * numbers up to 1, and the turn of a triangle's normal. Both ends of the triangle's height move by
- * up to sqrt(3) / 2 roundings of the size of the mesh, whose coordinates are from its middle. */
+/* The rounding of a reflected radiance, relative to a white surface that faces the sun: some eight
+ * roundings of numbers up to 1, and the turn of a triangle's normal. Both ends of the triangle's
+ * height move by up to sqrt(3) / 2 roundings of the size of the mesh, whose coordinates are from
+ * its middle. */
 static double find_light_rounding(const struct neph_mesh *mesh)
 {
     return 0x1p-24 * (8.0 + sqrt(3.0) * find_slimness(mesh));
@@ -482,7 +483,7 @@ static void test_a_convex_mesh_does_not_hide_itself_from_the_sun(void **state)
     assert_true(lit > 2 * PIXELS);
 }
 
-/* --- limits ------------------------------------------------------------------------------------ */
+/* --- limits ---------------------------------------------------------------------------------- */
 
 /* A wall behind and a roof above, and slivers along the diagonal of the box around both, which no
  * ray of the fog's light comes near; but all rays meet their boxes. */
