@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/gpu_meshes.h"
 
+#include "renderer/gpu_mesh_looks.h"
 #include "renderer/relative.h"
 #include "scenes/bounds.h"
 #include "scenes/mesh.h"
@@ -96,10 +97,15 @@ static size_t count_instance_nodes(const struct neph_scene *scene)
     return 3 * (size_t)neph_gpu_count_instances(scene);
 }
 
-static size_t count_mesh_words(const struct neph_mesh *mesh)
+static size_t count_shape_words(const struct neph_mesh *mesh)
 {
     return NODE_WORDS * (size_t)mesh->tree.node_count +
            TRIANGLE_WORDS * (size_t)mesh->data.triangle_count;
+}
+
+static size_t count_mesh_words(const struct neph_mesh *mesh)
+{
+    return count_shape_words(mesh) + neph_gpu_mesh_look_words(mesh);
 }
 
 size_t neph_gpu_mesh_words(const struct neph_scene *scene)
@@ -284,6 +290,7 @@ static void write_instance(const struct neph_solid *solid, struct neph_vec3 orig
         set_vector(to[axis], axes[axis]);
     to[0][3] = first;
     to[1][3] = first + NODE_WORDS * (uint32_t)mesh->tree.node_count;
+    to[2][3] = neph_gpu_mesh_look_words(mesh) > 0 ? first + (uint32_t)count_shape_words(mesh) : 0;
     set_vector(to[3], place_m);
     set_float(&to[3][3], solid->scale_m);
     set_vector(to[4], (struct neph_vec3){solid->albedo.r, solid->albedo.g, solid->albedo.b});
@@ -304,6 +311,9 @@ static enum neph_status write_all(const struct neph_scene *scene, struct neph_ve
     for (int i = 0; i < scene->mesh_count; i++) {
         firsts[i] = at;
         write_mesh(scene->meshes[i], find_eye(scene, scene->meshes[i], eye_m), to + at);
+        if (neph_gpu_mesh_look_words(scene->meshes[i]) > 0)
+            neph_gpu_mesh_look_write(scene->meshes[i],
+                                     at + (uint32_t)count_shape_words(scene->meshes[i]), to);
         at += (uint32_t)count_mesh_words(scene->meshes[i]);
     }
     for (int i = 0; i < scene->solid_count; i++)

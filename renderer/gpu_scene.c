@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/gpu_scene.h"
 
+#include "renderer/gpu_mesh_looks.h"
 #include "renderer/media/kind.h"
 #include "renderer/octaves_fitted.h"
 #include "renderer/phase_tables.h"
@@ -618,6 +619,7 @@ static void fill_scene_frame(struct neph_gpu_scene *gpu, const struct neph_scene
     gpu->solid_iterations = neph_gpu_solid_iterations(scene);
     gpu->frame->meshes = neph_gpu_meshes_place(scene, camera.position_m);
     gpu->constants[0] |= neph_gpu_count_instances(scene) > 0 ? NEPH_GPU_MESHES : 0u;
+    gpu->constants[0] |= neph_gpu_mesh_look_bits(scene);
     gpu->frame->solids_shade = solids_shade(scene, camera.position_m);
     if (gpu->frame->solids_shade || !gpu->is_on_cpu)
         gpu->constants[1] |= NEPH_GPU_SHADED;

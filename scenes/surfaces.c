@@ -106,8 +106,6 @@ const char *neph_mesh_material_obstacle(const struct neph_scene *scene)
     if (looks & NEPH_LOOK_TEXTURE)
         return "meshes with a texture: engines exact, oracle, surfaces, cycles and povray have "
                "them";
-    if (looks & NEPH_LOOK_SMOOTH)
-        return "smooth meshes: engines exact, oracle, surfaces, cycles and povray have them";
     return NULL;
 }
 

@@ -27,6 +27,8 @@
 #define NEPH_GPU_KINDS_MASK 255u
 #define NEPH_GPU_MESHES 256u   // the scene has triangle meshes
 #define NEPH_GPU_SUN_GRID 512u // the scene has a grid across the sun
+// Looks of its meshes (mesh_looks.glsl).
+#define NEPH_GPU_MESH_SMOOTH 1024u
 
 // Bits of specialization constant 1: properties of a scene, beside its kinds of media, for which
 // kernels are specialized.

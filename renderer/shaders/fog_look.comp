@@ -33,7 +33,7 @@ layout(std430, binding = 5) writeonly buffer Pixels {
 vec3 sunlit_surface_radiance(Hit hit, vec3 point_m)
 {
     Surface surface = surface_at(hit.solid, point_m);
-    float cosine = dot(surface.normal, to_sun());
+    float cosine = hit_cosine(hit.solid, surface.normal, to_sun());
     if (cosine <= 0.0 || !sees_sun(point_m, hit.solid))
         return vec3(0.0);
     vec3 depth = SUN_IS_CLEAR ? vec3(0.0) : scene_optical_depth(point_m, to_sun(), FAR_M);

@@ -216,12 +216,14 @@ void process_event(uint m, uint solid)
     vec4 u = draw();
     float sun_thinness = 1.0;
     vec3 per_sr, next;
+    bool is_lost = false;
     events++;
     if (m == MEDIA_MAX) {
         Surface surface = surface_at(solid, path.origin_m);
         path.throughput *= surface.albedo;
-        per_sr = vec3(max(0.0, dot(surface.normal, to_sun())) / PI);
+        per_sr = vec3(max(0.0, hit_cosine(solid, surface.normal, to_sun())) / PI);
         next = sample_cosine(surface.normal, u.xy);
+        is_lost = is_through_own(solid, surface.normal, next);
     } else {
         uint kind = make_nonuniform(frame.media[m].phase_kind);
         float g = frame.media[m].g;
@@ -243,6 +245,8 @@ void process_event(uint m, uint solid)
                       fraction_through(sun_thinness * sample_sun_depth(path.origin_m));
     path.events++;
     path.direction = next;
+    if (is_lost)
+        path.throughput = vec3(0.0);
     float most = max(path.throughput.r, max(path.throughput.g, path.throughput.b));
     float survival = min(1.0, most / ROULETTE);
     if (u.z >= survival) {

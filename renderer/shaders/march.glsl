@@ -409,7 +409,7 @@ vec3 view_scattered(Sums sums, vec3 optical_depth, ViewRay ray, vec2 place_px)
 vec3 sunlit_radiance(Hit hit, vec3 point_m)
 {
     Surface surface = surface_at(hit.solid, point_m);
-    float cosine = dot(surface.normal, to_sun());
+    float cosine = hit_cosine(hit.solid, surface.normal, to_sun());
     if (cosine <= 0.0 || surface.albedo == vec3(0.0) ||
         make_nonuniform(frame.sun_irradiance == vec3(0.0)))
         return vec3(0.0);

@@ -175,7 +175,7 @@ vec3 lamps_reflected(vec3 point_m, vec3 normal, uint on_solid)
         vec3 way_m = lamp.position_m - point_m;
         float distance_m = max(length(way_m), 1e-12);
         vec3 direction = way_m / distance_m;
-        float cosine = dot(normal, direction);
+        float cosine = hit_cosine(on_solid, normal, direction);
         vec3 light = lamp_irradiance(lamp, direction, 1.0 / (distance_m * distance_m));
         if (cosine > 0.0 && light != vec3(0.0) &&
             sees_point(point_m, direction, distance_m, on_solid))

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Triangle meshes: nearest hit, any hit, and the surface at a hit. renderer/gpu_meshes.c writes the
-// data. They are
-//
-//   a tree of boxes around instances -> an instance: a mesh and its place
-//                                       -> the mesh's tree of boxes around triangles
+// Rays and triangle meshes (mesh_data.glsl): nearest hit and any hit.
 //
 // Rays meet triangles by S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT
 // 2(1), 2013, in float32: no ray passes between triangles with a common edge or vertex. The signs
@@ -14,117 +10,7 @@
 #ifndef NEPH_MESHES_GLSL
 #define NEPH_MESHES_GLSL
 
-#include "media.glsl"
-
-const bool MESHES = (SCENE_KINDS & NEPH_GPU_MESHES) != 0u;
-
-// The meshes are in the buffer of Horizon's textures, in front of them.
-layout(std430, binding = 4) readonly buffer MeshWords
-{
-    uvec4 mesh_words[];
-};
-
-// Its first word is set where a device has left a loop before its end: such a frame is wrong
-// (renderer/compute.h).
-layout(std430, binding = 4) writeonly buffer MeshFault
-{
-    uint mesh_fault;
-};
-
-void report_left_loop(bool is_left)
-{
-    if (ON_CPU && is_left)
-        mesh_fault = 1u;
-}
-
-// Reports if the thread has no loop iterations left. For the end of a kernel with long loops.
-void check_loops()
-{
-    uint turns = 0u, wanted = make_nonuniform(2u);
-    while (MESHES && ON_CPU && turns < wanted)
-        turns++;
-    report_left_loop(MESHES && turns < wanted);
-}
-
-// --- data -----------------------------------------------------------------------------------
-
-// A node of a tree, as SolidNode. Nodes are in the order of a walk that enters all of them.
-const uint MESH_NODE_WORDS = 2;
-
-struct MeshNode {
-    vec3 low_m;
-    uint leaf; // 0: its first child is the next node; else its content
-    vec3 high_m;
-    uint next; // behind all children; NO_SOLID: the end
-};
-
-MeshNode mesh_node(uint first, uint n)
-{
-    uvec4 low = mesh_words[first + MESH_NODE_WORDS * n];
-    uvec4 high = mesh_words[first + MESH_NODE_WORDS * n + 1];
-    return MeshNode(uintBitsToFloat(low.xyz), low.w, uintBitsToFloat(high.xyz), high.w);
-}
-
-const uint MESH_INSTANCE_WORDS = 5;
-
-struct MeshInstance {
-    mat3 turn;       // columns: the mesh's axes in the world, unit
-    vec3 position_m; // of the mesh's origin, relative to Meshes.origin_m
-    float scale_m;   // the mesh's unit of length
-    vec3 albedo;
-    float reach;    // largest coordinate of the mesh
-    uint nodes;     // index of the tree's first node
-    uint triangles; // index of the first triangle
-};
-
-MeshInstance mesh_instance(uint i)
-{
-    uint at = frame.meshes.instances + MESH_INSTANCE_WORDS * i;
-    uvec4 x = mesh_words[at], y = mesh_words[at + 1], z = mesh_words[at + 2];
-    uvec4 place = mesh_words[at + 3], surface = mesh_words[at + 4];
-    return MeshInstance(
-        mat3(uintBitsToFloat(x.xyz), uintBitsToFloat(y.xyz), uintBitsToFloat(z.xyz)),
-        uintBitsToFloat(place.xyz), uintBitsToFloat(place.w), uintBitsToFloat(surface.xyz),
-        uintBitsToFloat(surface.w), x.w, y.w);
-}
-
-struct Triangle {
-    vec3 a, b, c; // counterclockwise, seen from outside
-};
-
-Triangle mesh_triangle(uint at)
-{
-    return Triangle(uintBitsToFloat(mesh_words[at].xyz), uintBitsToFloat(mesh_words[at + 1].xyz),
-                    uintBitsToFloat(mesh_words[at + 2].xyz));
-}
-
-// Twice the area along the normal.
-vec3 triangle_area(Triangle t)
-{
-    return cross(t.b - t.a, t.c - t.a);
-}
-
-// --- the number of a hit ------------------------------------------------------------------------
-
-// A hit of a mesh has, in place of the number of a solid, these bits, the instance, and the
-// triangle in the lowest Meshes.triangle_bits.
-const uint IS_MESH = 0x80000000u;
-const uint IS_BACK = 0x40000000u; // the ray comes from the side opposite to the normal
-
-bool is_mesh(uint solid)
-{
-    return MESHES && solid >= IS_MESH && solid != NO_SOLID;
-}
-
-uint hit_instance(uint solid)
-{
-    return (solid & ~(IS_MESH | IS_BACK)) >> frame.meshes.triangle_bits;
-}
-
-uint hit_triangle(uint solid)
-{
-    return solid & ~(~0u << frame.meshes.triangle_bits);
-}
+#include "mesh_looks.glsl"
 
 // --- rays ---------------------------------------------------------------------------------------
 
@@ -279,17 +165,6 @@ bool is_instance_met(uint instance, vec3 origin_m, vec3 direction, float start_m
     }
     report_left_loop(n != NO_SOLID);
     return is_met;
-}
-
-// Unit normal of a hit, on the side that the ray came from.
-vec3 mesh_normal(uint solid)
-{
-    MeshInstance mesh = mesh_instance(hit_instance(solid));
-    vec3 area = triangle_area(mesh_triangle(mesh.triangles + 3u * hit_triangle(solid)));
-    // Scaled to about 1: the square of the area of a small triangle underflows.
-    area /= max(abs(area.x), max(abs(area.y), abs(area.z)));
-    vec3 normal = normalize(mesh.turn * area);
-    return (solid & IS_BACK) != 0u ? -normal : normal;
 }
 
 // The start of a ray relative to Meshes.origin_m. On a triangle it is moved off the triangle's

@@ -37,14 +37,18 @@ vec3 surface_albedo(uint solid)
 }
 
 struct Surface {
-    vec3 normal; // outward, unit; of a mesh, on the side of the hit's ray
+    vec3 normal; // outward, unit; of a mesh, on the side of the hit's ray; for hit_cosine()
     vec3 albedo;
 };
 
 Surface surface_at(uint solid, vec3 point_m)
 {
-    if (is_mesh(solid))
-        return Surface(mesh_normal(solid), surface_albedo(solid));
+    if (is_mesh(solid)) {
+        Surface surface = Surface(mesh_normal(solid), surface_albedo(solid));
+        if (MESH_SMOOTH)
+            add_mesh_look(solid, point_m, surface.normal);
+        return surface;
+    }
     Solid own = solid_at(solid);
     return Surface(solid_normal(own, point_m), own.albedo.rgb);
 }

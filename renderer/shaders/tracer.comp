@@ -466,7 +466,7 @@ bool sample_surface_lamp(vec3 normal, inout vec3 sun_per_sr)
     vec3 way_m = lamp.position_m - path.origin_m;
     path.lamp_m = max(length(way_m), 1e-12);
     path.lamp_direction = way_m / path.lamp_m;
-    float per_sr = max(0.0, dot(normal, path.lamp_direction)) / PI;
+    float per_sr = max(0.0, hit_cosine(path.solid, normal, path.lamp_direction)) / PI;
     bool is_known = path.events == 1 && !OPEN; // by tracer_view.comp
     path.pending = probability > 0.0 && !is_known
                        ? path.throughput *
@@ -514,7 +514,7 @@ vec3 turn(vec3 next, vec3 before, bool is_medium, Medium by, vec3 normal, float 
         next = sample_phase(PHASE_TABLE, phase_channel_g(PHASE_TABLE, peak, path.hero),
                             sun_direction, uniform_from(bits.yzw).xy);
     vec3 wanted = is_medium ? phase_rgb_per_sr(by.phase_kind, by.g, before, next)
-                            : vec3(max(0.0, dot(normal, next)) / PI);
+                            : vec3(max(0.0, hit_cosine(path.solid, normal, next)) / PI);
     vec3 drawn = wanted;
     expected = 1.0;
     if (LAMPS)
@@ -654,7 +654,7 @@ void process_event()
         normal = surface.normal;
         path.is_surface_first |= uint(path.events == 1);
         path.throughput *= surface.albedo;
-        light_per_sr = vec3(max(0.0, dot(normal, sun_direction)) / PI);
+        light_per_sr = vec3(max(0.0, hit_cosine(path.solid, normal, sun_direction)) / PI);
         next = sample_cosine(normal, u.xy);
     }
     if (LAMPS && !is_medium)
@@ -672,6 +672,8 @@ void process_event()
             next = turn(next, path.direction, is_medium, by, normal, 0.0, expected);
         else if (is_medium && is_phase_coloured(by.phase_kind))
             weigh_direction(phase_rgb_per_sr(by.phase_kind, by.g, path.direction, next));
+        if (!is_medium && is_through_own(path.solid, normal, next))
+            path.throughput = vec3(0.0);
         prepare_next(next, expected, u.z);
     }
     bool is_lit = path.pending != vec3(0.0) && (!SOLIDS || sees_light(is_lamp));

@@ -12,7 +12,7 @@ layout(local_size_x = 64) in;
 vec3 surface_sunlight(Hit hit, vec3 point_m)
 {
     Surface surface = surface_at(hit.solid, point_m);
-    float cosine = dot(surface.normal, to_sun());
+    float cosine = hit_cosine(hit.solid, surface.normal, to_sun());
     if (cosine <= 0.0 || surface.albedo == vec3(0.0) ||
         make_nonuniform(frame.sun_irradiance == vec3(0.0)) || !sees_sun(point_m, hit.solid))
         return vec3(0.0);
@@ -28,7 +28,7 @@ vec3 surface_lamplight(Hit hit, vec3 point_m)
         vec3 way_m = frame.lamps[i].position_m - point_m;
         float distance_m = max(length(way_m), 1e-12);
         vec3 direction = way_m / distance_m;
-        float cosine = dot(surface.normal, direction);
+        float cosine = hit_cosine(hit.solid, surface.normal, direction);
         if (cosine > 0.0 && sees_point(point_m, direction, distance_m, hit.solid))
             sum += lamp_irradiance(frame.lamps[i], direction,
                                    cosine / (PI * distance_m * distance_m)) *
