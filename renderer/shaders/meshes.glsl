@@ -167,25 +167,23 @@ bool is_instance_met(uint instance, vec3 origin_m, vec3 direction, float start_m
     return is_met;
 }
 
-// The start of a ray relative to Meshes.origin_m. On a triangle it is moved off the triangle's
-// plane, to the side of the hit, by more than rounding: its neighbours are nearly in this plane, and
-// rounding would put the point behind them.
+// The start of a ray, relative to the camera. On a triangle it is moved off the triangle's plane, to
+// the side of the hit, by more than rounding: its neighbours are nearly in this plane, and rounding
+// would put the point behind them.
 vec3 mesh_origin_m(vec3 origin_m, uint solid)
 {
-    vec3 from_m = origin_m - frame.meshes.origin_m;
     if (!is_mesh(solid))
-        return from_m;
+        return origin_m;
     MeshInstance mesh = mesh_instance(hit_instance(solid));
-    float size_m = length(origin_m) + length(from_m) + length(mesh.position_m) +
-                   mesh.reach * mesh.scale_m;
-    return from_m + MESH_ROUNDING * size_m * mesh_normal(solid);
+    float size_m = length(origin_m) + length(mesh.position_m) + mesh.reach * mesh.scale_m;
+    return origin_m + MESH_ROUNDING * size_m * mesh_normal(solid);
 }
 
 // The nearest triangle with t > 0 in place of `hit` if it is nearer, except for one.
 void keep_nearest_mesh(vec3 origin_m, vec3 direction, uint except, inout Hit hit)
 {
     vec3 from_m = mesh_origin_m(origin_m, except);
-    MeshRay ray = mesh_ray(from_m, direction, frame.meshes.reach_m);
+    MeshRay ray = mesh_ray(from_m - frame.meshes.origin_m, direction, frame.meshes.reach_m);
     uint n = 0u;
     while (n != NO_SOLID) {
         MeshNode node = mesh_node(1u, n);
@@ -201,7 +199,7 @@ void keep_nearest_mesh(vec3 origin_m, vec3 direction, uint except, inout Hit hit
 bool is_mesh_met(vec3 origin_m, vec3 direction, float start_m, float end_m, uint except)
 {
     vec3 from_m = mesh_origin_m(origin_m, except);
-    MeshRay ray = mesh_ray(from_m, direction, frame.meshes.reach_m);
+    MeshRay ray = mesh_ray(from_m - frame.meshes.origin_m, direction, frame.meshes.reach_m);
     bool is_met = false;
     uint n = 0u;
     while (n != NO_SOLID) {
