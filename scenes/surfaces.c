@@ -103,9 +103,6 @@ const char *neph_mesh_material_obstacle(const struct neph_scene *scene)
         return neph_coverage_obstacle(scene);
     if (looks & NEPH_LOOK_CUTOUT)
         return "meshes with alpha: engines exact, oracle, surfaces, cycles and povray have them";
-    if (looks & NEPH_LOOK_TEXTURE)
-        return "meshes with a texture: engines exact, oracle, surfaces, cycles and povray have "
-               "them";
     return NULL;
 }
 
