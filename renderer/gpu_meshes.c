@@ -314,9 +314,8 @@ static enum neph_status write_all(const struct neph_scene *scene, struct neph_ve
         firsts[i] = at;
         write_mesh(scene->meshes[i], find_eye(scene, scene->meshes[i], eye_m), to + at);
         if (neph_gpu_mesh_look_words(scene->meshes[i]) > 0)
-            neph_gpu_mesh_look_write(scene, i,
-                                     at + (uint32_t)count_shape_words(scene->meshes[i]), textures,
-                                     to);
+            neph_gpu_mesh_look_write(scene, i, at + (uint32_t)count_shape_words(scene->meshes[i]),
+                                     textures, to);
         at += (uint32_t)count_mesh_words(scene->meshes[i]);
     }
     for (int i = 0; i < scene->solid_count; i++)

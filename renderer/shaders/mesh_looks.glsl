@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The looks of meshes (scenes/mesh_material.h): interpolated normals, and textures for the colour.
-// renderer/gpu_mesh_looks.c writes the data.
+// The looks of meshes (scenes/mesh_material.h): interpolated normals, and textures for the colour and
+// for holes. renderer/gpu_mesh_looks.c writes the data.
 #ifndef NEPH_MESH_LOOKS_GLSL
 #define NEPH_MESH_LOOKS_GLSL
 
@@ -9,18 +9,20 @@
 
 const bool MESH_SMOOTH = (SCENE_KINDS & NEPH_GPU_MESH_SMOOTH) != 0u;
 const bool MESH_TEXTURES = (SCENE_KINDS & NEPH_GPU_MESH_TEXTURES) != 0u;
+const bool MESH_CUTOUTS = (SCENE_KINDS & NEPH_GPU_MESH_CUTOUTS) != 0u;
 
 struct MeshLook {
-    uint normals; // index of the first; three for each triangle; 0: flat
-    uint uv;      // index of the first; two words for each triangle; 0: no texture
-    uint texels;  // index of the first; rows from the top
+    uint normals;    // index of the first; three for each triangle; 0: flat
+    uint uv;         // index of the first; two words for each triangle; 0: no texture
+    uint texels;     // index of the first; rows from the top
+    uint is_cut_out; // not 0: it has no surface where alpha is below 1/2
     uvec2 size_px;
 };
 
 MeshLook mesh_look(uint at)
 {
     uvec4 data = mesh_words[at], size = mesh_words[at + 1];
-    return MeshLook(data.x, data.y, data.z, size.xy);
+    return MeshLook(data.x, data.y, data.z, data.w, size.xy);
 }
 
 // Where a point of a triangle is: weights of the corners, whose sum is 1. They are areas in the
@@ -82,6 +84,18 @@ vec4 find_texel(MeshLook look, uint triangle, vec3 weights)
     vec4 below = mix_texels(mesh_texel(look, uvec2(first.x, last.y)), mesh_texel(look, last),
                             part.x);
     return mix_texels(above, below, part.y);
+}
+
+// Whether a ray passes a triangle that it meets, through a hole. `sides`: of its edges, the largest
+// where the corner opposite to the edge is met.
+bool is_cut_out(MeshInstance mesh, uint triangle, vec3 sides)
+{
+    if (!MESH_CUTOUTS || mesh.look == 0u)
+        return false;
+    MeshLook look = mesh_look(mesh.look);
+    if (look.is_cut_out == 0u)
+        return false;
+    return find_texel(look, triangle, sides / (sides.x + sides.y + sides.z)).a < 0.5;
 }
 
 // Changes the normal of a hit, which is the triangle's, to the one for the cosine law, and the
