@@ -123,7 +123,7 @@ size_t neph_gpu_mesh_words(const struct neph_scene *scene)
         return 0;
     for (int i = 0; i < scene->mesh_count; i++)
         count += count_mesh_words(scene->meshes[i]);
-    return count;
+    return count + neph_gpu_mesh_texture_words(scene);
 }
 
 struct neph_gpu_meshes neph_gpu_meshes_place(const struct neph_scene *scene,
@@ -313,6 +313,8 @@ static enum neph_status write_all(const struct neph_scene *scene, struct neph_ve
     const struct neph_bounds hull = find_hull(scene);
     const struct neph_vec3 origin_m = neph_bounds_middle(&hull);
     uint32_t at = (uint32_t)(FAULT_WORDS + NODE_WORDS * count_instance_nodes(scene));
+    const uint32_t textures = (uint32_t)(neph_gpu_mesh_words(scene) -
+                                         neph_gpu_mesh_texture_words(scene));
     words *instance = to + at;
     uint32_t *firsts = malloc((size_t)scene->mesh_count * sizeof(*firsts));
     if (!firsts)
@@ -322,8 +324,8 @@ static enum neph_status write_all(const struct neph_scene *scene, struct neph_ve
         firsts[i] = at;
         write_mesh(scene->meshes[i], find_eye(scene, scene->meshes[i], eye_m), to + at);
         if (neph_gpu_mesh_look_words(scene->meshes[i]) > 0)
-            neph_gpu_mesh_look_write(scene->meshes[i],
-                                     at + (uint32_t)count_shape_words(scene->meshes[i]), to);
+            neph_gpu_mesh_look_write(scene, i, at + (uint32_t)count_shape_words(scene->meshes[i]),
+                                     textures, to);
         at += (uint32_t)count_mesh_words(scene->meshes[i]);
     }
     for (int i = 0; i < scene->solid_count; i++)

@@ -5,7 +5,7 @@
  * The triangles of a mesh that face the sun are sheets. A sun ray passes as many sheets as its
  * neighbours, except across the outline: edges at which such triangles end or overlap. So a cell
  * without outline, with a triangle over its middle, has a sheet over all of it. The same holds for
- * the triangles that face away.
+ * the triangles that face away. Only the height of triangles holds for a mesh with holes.
  */
 #include "renderer/sun_grid.h"
 
@@ -228,8 +228,9 @@ static void add_outlines(struct adding *adding, const struct side *sides, int fa
     }
 }
 
-/* Raises the cells in the rectangle around the points, and empties them. */
-static void close_cells(struct adding *adding)
+/* Raises the cells in the rectangle around the points, and empties them. A sheet with holes hides
+ * nothing surely. */
+static void close_cells(struct adding *adding, bool has_holes)
 {
     const struct neph_sun_grid *grid = adding->grid;
     struct neph_sun_point low = {INFINITY, INFINITY, 0.0}, high = {-INFINITY, -INFINITY, 0.0};
@@ -245,7 +246,7 @@ static void close_cells(struct adding *adding)
     for (int row = all.first; row <= all.last; row++)
         for (int column = adding->rows[row].first; column <= adding->rows[row].last; column++) {
             struct cell *cell = find_cell(adding, column, row);
-            if (cell->is_covered && !cell->has_outline)
+            if (cell->is_covered && !cell->has_outline && !has_holes)
                 neph_sun_grid_raise(adding->grid, column, row, cell->lowest_m, -INFINITY);
             *cell = empty_cell;
         }
@@ -271,7 +272,7 @@ static void place_points(struct adding *adding, const struct neph_solid *solid)
     }
 }
 
-static void add_instance(struct adding *adding, const struct side *sides)
+static void add_instance(struct adding *adding, const struct side *sides, bool has_holes)
 {
     for (int facing = -1; facing <= 1; facing++) {
         for (int i = 0; i < adding->data->triangle_count; i++)
@@ -279,7 +280,7 @@ static void add_instance(struct adding *adding, const struct side *sides)
                 add_triangle(adding, i);
         if (facing != 0)
             add_outlines(adding, sides, facing);
-        close_cells(adding);
+        close_cells(adding, has_holes);
     }
 }
 
@@ -296,7 +297,7 @@ static enum neph_status add_mesh(const struct neph_scene *scene, const struct ne
     for (int i = 0; i < scene->solid_count && has_room; i++)
         if (scene->solids[i].kind == NEPH_SOLID_MESH && scene->solids[i].mesh == mesh) {
             place_points(adding, &scene->solids[i]);
-            add_instance(adding, sides);
+            add_instance(adding, sides, mesh->material.alpha != NEPH_ALPHA_IGNORED);
         }
     free(adding->facing);
     free(adding->points);

@@ -96,25 +96,12 @@ const char *neph_coverage_obstacle(const struct neph_scene *scene)
                : NULL;
 }
 
-const char *neph_mesh_material_obstacle(const struct neph_scene *scene)
-{
-    const unsigned looks = neph_scene_mesh_looks(scene);
-    if (looks & NEPH_LOOK_COVERAGE)
-        return neph_coverage_obstacle(scene);
-    if (looks & NEPH_LOOK_CUTOUT)
-        return "meshes with alpha: engines exact, oracle, surfaces, cycles and povray have them";
-    if (looks & NEPH_LOOK_TEXTURE)
-        return "meshes with a texture: engines exact, oracle, surfaces, cycles and povray have "
-               "them";
-    return NULL;
-}
-
 const char *neph_surfaces_obstacle(const struct neph_scene *scene)
 {
     if (neph_moving_mesh_obstacle(scene))
         return neph_moving_mesh_obstacle(scene);
-    if (neph_mesh_material_obstacle(scene))
-        return neph_mesh_material_obstacle(scene);
+    if (neph_coverage_obstacle(scene))
+        return neph_coverage_obstacle(scene);
     if (neph_scene_is_textured(scene))
         return "solids with a texture: engines exact, oracle and surfaces have them";
     return neph_metal_obstacle(scene);

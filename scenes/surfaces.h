@@ -24,10 +24,6 @@ const char *neph_moving_mesh_obstacle(const struct neph_scene *scene);
 /* Why an engine without meshes cannot render the scene; NULL: it has none. */
 const char *neph_mesh_obstacle(const struct neph_scene *scene);
 
-/* Why an engine with meshes that are flat, of one colour and whole cannot render the scene; NULL:
- * it can. */
-const char *neph_mesh_material_obstacle(const struct neph_scene *scene);
-
 /* Why an engine without random coverage cannot render the scene; NULL: it can. */
 const char *neph_coverage_obstacle(const struct neph_scene *scene);
 

@@ -29,6 +29,8 @@
 #define NEPH_GPU_SUN_GRID 512u // the scene has a grid across the sun
 // Looks of its meshes (mesh_looks.glsl).
 #define NEPH_GPU_MESH_SMOOTH 1024u
+#define NEPH_GPU_MESH_TEXTURES 2048u
+#define NEPH_GPU_MESH_CUTOUTS 4096u
 
 // Bits of specialization constant 1: properties of a scene, beside its kinds of media, for which
 // kernels are specialized.

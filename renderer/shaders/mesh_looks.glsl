@@ -1,25 +1,32 @@
 // SPDX-License-Identifier: MIT
 //
-// The looks of meshes (scenes/mesh_material.h): interpolated normals. renderer/gpu_mesh_looks.c
-// writes the data.
+// The looks of meshes (scenes/mesh_material.h): interpolated normals, and textures for the colour and
+// for holes. renderer/gpu_mesh_looks.c writes the data.
 #ifndef NEPH_MESH_LOOKS_GLSL
 #define NEPH_MESH_LOOKS_GLSL
 
 #include "mesh_data.glsl"
 
 const bool MESH_SMOOTH = (SCENE_KINDS & NEPH_GPU_MESH_SMOOTH) != 0u;
+const bool MESH_TEXTURES = (SCENE_KINDS & NEPH_GPU_MESH_TEXTURES) != 0u;
+const bool MESH_CUTOUTS = (SCENE_KINDS & NEPH_GPU_MESH_CUTOUTS) != 0u;
 
 struct MeshLook {
-    uint normals; // index of the first; three for each triangle; 0: flat
+    uint normals;    // index of the first; three for each triangle; 0: flat
+    uint uv;         // index of the first; two words for each triangle; 0: no texture
+    uint texels;     // index of the first; rows from the top
+    uint is_cut_out; // not 0: it has no surface where alpha is below 1/2
+    uvec2 size_px;
 };
 
 MeshLook mesh_look(uint at)
 {
-    return MeshLook(mesh_words[at].x);
+    uvec4 data = mesh_words[at], size = mesh_words[at + 1];
+    return MeshLook(data.x, data.y, data.z, data.w, size.xy);
 }
 
 // Where a point of a triangle is: weights of the corners, whose sum is 1. They are areas in the
-// plane of two axes, across which the triangle is largest: products of more lengths would underflow.
+// plane of two axes, in which the triangle is largest: products of more lengths would underflow.
 vec3 triangle_weights(Triangle t, vec3 point)
 {
     vec3 area = triangle_area(t), size = abs(area);
@@ -52,8 +59,48 @@ vec3 smooth_normal(MeshLook look, uint triangle, vec3 weights, vec3 normal)
     return side > 0.0 ? normalize(sum) : -normalize(sum);
 }
 
-// Changes the normal of a hit, which is the triangle's, to the one for the cosine law.
-void add_mesh_look(uint solid, vec3 point_m, inout vec3 normal)
+vec4 mesh_texel(MeshLook look, uvec2 pixel)
+{
+    return uintBitsToFloat(mesh_words[look.texels + pixel.y * look.size_px.x + pixel.x]);
+}
+
+// Equal values stay as they are, to the last bit.
+vec4 mix_texels(vec4 a, vec4 b, float part)
+{
+    return a + part * (b - a);
+}
+
+// Colour and alpha of the texture, as neph_albedo_texture_find(); the second coordinate is down.
+vec4 find_texel(MeshLook look, uint triangle, vec3 weights)
+{
+    vec4 ab = uintBitsToFloat(mesh_words[look.uv + 2u * triangle]);
+    vec2 c = uintBitsToFloat(mesh_words[look.uv + 2u * triangle + 1].xy);
+    vec2 at = weights.x * ab.xy + weights.y * ab.zw + weights.z * c;
+    vec2 place = fract(at) * vec2(look.size_px) - 0.5, low = floor(place), part = place - low;
+    uvec2 first = uvec2(ivec2(low) + ivec2(look.size_px)) % look.size_px;
+    uvec2 last = (first + 1u) % look.size_px;
+    vec4 above = mix_texels(mesh_texel(look, first), mesh_texel(look, uvec2(last.x, first.y)),
+                            part.x);
+    vec4 below = mix_texels(mesh_texel(look, uvec2(first.x, last.y)), mesh_texel(look, last),
+                            part.x);
+    return mix_texels(above, below, part.y);
+}
+
+// Whether a ray passes a triangle that it meets, through a hole. `sides`: of its edges, the largest
+// where the corner opposite to the edge is met.
+bool is_cut_out(MeshInstance mesh, uint triangle, vec3 sides)
+{
+    if (!MESH_CUTOUTS || mesh.look == 0u)
+        return false;
+    MeshLook look = mesh_look(mesh.look);
+    if (look.is_cut_out == 0u)
+        return false;
+    return find_texel(look, triangle, sides / (sides.x + sides.y + sides.z)).a < 0.5;
+}
+
+// Changes the normal of a hit, which is the triangle's, to the one for the cosine law, and the
+// albedo, which is the instance's, to the one at the point.
+void add_mesh_look(uint solid, vec3 point_m, inout vec3 normal, inout vec3 albedo)
 {
     MeshInstance mesh = mesh_instance(hit_instance(solid));
     if (mesh.look == 0u)
@@ -64,6 +111,8 @@ void add_mesh_look(uint solid, vec3 point_m, inout vec3 normal)
                                     to_mesh(mesh, point_m));
     if (MESH_SMOOTH && look.normals != 0u)
         normal = mesh.turn * smooth_normal(look, triangle, weights, normal * mesh.turn);
+    if (MESH_TEXTURES && look.uv != 0u)
+        albedo *= find_texel(look, triangle, weights).rgb;
 }
 
 // The cosine of the law of Lambert for light from a direction, below or at 0: none. Light from

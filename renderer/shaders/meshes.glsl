@@ -73,12 +73,12 @@ float edge_side(vec3 a, vec3 b)
     return side;
 }
 
-// The distance of the ray to a triangle's plane, within the distances of the triangle itself.
-// False: the ray does not pass it between its edges.
-bool meet_triangle(MeshRay ray, Triangle t, out float t_m, out bool is_back)
+// The distance of the ray to a triangle's plane, within the distances of the triangle itself, and
+// the sides of the edges bc, ca and ab. False: the ray does not pass it between its edges.
+bool meet_triangle(MeshRay ray, Triangle t, out float t_m, out bool is_back, out vec3 sides)
 {
     vec3 a = sheared(ray, t.a), b = sheared(ray, t.b), c = sheared(ray, t.c);
-    vec3 sides = vec3(edge_side(b, c), edge_side(c, a), edge_side(a, b));
+    sides = vec3(edge_side(b, c), edge_side(c, a), edge_side(a, b));
     vec3 low = min(a, min(b, c)), high = max(a, max(b, c));
     t_m = 0.0;
     is_back = false;
@@ -130,9 +130,11 @@ void keep_nearest_triangle(uint instance, vec3 origin_m, vec3 direction, uint ex
             uint triangle = (node.leaf >> 4u) + i;
             float t_m;
             bool is_back;
+            vec3 sides;
             if ((own | triangle) != (except & ~IS_BACK) &&
-                meet_triangle(ray, mesh_triangle(mesh.triangles + 3u * triangle), t_m, is_back) &&
-                t_m < hit.t_m)
+                meet_triangle(ray, mesh_triangle(mesh.triangles + 3u * triangle), t_m, is_back,
+                              sides) &&
+                t_m < hit.t_m && !is_cut_out(mesh, triangle, sides))
                 hit = Hit(t_m, own | triangle | (is_back ? IS_BACK : 0u));
         }
     }
@@ -156,9 +158,11 @@ bool is_instance_met(uint instance, vec3 origin_m, vec3 direction, float start_m
             uint triangle = (node.leaf >> 4u) + i;
             float t_m;
             bool is_back;
+            vec3 sides;
             if ((own | triangle) != (except & ~IS_BACK) &&
-                meet_triangle(ray, mesh_triangle(mesh.triangles + 3u * triangle), t_m, is_back) &&
-                t_m > start_m && t_m < end_m)
+                meet_triangle(ray, mesh_triangle(mesh.triangles + 3u * triangle), t_m, is_back,
+                              sides) &&
+                t_m > start_m && t_m < end_m && !is_cut_out(mesh, triangle, sides))
                 is_met = true;
         }
         n = is_entered(!is_met) ? n : NO_SOLID;
@@ -167,8 +171,8 @@ bool is_instance_met(uint instance, vec3 origin_m, vec3 direction, float start_m
     return is_met;
 }
 
-// The start of a ray, relative to the camera. On a triangle it is moved off the triangle's plane, to
-// the side of the hit, by more than rounding: its neighbours are nearly in this plane, and rounding
+// The start of a ray, relative to the camera. On a triangle it is moved off the triangle's plane by
+// more than rounding, to the side of the hit: its neighbours are nearly in this plane, and rounding
 // would put the point behind them.
 vec3 mesh_origin_m(vec3 origin_m, uint solid)
 {

@@ -31,6 +31,7 @@ Solid solid_at(uint solid)
     return solids[solid];
 }
 
+// Without the texture of a mesh: where it is black, so is the surface.
 vec3 surface_albedo(uint solid)
 {
     return is_mesh(solid) ? mesh_instance(hit_instance(solid)).albedo : solid_at(solid).albedo.rgb;
@@ -45,8 +46,8 @@ Surface surface_at(uint solid, vec3 point_m)
 {
     if (is_mesh(solid)) {
         Surface surface = Surface(mesh_normal(solid), surface_albedo(solid));
-        if (MESH_SMOOTH)
-            add_mesh_look(solid, point_m, surface.normal);
+        if (MESH_SMOOTH || MESH_TEXTURES)
+            add_mesh_look(solid, point_m, surface.normal, surface.albedo);
         return surface;
     }
     Solid own = solid_at(solid);

@@ -79,12 +79,34 @@ static struct neph_mesh *make_sheet(uint64_t *seed)
     return finish_mesh(data);
 }
 
-static void make_world(struct world *world, bool has_meshes, uint64_t *seed)
+/* A sheet of make_sheet() with square holes, over a quarter of it and softly cut. */
+static struct neph_mesh *make_sieve(uint64_t *seed)
+{
+    struct neph_mesh *sheet = make_sheet(seed);
+    struct neph_mesh_data *data = &sheet->data;
+    float *rgba = calloc(4 * 4 * 4, sizeof(*rgba));
+    data->uv = calloc((size_t)data->vertex_count, sizeof(*data->uv));
+    assert_true(rgba && data->uv);
+    for (int i = 0; i < data->vertex_count; i++) {
+        data->uv[i][0] = (float)data->positions[i].x;
+        data->uv[i][1] = (float)data->positions[i].z;
+    }
+    for (int i = 0; i < 16; i++)
+        rgba[4 * i + 3] = i % 4 < 2 && i < 8 ? 0.0F : 1.0F;
+    neph_assert_ok(neph_albedo_texture_create(4, 4, rgba, true, &sheet->material.texture, NULL),
+                   NULL);
+    sheet->material.alpha = NEPH_ALPHA_CUTOUT;
+    return sheet;
+}
+
+enum meshes { NO_MESHES, WHOLE_MESHES, MESHES_WITH_HOLES };
+
+static void make_world(struct world *world, enum meshes meshes, uint64_t *seed)
 {
     *world = (struct world){.scene = {.solid_count = SOLIDS, .medium_count = 1}};
-    if (has_meshes) {
+    if (meshes != NO_MESHES) {
         world->meshes[0] = finish_mesh(make_lump(6, 0.2, seed));
-        world->meshes[1] = make_sheet(seed);
+        world->meshes[1] = meshes == WHOLE_MESHES ? make_sheet(seed) : make_sieve(seed);
         world->scene.mesh_count = 2;
     }
     world->scene.meshes = world->meshes;
@@ -120,7 +142,7 @@ static int decide(const struct neph_sun_grid *grid, struct neph_vec3 point_m)
     return at.w >= (double)limits_m[1] ? 1 : at.w <= (double)limits_m[0] ? 2 : 0;
 }
 
-static void check_worlds(bool has_meshes)
+static void check_worlds(enum meshes meshes)
 {
     uint64_t seed = 61;
     int decided = 0, hidden = 0, known_hidden = 0, all = 0;
@@ -129,7 +151,7 @@ static void check_worlds(bool has_meshes)
         OWNED(grid) struct neph_sun_grid grid = {.cell_m = 0.0};
         struct neph_solid solids[SOLIDS];
         struct neph_diag diag = {0};
-        make_world(&world, has_meshes, &seed);
+        make_world(&world, meshes, &seed);
         assert_true(neph_sun_grid_room(&world.scene) > 0);
         neph_assert_ok(neph_sun_grid_create(&world.scene, &grid, &diag), &diag);
         assert_true((size_t)grid.width * (size_t)grid.height <= neph_sun_grid_room(&world.scene));
@@ -156,12 +178,17 @@ static void check_worlds(bool has_meshes)
 
 static void test_the_grid_of_boxes_and_balls_decides_as_rays_do(void **state)
 {
-    check_worlds(false);
+    check_worlds(NO_MESHES);
 }
 
 static void test_the_grid_of_meshes_decides_as_rays_do(void **state)
 {
-    check_worlds(true);
+    check_worlds(WHOLE_MESHES);
+}
+
+static void test_the_grid_of_meshes_with_holes_decides_as_rays_do(void **state)
+{
+    check_worlds(MESHES_WITH_HOLES);
 }
 
 /* A change of sun or solids makes the grid unfit. */
@@ -170,7 +197,7 @@ static void test_a_grid_is_for_one_sun_and_its_solids(void **state)
     uint64_t seed = 5;
     OWNED(world) struct world world;
     OWNED(grid) struct neph_sun_grid grid = {.cell_m = 0.0};
-    make_world(&world, false, &seed);
+    make_world(&world, NO_MESHES, &seed);
     assert_false(neph_sun_grid_fits(&grid, &world.scene));
     neph_assert_ok(neph_sun_grid_create(&world.scene, &grid, NULL), NULL);
     assert_true(neph_sun_grid_fits(&grid, &world.scene));

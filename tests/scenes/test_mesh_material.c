@@ -360,11 +360,13 @@ static void test_keys_of_a_material(void **state)
                      NEPH_LOOK_SMOOTH | NEPH_LOOK_TEXTURE | NEPH_LOOK_CUTOUT);
     OWNED(scene) struct neph_scene *linked = load_good(state, "quad.obj, albedo_texture: own.png");
     assert_non_null(neph_scene_hit(linked, (struct neph_vec3){0.75, 0.5, 3}, ahead).solid);
-    assert_non_null(strstr(neph_mesh_material_obstacle(linked), "a texture"));
-    OWNED(scene) struct neph_scene *smooth = load_good(state, "quad.obj, shading: smooth");
-    assert_null(neph_mesh_material_obstacle(smooth));
+    assert_null(neph_surfaces_obstacle(scene));
     OWNED(scene) struct neph_scene *plain = load_good(state, "quad.obj, shading: flat");
-    assert_null(neph_mesh_material_obstacle(plain));
+    assert_int_equal(neph_scene_mesh_looks(plain), 0);
+    OWNED(scene)
+    struct neph_scene *covered = load_good(state,
+                                           "quad.obj, albedo_texture: leaf.png, alpha: coverage");
+    assert_non_null(strstr(neph_surfaces_obstacle(covered), "alpha as coverage"));
 }
 
 static void test_what_is_refused(void **state)
