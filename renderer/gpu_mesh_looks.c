@@ -17,7 +17,8 @@ enum {
     UV_WORDS = 2,
 };
 
-/* In a triangle, so that what is between its corners stays finite. Float32 has no fractions there. */
+/* How often a triangle repeats its texture, at most: interpolation stays finite. At so many repeats
+ * float32 has no fractions. */
 static const double repeats_max = 1e9;
 
 uint32_t neph_gpu_mesh_look_bits(const struct neph_scene *scene)

@@ -23,7 +23,7 @@ enum {
     INSTANCE_WORDS = 6,
     TRIANGLE_WORDS = 3,
     HIT_BITS = 30, /* of the number of a hit, for instance and triangle */
-    RAY_ITERATIONS = 256,
+    RAY_ITERATIONS = 64,
 };
 
 static bool is_instance(const struct neph_solid *solid)

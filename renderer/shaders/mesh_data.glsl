@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Triangle meshes as renderer/gpu_meshes.c writes them, and the number and the normal of a hit. The
-// data are
+// Triangle meshes as renderer/gpu_meshes.c writes them, and the number and the normal of a hit.
+// Meshes are
 //
 //   a tree of boxes around instances -> an instance: a mesh and its place
 //                                       -> the mesh's tree of boxes around triangles

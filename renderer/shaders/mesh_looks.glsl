@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The looks of meshes (scenes/mesh_material.h): interpolated normals, and textures for the colour and
-// for holes. renderer/gpu_mesh_looks.c writes the data.
+// The looks of meshes (scenes/mesh_material.h): interpolated normals, and textures for the colour
+// and for holes. renderer/gpu_mesh_looks.c writes the data.
 #ifndef NEPH_MESH_LOOKS_GLSL
 #define NEPH_MESH_LOOKS_GLSL
 
@@ -26,7 +26,7 @@ MeshLook mesh_look(uint at)
 }
 
 // Where a point of a triangle is: weights of the corners, whose sum is 1. They are areas in the
-// plane of two axes, in which the triangle is largest: products of more lengths would underflow.
+// plane of the two axes in which the triangle is largest: products of more lengths would underflow.
 vec3 triangle_weights(Triangle t, vec3 point)
 {
     vec3 area = triangle_area(t), size = abs(area);

@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Meshes in scene files, from the command line: a mesh of boxes is rendered as the boxes are,
-engines name what they lack, and files that are no mesh are errors with their place."""
+devices render materials as the CPU does, engines name what they lack, and files that are no mesh
+are errors with their place."""
 import base64
 import json
+import math
 import pathlib
+import random
 import struct
 import unittest
 import zlib
@@ -43,12 +46,31 @@ def obj_of_boxes():
     return "\n".join(lines) + "\n"
 
 
+def obj_of_ball(rows=6, columns=9):
+    """Of radius 1, coarse, with the normals of the ball; the image is twice around it."""
+    lines, faces = [], []
+    for i in range(rows + 1):
+        for j in range(columns + 1):
+            polar, around = math.pi * i / rows, 2 * math.pi * j / columns
+            at = (math.sin(polar) * math.cos(around), math.cos(polar),
+                  math.sin(polar) * math.sin(around))
+            lines += ["v {} {} {}".format(*at), "vn {} {} {}".format(*at),
+                      f"vt {2 * j / columns} {1 - i / rows}"]
+            a, below = i * (columns + 1) + j + 1, (i + 1) * (columns + 1) + j + 1
+            if i < rows and j < columns:
+                faces += [(a, a + 1, below + 1)] * (i > 0)
+                faces += [(a, below + 1, below)] * (i < rows - 1)
+    return "\n".join(lines + ["f " + " ".join(f"{n}/{n}/{n}" for n in face)
+                              for face in faces]) + "\n"
+
+
 CORNERS = ((-1, 0), (1, 0), (1, 2), (-1, 2))  # x, y; u and v are 0 or 1
 
 
-def obj_of_quad():
+def obj_of_quad(right=1):
     """(u, v) = (0, 0) is the lower left corner."""
-    lines = [f"v {x} {y} 0" for x, y in CORNERS] + ["vt 0 0", "vt 1 0", "vt 1 1", "vt 0 1"]
+    lines = [f"v {min(x, right)} {y} 0" for x, y in CORNERS]
+    lines += ["vt 0 0", "vt 1 0", "vt 1 1", "vt 0 1"]
     return "\n".join(lines + ["f 1/1 2/2 3/3 4/4"]) + "\n"
 
 
@@ -73,12 +95,13 @@ def gltf_of_quad():
 
 
 def png(rows):
-    """8-bit RGB."""
+    """8-bit RGB or RGBA."""
     def chunk(kind, data):
         return (struct.pack(">I", len(data)) + kind + data +
                 struct.pack(">I", zlib.crc32(kind + data)))
     lines = b"".join(b"\0" + bytes(value for pixel in row for value in pixel) for row in rows)
-    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 2, 0, 0, 0)
+    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8,
+                         2 if len(rows[0][0]) == 3 else 6, 0, 0, 0)
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) +
             chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b""))
 
@@ -125,6 +148,57 @@ class Meshes(neph_case.NephCase):
                 largest = max(a for a in boxes[channel] if a < 1e9)
                 for a, b in zip(boxes[channel], mesh[channel]):
                     self.assertAlmostEqual(a, b, delta=1e-5 * largest if a < 1e9 else 0)
+
+    def assert_same(self, a, b, relative):
+        for channel in ("R", "G", "B", "Z"):
+            largest = max(value for value in a[channel] if value < 1e9)
+            for x, y in zip(a[channel], b[channel]):
+                self.assertAlmostEqual(x, y, delta=relative * largest if x < 1e9 else 0)
+
+    def test_devices_render_materials_as_the_exact_engine(self):
+        """A smooth ball with a texture, and a quad that is cut out. A point has an error of 1e-6 m,
+        and the ball's colour changes by all of its range within 0.2 m, so by 5e-6; 2e-5 is for
+        grazing angles, at which points have larger errors."""
+        draw = random.Random(5)
+        self.put("ball.obj", obj_of_ball())
+        self.put("quad.obj", obj_of_quad())
+        (self.folder / "noise.png").write_bytes(
+            png([[tuple(draw.randrange(256) for _ in range(3)) for _ in range(7)]
+                 for _ in range(5)]))
+        (self.folder / "holes.png").write_bytes(
+            png([[(255, 200, 100, 255 * ((x + y) % 2)) for x in range(6)] for y in range(4)]))
+        self.put_scene("looks", "  - box: {min_m: [-9, -1, -9], max_m: [9, 0, 9], "
+                                "albedo: [0.5, 0.5, 0.5]}\n"
+                                "  - mesh: {file: ball.obj, shading: smooth, "
+                                "albedo_texture: noise.png, position_m: [1, 1, 0], "
+                                "albedo: [0.9, 0.8, 0.7]}\n"
+                                "  - mesh: {file: quad.obj, albedo_texture: holes.png, "
+                                "alpha: cutout, turn_deg: 20, position_m: [-1, 0.5, -1], "
+                                "albedo: [0.9, 0.8, 0.7]}",
+                       scattering="none")
+        exact = self.render("looks", "-e", "exact")
+        for engine, words in (("march", ()), ("tracer", ("--set", "samples=2"))):
+            self.assert_same(exact, self.render("looks", "-e", engine, *words), 2e-5)
+
+    def test_devices_render_a_cut_out_as_the_mesh_of_the_rest(self):
+        """Shadows in the fog, too: rays have the same random numbers."""
+        self.put("quad.obj", obj_of_quad())
+        self.put("rest.obj", obj_of_quad(right=0))
+        (self.folder / "half.png").write_bytes(
+            png([[(255, 255, 255, 255 * (x < 4)) for x in range(8)]]))
+        end = "position_m: [0, 0.2, -1], albedo: [0.9, 0.8, 0.7]}"
+        self.put_scene("cut", "  - mesh: {file: quad.obj, albedo_texture: half.png, alpha: cutout, "
+                              f"{end}")
+        self.put_scene("rest", f"  - mesh: {{file: rest.obj, {end}")
+        for engine, words in (("march", ()), ("realtime", ()),
+                              ("tracer", ("--set", "samples=4"))):
+            cut, rest = (self.render(name, "-e", engine, *words, "--seed", "7")
+                         for name in ("cut", "rest"))
+            self.assert_same(cut, rest, 1e-5)
+        self.put_scene("covered", "  - mesh: {file: quad.obj, albedo_texture: half.png, "
+                                  f"alpha: coverage, {end}")
+        self.neph("render", "covered.yaml", "-e", "march", "--size", "8x8", "-o", "no", code=None,
+                  said="alpha as coverage")
 
     def test_engines_say_what_they_have(self):
         self.put_both()
