@@ -22,8 +22,8 @@ enum {
     NODE_WORDS = 2,
     INSTANCE_WORDS = 6,
     TRIANGLE_WORDS = 3,
-    HIT_BITS = 30, /* of the number of a hit, for instance and triangle */
-    RAY_ITERATIONS = 64,
+    HIT_BITS = 30,        /* of the number of a hit, for instance and triangle */
+    LEVEL_ITERATIONS = 16, /* of a ray for each level of trees */
 };
 
 static bool is_instance(const struct neph_solid *solid)
@@ -42,11 +42,6 @@ int neph_gpu_count_instances(const struct neph_scene *scene)
 int neph_gpu_count_plain_solids(const struct neph_scene *scene)
 {
     return scene->solid_count - neph_gpu_count_instances(scene);
-}
-
-uint64_t neph_gpu_mesh_iterations(const struct neph_scene *scene)
-{
-    return neph_gpu_count_instances(scene) > 0 ? RAY_ITERATIONS : 0;
 }
 
 /* --- places ---------------------------------------------------------------------------------- */
@@ -94,6 +89,16 @@ static int count_triangle_bits(const struct neph_scene *scene)
         most = scene->meshes[i]->data.triangle_count > most ? scene->meshes[i]->data.triangle_count
                                                             : most;
     return count_bits(most - 1);
+}
+
+/* Measured on a terrain of 200,000 triangles with 2,000 trees: subgroups of eight paths of the tracer
+ * take less on average. */
+uint64_t neph_gpu_mesh_iterations(const struct neph_scene *scene)
+{
+    const int count = neph_gpu_count_instances(scene);
+    return count == 0 ? 0
+                      : LEVEL_ITERATIONS *
+                            (uint64_t)(2 + count_bits(count - 1) + count_triangle_bits(scene));
 }
 
 /* --- sizes ----------------------------------------------------------------------------------- */
