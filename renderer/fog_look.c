@@ -318,8 +318,9 @@ enum neph_status neph_fog_renderer_collect(struct neph_fog_renderer *looks, doub
                                            struct neph_diag *diag)
 {
     int slot;
-    const enum neph_status status = neph_in_flight_collect(looks->vulkan, &looks->flight, &slot,
-                                                           diag);
+    enum neph_status status = neph_in_flight_collect(looks->vulkan, &looks->flight, &slot, diag);
+    if (!status)
+        status = neph_gpu_scene_check(looks->vulkan, &looks->gpu, diag);
     if (!status)
         *gpu_s = looks->flights_gpu_s[slot];
     return status;

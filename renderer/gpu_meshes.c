@@ -20,7 +20,7 @@ typedef uint32_t words[4];
 enum {
     FAULT_WORDS = 1,
     NODE_WORDS = 2,
-    INSTANCE_WORDS = 5,
+    INSTANCE_WORDS = 6,
     TRIANGLE_WORDS = 3,
     HIT_BITS = 30, /* of the number of a hit, for instance and triangle */
     RAY_ITERATIONS = 256,
@@ -70,6 +70,13 @@ static double find_reach(const struct neph_bounds *box)
 {
     const struct neph_vec3 side = neph_vec3_sub(box->max_m, box->min_m);
     return 0.5 * fmax(side.x, fmax(side.y, side.z));
+}
+
+/* What a vector loses by rounding to float32. */
+static struct neph_vec3 find_rest(struct neph_vec3 v)
+{
+    return (struct neph_vec3){v.x - (double)(float)v.x, v.y - (double)(float)v.y,
+                              v.z - (double)(float)v.z};
 }
 
 static int count_bits(int largest)
@@ -126,7 +133,9 @@ struct neph_gpu_meshes neph_gpu_meshes_place(const struct neph_scene *scene,
     if (neph_gpu_count_instances(scene) == 0)
         return made;
     const struct neph_bounds hull = find_hull(scene);
-    neph_relative_position(made.origin_m, neph_bounds_middle(&hull), camera_m);
+    const struct neph_vec3 origin_m = neph_vec3_sub(neph_bounds_middle(&hull), camera_m);
+    neph_gpu_direction(made.origin_m, origin_m);
+    neph_gpu_direction(made.origin_low_m, find_rest(origin_m));
     made.reach_m = (float)find_reach(&hull);
     made.instances = (uint32_t)(FAULT_WORDS + NODE_WORDS * count_instance_nodes(scene));
     made.triangle_bits = (uint32_t)count_triangle_bits(scene);
@@ -292,6 +301,7 @@ static void write_instance(const struct neph_solid *solid, struct neph_vec3 orig
     to[1][3] = first + NODE_WORDS * (uint32_t)mesh->tree.node_count;
     to[2][3] = neph_gpu_mesh_look_words(mesh) > 0 ? first + (uint32_t)count_shape_words(mesh) : 0;
     set_vector(to[3], place_m);
+    set_vector(to[5], find_rest(place_m));
     set_float(&to[3][3], solid->scale_m);
     set_vector(to[4], (struct neph_vec3){solid->albedo.r, solid->albedo.g, solid->albedo.b});
     set_float(&to[4][3], find_reach(&mesh->tree.nodes[0].bounds));

@@ -23,8 +23,8 @@ size_t neph_gpu_mesh_words(const struct neph_scene *scene);
  * (neph_gpu_meshes_check()). 0 without meshes. */
 uint64_t neph_gpu_mesh_iterations(const struct neph_scene *scene);
 
-/* Write the meshes to the start of a buffer that has room for them. Rays from `eye_m` take the least
- * time. NEPH_ERR_UNSUPPORTED: instances times triangles are more than hits have numbers for. */
+/* Write the meshes to the start of a buffer that has room for them, above all for rays of `eye_m`.
+ * NEPH_ERR_UNSUPPORTED: instances times triangles are more than hits have numbers for. */
 enum neph_status neph_gpu_meshes_upload(const struct neph_vulkan *vulkan,
                                         const struct neph_scene *scene, struct neph_vec3 eye_m,
                                         const struct neph_buffer *buffer, struct neph_diag *diag);

@@ -16,8 +16,8 @@
 
 /* Fill nodes and order for the first `count` solids. There are up to three trees, one behind the
  * other: of solids that are wide, such as a ground; of spheres and rotated boxes, whose boxes are
- * unbounded, because the rounding of their intersections could exceed any; and of boxes. Returns the
- * number of nodes of the first tree. */
+ * unbounded, because the rounding of their intersections could exceed any; and of boxes. Returns
+ * the number of nodes of the first tree. */
 uint32_t neph_solid_tree_build(struct neph_gpu_solids *gpu, uint32_t count, const bool *is_wide);
 
 /* Upper bound of the number of nodes, at most `count`. In a tree all leaves but one are full, and

@@ -21,6 +21,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Does not compile with a new kind: this file then needs a change. */
+_Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
+
 /* More triangles of all instances take too long: instances are boxes then, which hide nothing
  * surely. */
 static const double triangles_max = 8e6;
@@ -121,7 +124,7 @@ struct adding {
     const struct neph_mesh_data *data;
     struct neph_sun_point *points; /* of the vertices */
     signed char *facing;           /* of the triangles: 1 the sun is on the normal's side; -1; 0 */
-    /* Of all cells; as below for cells without a triangle. */
+    /* All cells; empty_cell outside of the current instance. */
     struct cell {
         float lowest_m; /* of the triangles of one facing */
         bool is_covered, has_outline;

@@ -239,11 +239,11 @@ int64_t check_obj_vertices(const char *path, const mesh_limits &limits)
     std::ifstream file(path, std::ios::binary);
     std::string line;
     for (long number = 1, lines = 0; read_obj_line(file, line, lines); number += lines) {
-        const size_t start = std::min(line.find_first_not_of(" \t"), line.size());
-        if (line.compare(start, 2, "v ") != 0 && line.compare(start, 2, "v\t") != 0)
+        const char *text = line.c_str() + strspn(line.c_str(), " \t");
+        if (text[0] != 'v' || (text[1] != ' ' && text[1] != '\t'))
             continue;
         const int count = count_numbers(line);
-        if ((count != 3 && count != 4 && count != 6) || line.find_first_of("xX#") < line.find('#'))
+        if ((count != 3 && count != 4 && count != 6) || strcspn(text, "xX#") < strcspn(text, "#"))
             throw bad_file(words("line %ld, '%.60s': Assimp would leave this vertex out\twrite 3 "
                                  "numbers, each with a digit before its point, and after them "
                                  "nothing, a weight, or a colour of 3",

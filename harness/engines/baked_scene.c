@@ -82,9 +82,8 @@ struct neph_bounds neph_own_container(const struct neph_medium *medium,
     if (!neph_is_container_turned(medium))
         return *container;
     across[medium->turn.axis] = container;
-    return (struct neph_bounds){
-        {across[0]->min_m.x, across[1]->min_m.y, across[2]->min_m.z},
-        {across[0]->max_m.x, across[1]->max_m.y, across[2]->max_m.z}};
+    return (struct neph_bounds){{across[0]->min_m.x, across[1]->min_m.y, across[2]->min_m.z},
+                                {across[0]->max_m.x, across[1]->max_m.y, across[2]->max_m.z}};
 }
 
 double neph_densest_per_m(const struct neph_medium *medium, const struct neph_bounds *bounds)

@@ -117,7 +117,7 @@ static void include_layer(const struct neph_fog_layer *layer, struct neph_rgb co
     }
 }
 
-/* As clip_medium() of renderer/shaders/media.glsl: to the support, and to bounds that are turned. */
+/* As clip_medium() of renderer/shaders/media.glsl: to the support and to turned bounds. */
 static bool clip_medium(const struct neph_medium *medium, const struct way *way,
                         struct stretch *inside)
 {

@@ -55,4 +55,5 @@ void main()
     float eye_depth_m = is_sky ? FAR_M : hit.t_m * dot(ray.direction, frame.camera_forward);
     pixels[thread] = FogLookPixel(fog.volume + fog.through * behind, eye_depth_m, fog.volume,
                                   fog.through);
+    check_loops();
 }

@@ -50,11 +50,12 @@ struct ShadowMap {
 
 // Triangle meshes (meshes.glsl).
 struct Meshes {
-    vec3 origin_m; // of the positions of instances, relative to the camera
+    vec3 origin_m; // of the places of instances, relative to the camera
     float reach_m; // their largest coordinate
+    vec3 origin_low_m; // what origin_m has lost by rounding
     uint instances; // index of the first instance
+    uvec3 padding;
     uint triangle_bits; // of the number of a hit
-    uvec2 padding;
 };
 
 // The grid across the sun (sun_grid.glsl). A point has its place in the grid, in cells, by

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// A point or spot light (scenes/lights.h). A point light has cosines below -1. Positions are relative
-// to the camera.
+// A point or spot light (scenes/lights.h). A point light has cosines below -1. Positions are
+// relative to the camera.
 #ifndef NEPH_LAMP_GLSL
 #define NEPH_LAMP_GLSL
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Triangle meshes as renderer/gpu_meshes.c writes them, and the number and the normal of a hit.
-// Meshes are
+// Triangle meshes as renderer/gpu_meshes.c writes them, and the number and the normal of a hit. The
+// data are
 //
 //   a tree of boxes around instances -> an instance: a mesh and its place
 //                                       -> the mesh's tree of boxes around triangles
@@ -13,15 +13,13 @@
 const bool MESHES = (SCENE_KINDS & NEPH_GPU_MESHES) != 0u;
 
 // The meshes are in the buffer of Horizon's textures, in front of them.
-layout(std430, binding = 4) readonly buffer MeshWords
-{
+layout(std430, binding = 4) readonly buffer MeshWords {
     uvec4 mesh_words[];
 };
 
 // Its first word is set where a device has left a loop before its end: such a frame is wrong
 // (renderer/compute.h).
-layout(std430, binding = 4) writeonly buffer MeshFault
-{
+layout(std430, binding = 4) writeonly buffer MeshFault {
     uint mesh_fault;
 };
 
@@ -59,11 +57,11 @@ MeshNode mesh_node(uint first, uint n)
     return MeshNode(uintBitsToFloat(low.xyz), low.w, uintBitsToFloat(high.xyz), high.w);
 }
 
-const uint MESH_INSTANCE_WORDS = 5;
+const uint MESH_INSTANCE_WORDS = 6;
 
 struct MeshInstance {
     mat3 turn;       // columns: the mesh's axes in the world, unit
-    vec3 position_m; // of the mesh's origin, relative to Meshes.origin_m
+    vec3 position_m; // of the mesh's middle, relative to the camera
     float scale_m;   // the mesh's unit of length
     vec3 albedo;
     float reach;    // largest coordinate of the mesh
@@ -72,6 +70,15 @@ struct MeshInstance {
     uint look;      // index of its look (mesh_looks.glsl); 0: flat, of one colour and whole
 };
 
+// The place of an instance and the origin of all places are sums of two floats each. The larger
+// ones cancel near the camera: the position is precise there, wherever other instances are.
+vec3 instance_position_m(uvec4 place_m, uvec4 low_m)
+{
+    precise vec3 far_m = frame.meshes.origin_m + uintBitsToFloat(place_m.xyz);
+    precise vec3 position_m = far_m + (frame.meshes.origin_low_m + uintBitsToFloat(low_m.xyz));
+    return position_m;
+}
+
 MeshInstance mesh_instance(uint i)
 {
     uint at = frame.meshes.instances + MESH_INSTANCE_WORDS * i;
@@ -79,8 +86,15 @@ MeshInstance mesh_instance(uint i)
     uvec4 place = mesh_words[at + 3], surface = mesh_words[at + 4];
     return MeshInstance(
         mat3(uintBitsToFloat(x.xyz), uintBitsToFloat(y.xyz), uintBitsToFloat(z.xyz)),
-        uintBitsToFloat(place.xyz), uintBitsToFloat(place.w), uintBitsToFloat(surface.xyz),
+        instance_position_m(place, mesh_words[at + 5]), uintBitsToFloat(place.w),
+        uintBitsToFloat(surface.xyz),
         uintBitsToFloat(surface.w), x.w, y.w, z.w);
+}
+
+// A point relative to the camera in the axes of a mesh, relative to its middle.
+vec3 to_mesh(MeshInstance mesh, vec3 point_m)
+{
+    return (point_m - mesh.position_m) * mesh.turn / mesh.scale_m;
 }
 
 struct Triangle {

@@ -26,7 +26,7 @@ MeshLook mesh_look(uint at)
 }
 
 // Where a point of a triangle is: weights of the corners, whose sum is 1. They are areas in the
-// plane of the two axes in which the triangle is largest: products of more lengths would underflow.
+// plane of two axes, in which the triangle is largest: products of more lengths would underflow.
 vec3 triangle_weights(Triangle t, vec3 point)
 {
     vec3 area = triangle_area(t), size = abs(area);
@@ -37,12 +37,6 @@ vec3 triangle_weights(Triangle t, vec3 point)
     vec3 weights = clamp(sides / area[across], 0.0, 1.0);
     float sum = weights.x + weights.y + weights.z;
     return sum > 0.0 ? weights / sum : vec3(1.0 / 3.0);
-}
-
-// A point relative to the camera in the axes of a mesh.
-vec3 to_mesh(MeshInstance mesh, vec3 point_m)
-{
-    return (point_m - frame.meshes.origin_m - mesh.position_m) * mesh.turn / mesh.scale_m;
 }
 
 // In the axes of the mesh; `normal` is the triangle's, on the side of the ray. As

@@ -79,17 +79,21 @@ bool meet_triangle(MeshRay ray, Triangle t, out float t_m, out bool is_back, out
 {
     vec3 a = sheared(ray, t.a), b = sheared(ray, t.b), c = sheared(ray, t.c);
     sides = vec3(edge_side(b, c), edge_side(c, a), edge_side(a, b));
+    vec3 low = min(a, min(b, c)), high = max(a, max(b, c));
     t_m = 0.0;
     is_back = false;
     if (any(lessThan(sides, vec3(0.0))) && any(greaterThan(sides, vec3(0.0))))
+        return false;
+    // All sides of a triangle that is edge on, in a plane with the ray, may round to 0, also beside
+    // the triangle.
+    if (any(greaterThan(low.xy, vec2(0.0))) || any(lessThan(high.xy, vec2(0.0))))
         return false;
     vec3 area = triangle_area(t);
     float facing = -dot(area, ray.direction);
     if (facing == 0.0 || sides == vec3(0.0))
         return false; // edge on: its neighbours are met
     is_back = facing < 0.0;
-    float near = min(a.z, min(b.z, c.z)), far = max(a.z, max(b.z, c.z));
-    t_m = clamp(dot(area, ray.origin - t.a) / facing, near, far);
+    t_m = clamp(dot(area, ray.origin - t.a) / facing, low.z, high.z);
     return t_m > 0.0;
 }
 
@@ -107,8 +111,7 @@ bool meet_triangle(MeshRay ray, Triangle t, out float t_m, out bool is_back, out
 
 MeshRay instance_ray(MeshInstance to, vec3 origin_m, vec3 direction)
 {
-    return mesh_ray((origin_m - to.position_m) * to.turn / to.scale_m,
-                    direction * to.turn / to.scale_m, to.reach);
+    return mesh_ray(to_mesh(to, origin_m), direction * to.turn / to.scale_m, to.reach);
 }
 
 // The nearest triangle of an instance with t > 0 if it is nearer than `hit`, except for one.
@@ -167,25 +170,23 @@ bool is_instance_met(uint instance, vec3 origin_m, vec3 direction, float start_m
     return is_met;
 }
 
-// The start of a ray relative to Meshes.origin_m. On a triangle it is moved off the triangle's
-// plane, to the side of the hit, by more than rounding: its neighbours are nearly in this plane, and
-// rounding would put the point behind them.
+// The start of a ray, relative to the camera. On a triangle it is moved off the triangle's plane by
+// more than rounding, to the side of the hit: its neighbours are nearly in this plane, and rounding
+// would put the point behind them.
 vec3 mesh_origin_m(vec3 origin_m, uint solid)
 {
-    vec3 from_m = origin_m - frame.meshes.origin_m;
     if (!is_mesh(solid))
-        return from_m;
+        return origin_m;
     MeshInstance mesh = mesh_instance(hit_instance(solid));
-    float size_m = length(origin_m) + length(from_m) + length(mesh.position_m) +
-                   mesh.reach * mesh.scale_m;
-    return from_m + MESH_ROUNDING * size_m * mesh_normal(solid);
+    float size_m = length(origin_m) + length(mesh.position_m) + mesh.reach * mesh.scale_m;
+    return origin_m + MESH_ROUNDING * size_m * mesh_normal(solid);
 }
 
 // The nearest triangle with t > 0 in place of `hit` if it is nearer, except for one.
 void keep_nearest_mesh(vec3 origin_m, vec3 direction, uint except, inout Hit hit)
 {
     vec3 from_m = mesh_origin_m(origin_m, except);
-    MeshRay ray = mesh_ray(from_m, direction, frame.meshes.reach_m);
+    MeshRay ray = mesh_ray(from_m - frame.meshes.origin_m, direction, frame.meshes.reach_m);
     uint n = 0u;
     while (n != NO_SOLID) {
         MeshNode node = mesh_node(1u, n);
@@ -201,7 +202,7 @@ void keep_nearest_mesh(vec3 origin_m, vec3 direction, uint except, inout Hit hit
 bool is_mesh_met(vec3 origin_m, vec3 direction, float start_m, float end_m, uint except)
 {
     vec3 from_m = mesh_origin_m(origin_m, except);
-    MeshRay ray = mesh_ray(from_m, direction, frame.meshes.reach_m);
+    MeshRay ray = mesh_ray(from_m - frame.meshes.origin_m, direction, frame.meshes.reach_m);
     bool is_met = false;
     uint n = 0u;
     while (n != NO_SOLID) {

@@ -1022,6 +1022,7 @@ void main()
         if (path.stage == STAGE_ARRIVE)
             finish_segment();
     }
+    check_loops();
     states[thread] = path;
     atomicAdd(progress.items_done, items_done);
     atomicAdd(progress.collisions, collisions);

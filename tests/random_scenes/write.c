@@ -218,7 +218,7 @@ static void write_mesh_solid(FILE *file, const struct recipe_mesh *mesh, const c
     fprintf(file, "\n");
 }
 
-/* Of a block, bit 0 of a corner's number is its side along x, bit 1 along y, bit 2 along z. */
+/* Bit 0 of a block's corner is its side along x, bit 1 along y, bit 2 along z. */
 static const struct {
     int corner_count, triangle_count, triangles[12][3];
 } mesh_forms[RECIPE_MESH_KINDS] = {

@@ -171,8 +171,9 @@ static void check_worlds(enum meshes meshes)
             known_hidden += said == 2;
         }
     }
-    assert_true(decided > 0.9 * all); /* 0.94 to 0.99 measured; a grid without use has 0 */
-    assert_true(known_hidden > 0.3 * hidden);
+    print_message("%d of %d decided, %d of %d hidden known\n", decided, all, known_hidden, hidden);
+    assert_true(decided > 0.9 * all);
+    assert_true(known_hidden > 0.5 * hidden);
 }
 
 static void test_the_grid_of_boxes_and_balls_decides_as_rays_do(void **state)

@@ -466,7 +466,8 @@ static void start_sun(struct neph_scene *scene, int frame)
     scene->sun.present = frame >= 0;
 }
 
-/* The largest rms error of the frames after a change; `is_held`: with their lights from the start. */
+/* The largest rms error of the frames after a change; `is_held`: of the first of them, with the
+ * lights of the last from the start. */
 static double measure_change(struct neph_vulkan *vulkan, change *set, bool has_sun, bool is_held)
 {
     struct test_scene test;

@@ -5,8 +5,9 @@
 // sun with the shadows of solids and media, point and spot lights, emission. A froxel has one
 // sample point, which is jittered within it, except for terms with a closed form along its ray
 // (optical depth, and 1/d^2 of a light). The result is blended with the froxels of the frame before
-// at the same place of the world, after their light was changed as the lights have changed. Where the surface seen through the sample point lies within the
-// slice, the sample is taken in front of it: behind it may be another room.
+// at the same place of the world, after their light was changed as the lights have changed. Where
+// the surface seen through the sample point lies within the slice, the sample is taken in front of
+// it: behind it may be another room.
 #extension GL_GOOGLE_include_directive : require
 
 // Defined below, because froxels.glsl needs the view.
@@ -119,7 +120,8 @@ Change find_change(Mixture mixture, ViewRay ray, vec3 point_m, Reach reach, floa
 }
 
 // Where history cannot follow: no lamp that has changed is visible from the sample point, but from
-// the sample points of earlier frames they may have been. A tenth: renderer/realtime/light_history.h
+// the sample points of earlier frames they may have been. A tenth is as much as in
+// renderer/realtime/light_history.h.
 bool is_unknown(vec3 before, Change change)
 {
     return change.added == vec3(0.0) && any(greaterThan(change.possible, 0.1 * before));

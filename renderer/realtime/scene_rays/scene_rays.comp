@@ -75,5 +75,6 @@ void main()
              vec4(is_sky && !HAS_VEIL ? background : radiance_behind(picture.hit, picture.ray),
                   0.0));
     put_full(RT_STEADY_DEPTH, pixel, vec4(hit_eye_depth_m(steady.hit, steady.ray)));
+    check_loops();
     count_cost();
 }
