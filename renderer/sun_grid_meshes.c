@@ -30,6 +30,8 @@ static const double triangles_max = 8e6;
 
 static const unsigned char triangle_edges[3][2] = {{0, 1}, {1, 2}, {2, 0}};
 
+_Static_assert(NEPH_ALPHA_COUNT == 3, "a new kind"); /* all but IGNORED make holes */
+
 /* --- edges ----------------------------------------------------------------------------------- */
 
 /* A side of a triangle. Vertices are the first ones of all at the same place. */

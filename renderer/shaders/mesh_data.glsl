@@ -91,6 +91,12 @@ MeshInstance mesh_instance(uint i)
         uintBitsToFloat(surface.w), x.w, y.w, z.w);
 }
 
+// A point relative to the camera in the axes of a mesh, relative to its middle.
+vec3 to_mesh(MeshInstance mesh, vec3 point_m)
+{
+    return (point_m - mesh.position_m) * mesh.turn / mesh.scale_m;
+}
+
 struct Triangle {
     vec3 a, b, c; // counterclockwise, seen from outside
 };

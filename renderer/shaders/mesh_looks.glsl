@@ -39,12 +39,6 @@ vec3 triangle_weights(Triangle t, vec3 point)
     return sum > 0.0 ? weights / sum : vec3(1.0 / 3.0);
 }
 
-// A point relative to the camera in the axes of a mesh.
-vec3 to_mesh(MeshInstance mesh, vec3 point_m)
-{
-    return (point_m - frame.meshes.origin_m - mesh.position_m) * mesh.turn / mesh.scale_m;
-}
-
 // In the axes of the mesh; `normal` is the triangle's, on the side of the ray. As
 // neph_mesh_shading_normal().
 vec3 smooth_normal(MeshLook look, uint triangle, vec3 weights, vec3 normal)

@@ -111,8 +111,7 @@ bool meet_triangle(MeshRay ray, Triangle t, out float t_m, out bool is_back, out
 
 MeshRay instance_ray(MeshInstance to, vec3 origin_m, vec3 direction)
 {
-    return mesh_ray((origin_m - to.position_m) * to.turn / to.scale_m,
-                    direction * to.turn / to.scale_m, to.reach);
+    return mesh_ray(to_mesh(to, origin_m), direction * to.turn / to.scale_m, to.reach);
 }
 
 // The nearest triangle of an instance with t > 0 if it is nearer than `hit`, except for one.
