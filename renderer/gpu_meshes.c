@@ -91,8 +91,8 @@ static int count_triangle_bits(const struct neph_scene *scene)
     return count_bits(most - 1);
 }
 
-/* Measured on a terrain of 200,000 triangles with 2,000 trees: subgroups of eight paths of the tracer
- * take less on average. */
+/* On a terrain of 200,000 triangles with 2,000 trees, subgroups of eight paths of the tracer take
+ * less on average. */
 uint64_t neph_gpu_mesh_iterations(const struct neph_scene *scene)
 {
     const int count = neph_gpu_count_instances(scene);
