@@ -120,22 +120,24 @@ static bool is_black(const float rgb[3])
     return rgb[0] <= 0.0f && rgb[1] <= 0.0f && rgb[2] <= 0.0f;
 }
 
+struct neph_gpu_lamp neph_gpu_lamp_pack(const struct neph_light *light, struct neph_vec3 camera_m)
+{
+    struct neph_gpu_lamp lamp = {
+        .inner_cosine = light->is_spot ? (float)light->inner_cosine : -2.0f,
+        .outer_cosine = light->is_spot ? (float)light->outer_cosine : -3.0f,
+    };
+    neph_relative_position(lamp.position_m, light->position_m, camera_m);
+    set_rgb(lamp.intensity, light->intensity_w_per_sr);
+    if (light->is_spot)
+        neph_gpu_direction(lamp.axis, light->axis);
+    return lamp;
+}
+
 static void fill_lights(const struct neph_scene *scene, struct neph_vec3 camera_m,
                         struct neph_gpu_frame *frame)
 {
-    for (int i = 0; i < scene->light_count; i++) {
-        const struct neph_light *light = &scene->lights[i];
-        struct neph_gpu_lamp *lamp = &frame->lamps[i];
-        neph_relative_position(lamp->position_m, light->position_m, camera_m);
-        set_rgb(lamp->intensity, light->intensity_w_per_sr);
-        lamp->inner_cosine = -2.0f;
-        lamp->outer_cosine = -3.0f;
-        if (!light->is_spot)
-            continue;
-        neph_gpu_direction(lamp->axis, light->axis);
-        lamp->inner_cosine = (float)light->inner_cosine;
-        lamp->outer_cosine = (float)light->outer_cosine;
-    }
+    for (int i = 0; i < scene->light_count; i++)
+        frame->lamps[i] = neph_gpu_lamp_pack(&scene->lights[i], camera_m);
     frame->lamp_count = (uint32_t)scene->light_count;
 }
 

@@ -28,6 +28,9 @@ _Static_assert(NEPH_SOLID_BOX == 0 && NEPH_SOLID_SPHERE == 1 && NEPH_SOLID_KIND_
 struct neph_gpu_solid neph_gpu_solid_pack(const struct neph_solid *solid,
                                           struct neph_vec3 camera_position_m);
 
+struct neph_gpu_lamp neph_gpu_lamp_pack(const struct neph_light *light,
+                                        struct neph_vec3 camera_position_m);
+
 /* Upper bound of loop iterations (compute.h) of one ray through all solids: the solids, the nodes
  * of their trees, and the end of each leaf. For meshes an estimate (gpu_meshes.h). */
 static inline uint64_t neph_gpu_solid_iterations(const struct neph_scene *scene)

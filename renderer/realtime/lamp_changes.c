@@ -2,24 +2,9 @@
 #include "renderer/realtime/lamp_changes.h"
 
 #include "base/vec3.h"
-#include "renderer/relative.h"
+#include "renderer/gpu_scene.h"
 
 #include <string.h>
-
-/* As in renderer/gpu_scene.c. */
-static struct neph_gpu_lamp pack_lamp(const struct neph_light *light, struct neph_vec3 camera_m)
-{
-    const struct neph_rgb intensity = light->intensity_w_per_sr;
-    struct neph_gpu_lamp lamp = {
-        .inner_cosine = light->is_spot ? (float)light->inner_cosine : -2.0f,
-        .outer_cosine = light->is_spot ? (float)light->outer_cosine : -3.0f,
-        .intensity = {(float)intensity.r, (float)intensity.g, (float)intensity.b},
-    };
-    neph_relative_position(lamp.position_m, light->position_m, camera_m);
-    if (light->is_spot)
-        neph_gpu_direction(lamp.axis, light->axis);
-    return lamp;
-}
 
 /* Compares as floats relative to the camera: a static lamp whose world has moved has not changed.
  */
@@ -27,10 +12,10 @@ static bool set_lamp_before(struct neph_gpu_view *view, int index, const struct 
                             const struct neph_light *before, struct neph_vec3 origin_shift_m,
                             struct neph_vec3 camera_m)
 {
-    const struct neph_gpu_lamp lamp = pack_lamp(now, camera_m);
+    const struct neph_gpu_lamp lamp = neph_gpu_lamp_pack(now, camera_m);
     struct neph_light shifted = *before;
     shifted.position_m = neph_vec3_add(before->position_m, origin_shift_m);
-    view->lamps_before[index] = pack_lamp(&shifted, camera_m);
+    view->lamps_before[index] = neph_gpu_lamp_pack(&shifted, camera_m);
     return memcmp(&lamp, &view->lamps_before[index], sizeof(lamp)) != 0;
 }
 
