@@ -2,7 +2,8 @@
  *
  * The triangle meshes of a scene in the layout of shaders/meshes.glsl. Each mesh is there once; its
  * instances have places relative to the middle of all of them, so that nothing changes with the
- * camera. Meshes do not move (neph_moving_mesh_obstacle()). Private to renderer/.
+ * camera. They do not move between frames of one upload (neph_moving_mesh_obstacle()). Private to
+ * renderer/.
  */
 #ifndef NEPH_RENDERER_GPU_MESHES_H
 #define NEPH_RENDERER_GPU_MESHES_H

@@ -108,6 +108,8 @@ static const char *find_obstacle(const struct neph_scene *scene, enum neph_march
 {
     if (neph_surfaces_obstacle(scene))
         return neph_surfaces_obstacle(scene);
+    if (neph_moving_mesh_obstacle(scene))
+        return neph_moving_mesh_obstacle(scene);
     if (lighting == NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_MULTIPLE)
         return "multiple scattering";
     if (lighting != NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_SINGLE)

@@ -69,8 +69,8 @@ const char *neph_moving_mesh_obstacle(const struct neph_scene *scene)
     for (int m = 0; m < scene->mover_count; m++)
         for (int i = 0; i < scene->movers[m].count; i++)
             if (scene->solids[scene->movers[m].first + i].kind == NEPH_SOLID_MESH)
-                return "triangle meshes that move: engines exact, oracle, surfaces, cycles and "
-                       "povray have them";
+                return "triangle meshes that move: engines exact, oracle, surfaces, tracer, cycles "
+                       "and povray have them";
     return NULL;
 }
 
@@ -98,8 +98,6 @@ const char *neph_coverage_obstacle(const struct neph_scene *scene)
 
 const char *neph_surfaces_obstacle(const struct neph_scene *scene)
 {
-    if (neph_moving_mesh_obstacle(scene))
-        return neph_moving_mesh_obstacle(scene);
     if (neph_coverage_obstacle(scene))
         return neph_coverage_obstacle(scene);
     if (neph_scene_is_textured(scene))

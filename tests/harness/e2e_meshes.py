@@ -213,6 +213,20 @@ class Meshes(neph_case.NephCase):
         self.neph("render", "moving.yaml", "-e", "march", "--size", "8x8", "-o", "no", code=None,
                   said="triangle meshes that move")
 
+    def test_the_tracer_renders_a_mesh_that_moves(self):
+        motion = ("motion: {keys: [{frame: 0}, {frame: 1, move_m: [1, 0.5, 0]}]}",
+                  "position_m: [1, 0.5, 0]", "position_m: [0, 0, 0]")
+        words = "-e", "tracer", "--set", "samples=4", "--seed", "7"
+        for name, key in zip(("moving", "there", "here"), motion):
+            text = self.put_scene(name, f"  - mesh: {{file: boxes.obj, albedo: [0.5, 0.4, 0.3], "
+                                        f"{key}}}")
+            path = self.folder / text
+            path.write_text(f"frames: {{count: 2}}\n{path.read_text()}")
+        moving = self.render("moving", *words, "--frame", "1")
+        there, here = (self.render(name, *words) for name in ("there", "here"))
+        self.assert_same(moving, there, 1e-5)
+        self.assertGreater(sum(a != b for a, b in zip(moving["Z"], here["Z"])), 100)
+
     def test_refused_files(self):
         self.put("text.ply", "no mesh")
         line = SCENE[:SCENE.index("{solids}")].count("\n") + 1

@@ -259,7 +259,7 @@ static void test_engines_without_meshes_say_so(void **state)
     assert_null(neph_surfaces_obstacle(&scene));
     scene.movers = &mover;
     scene.mover_count = 1;
-    assert_non_null(strstr(neph_surfaces_obstacle(&scene), "triangle meshes that move"));
+    assert_non_null(strstr(neph_moving_mesh_obstacle(&scene), "triangle meshes that move"));
     assert_null(neph_metal_obstacle(&scene));
 }
 
