@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/sun_grid.h"
 
+#include "renderer/gpu_meshes.h"
 #include "renderer/relative.h"
 #include "renderer/shaders/constants.h"
 #include "scenes/bounds.h"
@@ -57,20 +58,12 @@ bool neph_is_wide_solid(const struct neph_solid *solid, const struct neph_bounds
     return solid->kind != NEPH_SOLID_MESH && wide_axes >= 2;
 }
 
-static bool has_mesh(const struct neph_scene *scene)
-{
-    for (int i = 0; i < scene->solid_count; i++)
-        if (scene->solids[i].kind == NEPH_SOLID_MESH)
-            return true;
-    return false;
-}
-
 size_t neph_sun_grid_room(const struct neph_scene *scene)
 {
     if (!scene->sun.present || scene->medium_count == 0 || scene->sun_key_count > 0 ||
         scene->mover_count > 0)
         return 0;
-    if (has_mesh(scene))
+    if (neph_gpu_count_instances(scene) > 0)
         return CELLS_MAX;
     const size_t cells = SOLID_CELLS * (size_t)scene->solid_count;
     return scene->solid_count < SOLIDS_MIN ? 0 : cells < CELLS_MAX ? cells : CELLS_MAX;
@@ -92,7 +85,7 @@ struct neph_sun_point neph_sun_point(const struct neph_sun_axes *axes, struct ne
                                    neph_vec3_dot(from_m, axes->w)};
 }
 
-static void find_corners(const struct neph_bounds *box, struct neph_vec3 corners_m[8])
+void neph_sun_grid_corners(const struct neph_bounds *box, struct neph_vec3 corners_m[8])
 {
     for (int i = 0; i < 8; i++)
         corners_m[i] = (struct neph_vec3){i & 1 ? box->max_m.x : box->min_m.x,
@@ -128,7 +121,7 @@ static bool place_grid(const struct neph_scene *scene, const bool *is_wide,
     grid->axes.origin_m = neph_bounds_middle(&hull);
     for (int i = 0; i < scene->solid_count; i++) {
         const struct neph_bounds box = neph_solid_bounds(&scene->solids[i]);
-        find_corners(&box, corners_m);
+        neph_sun_grid_corners(&box, corners_m);
         for (int k = 0; k < 8 && !is_wide[i]; k++) {
             const struct neph_sun_point at = neph_sun_point(&grid->axes, corners_m[k]);
             const struct neph_vec3 place_m = {at.u, at.v, at.w};
@@ -194,6 +187,21 @@ struct neph_sun_row neph_sun_grid_touch(const struct neph_sun_grid *grid,
         rows[row] = low <= high ? find_cells(low, high, grid->width) : (struct neph_sun_row){0, -1};
     }
     return all;
+}
+
+struct neph_sun_row neph_sun_grid_touch_box(const struct neph_sun_grid *grid,
+                                            const struct neph_vec3 corners_m[8],
+                                            struct neph_sun_row *rows, double *top_m)
+{
+    static const unsigned char edges[12][2] = {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3},
+                                               {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
+    struct neph_sun_point points[8];
+    *top_m = -INFINITY;
+    for (int i = 0; i < 8; i++) {
+        points[i] = neph_sun_point(&grid->axes, corners_m[i]);
+        *top_m = fmax(*top_m, points[i].w);
+    }
+    return neph_sun_grid_touch(grid, points, 8, edges, 12, rows);
 }
 
 struct neph_interval neph_sun_grid_range(const struct neph_sun_grid *grid, int column, int row,
@@ -315,24 +323,16 @@ static void add_box_cell(struct neph_sun_grid *grid, const struct slab slabs[3],
 static void add_box(struct neph_sun_grid *grid, const struct neph_solid *box,
                     struct neph_sun_row *rows)
 {
-    static const unsigned char edges[12][2] = {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3},
-                                               {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
     const struct neph_vec3 middle_m = neph_bounds_middle(&box->box);
     struct neph_vec3 corners_m[8];
-    struct neph_sun_point points[8];
     struct slab slabs[3];
-    double top_m = -INFINITY;
-    find_corners(&box->box, corners_m);
-    for (int i = 0; i < 8; i++) {
-        const struct neph_vec3 from_m = neph_vec3_sub(corners_m[i], middle_m);
-        points[i] = neph_sun_point(&grid->axes,
-                                   neph_vec3_add(middle_m, neph_is_turned(&box->turn)
-                                                               ? neph_rotate(&box->turn, from_m)
-                                                               : from_m));
-        top_m = fmax(top_m, points[i].w);
-    }
+    double top_m;
+    neph_sun_grid_corners(&box->box, corners_m);
+    for (int i = 0; i < 8 && neph_is_turned(&box->turn); i++)
+        corners_m[i] = neph_vec3_add(
+            middle_m, neph_rotate(&box->turn, neph_vec3_sub(corners_m[i], middle_m)));
     find_slabs(box, &grid->axes, slabs);
-    const struct neph_sun_row all = neph_sun_grid_touch(grid, points, 8, edges, 12, rows);
+    const struct neph_sun_row all = neph_sun_grid_touch_box(grid, corners_m, rows, &top_m);
     for (int row = all.first; row <= all.last; row++)
         for (int column = rows[row].first; column <= rows[row].last; column++)
             add_box_cell(grid, slabs, top_m, column, row);

@@ -76,6 +76,13 @@ struct neph_sun_row neph_sun_grid_touch(const struct neph_sun_grid *grid,
                                         const unsigned char (*edges)[2], int edge_count,
                                         struct neph_sun_row *rows);
 
+/* The corners of a box, bit k of the index for the high side along axis k. And the rows that a box
+ * with such corners touches, as above, and its highest point. */
+void neph_sun_grid_corners(const struct neph_bounds *box, struct neph_vec3 corners_m[8]);
+struct neph_sun_row neph_sun_grid_touch_box(const struct neph_sun_grid *grid,
+                                            const struct neph_vec3 corners_m[8],
+                                            struct neph_sun_row *rows, double *top_m);
+
 /* The least and the largest value of constant + slope_u u + slope_v v in a cell with its reserve,
  * lowered and raised by the reserve of heights. */
 struct neph_interval neph_sun_grid_range(const struct neph_sun_grid *grid, int column, int row,

@@ -310,23 +310,15 @@ static enum neph_status add_mesh(const struct neph_scene *scene, const struct ne
 /* Instances as boxes. */
 static void add_bounds(const struct neph_scene *scene, struct adding *adding)
 {
-    static const unsigned char edges[12][2] = {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3},
-                                               {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
     for (int i = 0; i < scene->solid_count; i++) {
         const struct neph_bounds box = neph_solid_bounds(&scene->solids[i]);
-        struct neph_sun_point p[8];
-        double top_m = -INFINITY;
-        for (int k = 0; k < 8; k++) {
-            p[k] = neph_sun_point(&adding->grid->axes,
-                                  (struct neph_vec3){k & 1 ? box.max_m.x : box.min_m.x,
-                                                     k & 2 ? box.max_m.y : box.min_m.y,
-                                                     k & 4 ? box.max_m.z : box.min_m.z});
-            top_m = fmax(top_m, p[k].w);
-        }
+        struct neph_vec3 corners_m[8];
+        double top_m;
         if (scene->solids[i].kind != NEPH_SOLID_MESH)
             continue;
-        const struct neph_sun_row all = neph_sun_grid_touch(adding->grid, p, 8, edges, 12,
-                                                            adding->rows);
+        neph_sun_grid_corners(&box, corners_m);
+        const struct neph_sun_row all = neph_sun_grid_touch_box(adding->grid, corners_m,
+                                                                adding->rows, &top_m);
         for (int row = all.first; row <= all.last; row++)
             for (int column = adding->rows[row].first; column <= adding->rows[row].last; column++)
                 neph_sun_grid_raise(

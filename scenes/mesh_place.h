@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Meshes for engines of other programs: a mesh is written once, and each of its solids is a
- * transform of it.
+ * Meshes for engines that write each mesh once, and each of its solids as a transform of it: other
+ * programs, and the device.
  */
 #ifndef NEPH_SCENES_MESH_PLACE_H
 #define NEPH_SCENES_MESH_PLACE_H
