@@ -35,7 +35,7 @@ static void set_rgb(float out[3], struct neph_rgb rgb)
  * it. */
 static void set_turn(const struct neph_turn *turn, struct neph_gpu_solid *box)
 {
-    box->kind = 2u + (uint32_t)turn->axis;
+    box->kind = NEPH_GPU_SOLID_TURNED + (uint32_t)turn->axis;
     box->radius_m = (float)turn->cosine;
     box->albedo[3] = (float)turn->sine;
 }
@@ -292,8 +292,8 @@ static size_t count_first(const struct neph_scene *scene, const struct neph_medi
                           uint32_t medium_count, enum neph_gpu_data data)
 {
     return data == NEPH_GPU_VALUES   ? count_phase_values(media, medium_count)
-           : data == NEPH_GPU_TEXELS ? neph_gpu_mesh_words(scene) + neph_sun_grid_room(scene) / 2
-                                     : 0; /* two cells of the grid in an element */
+           : data == NEPH_GPU_TEXELS ? neph_gpu_mesh_words(scene) + neph_sun_grid_words(scene)
+                                     : 0;
 }
 
 /* Upload the data of one kind of all media, in the order of fill_media(). */
@@ -525,10 +525,10 @@ static uint32_t fill_solids(const struct neph_scene *scene, struct neph_vec3 cam
     struct neph_gpu_solids gpu;
     bool is_wide[NEPH_GPU_SOLIDS_MAX];
     size_t count = 0;
-    const struct neph_bounds boxes = neph_boxes_hull(scene);
+    const struct neph_bounds hull = neph_plain_hull(scene);
     for (int i = 0; i < scene->solid_count; i++)
         if (scene->solids[i].kind != NEPH_SOLID_MESH) {
-            is_wide[count] = neph_is_wide_solid(&scene->solids[i], &boxes);
+            is_wide[count] = neph_is_wide_solid(&scene->solids[i], &hull);
             gpu.solids[count++] = neph_gpu_solid_pack(&scene->solids[i], camera_m);
         }
     const uint32_t wide_nodes = neph_solid_tree_build(&gpu, (uint32_t)count, is_wide);
@@ -616,7 +616,7 @@ static void fill_scene_frame(struct neph_gpu_scene *gpu, const struct neph_scene
     if (neph_sun_grid_fits(&gpu->sun_grid, scene)) {
         gpu->constants[0] |= NEPH_GPU_SUN_GRID;
         gpu->frame->sun_grid = neph_sun_grid_place(&gpu->sun_grid, camera.position_m,
-                                                   2 * (uint32_t)neph_gpu_mesh_words(scene));
+                                                   (uint32_t)neph_gpu_mesh_words(scene));
         gpu->frame->sun_grid.wide_nodes = wide_nodes;
     }
     gpu->solid_iterations = neph_gpu_solid_iterations(scene);
@@ -642,15 +642,12 @@ static enum neph_status upload_sun_grid(const struct neph_vulkan *vulkan,
                                         const struct neph_scene *scene, struct neph_gpu_scene *gpu,
                                         struct neph_diag *diag)
 {
-    const size_t cell_bytes = sizeof(gpu->sun_grid.limits_m[0]);
-    const size_t cells = (size_t)gpu->sun_grid.width * (size_t)gpu->sun_grid.height;
     const enum neph_status status =
-        cells > 0 ? neph_buffer_upload(vulkan, &gpu->buffers[NEPH_GPU_TEXELS_BUFFER],
-                                       2 * neph_gpu_mesh_words(scene) * cell_bytes,
-                                       gpu->sun_grid.limits_m, cells * cell_bytes, diag)
-                  : NEPH_OK;
-    free(gpu->sun_grid.limits_m);
-    gpu->sun_grid.limits_m = NULL;
+        gpu->sun_grid.width > 0
+            ? neph_sun_grid_upload(&gpu->sun_grid, vulkan, &gpu->buffers[NEPH_GPU_TEXELS_BUFFER],
+                                   neph_gpu_mesh_words(scene), diag)
+            : NEPH_OK;
+    neph_sun_grid_free_cells(&gpu->sun_grid);
     return status;
 }
 

@@ -9,7 +9,7 @@ _Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 enum { LEAF = NEPH_GPU_LEAF_SOLIDS, SOLIDS_MAX = NEPH_GPU_SOLIDS_MAX };
 
-enum tree { WIDE, UNBOUNDED, BOXES, TREE_COUNT };
+enum tree { WIDE, OTHERS, TREE_COUNT };
 
 /* A solid's box, the place of its centre, and its number. */
 struct boxed {
@@ -23,15 +23,39 @@ struct builder {
     uint32_t node_count;
 };
 
+/* Half the side of the box around a solid, along an axis. */
+static float find_half(const struct neph_gpu_solid *solid, int axis)
+{
+    const int about = (int)solid->kind - (int)NEPH_GPU_SOLID_TURNED, second = (axis + 1) % 3,
+              third = (axis + 2) % 3;
+    float half_m[3];
+    if (solid->kind == NEPH_SOLID_SPHERE)
+        return solid->radius_m;
+    for (int k = 0; k < 3; k++)
+        half_m[k] = 0.5f * (solid->high_m[k] - solid->low_m[k]);
+    if (solid->kind == NEPH_SOLID_BOX || axis == about)
+        return half_m[axis];
+    return fabsf(solid->radius_m) * half_m[axis] +
+           fabsf(solid->albedo[3]) * half_m[second == about ? third : second];
+}
+
+/* Of a sphere or a rotated box, larger by a margin. */
 static struct boxed find_box(const struct neph_gpu_solid *solid, uint32_t number)
 {
     struct boxed boxed = {.solid = number};
-    const bool is_box = solid->kind == NEPH_SOLID_BOX;
+    const bool is_ball = solid->kind == NEPH_SOLID_SPHERE, is_box = solid->kind == NEPH_SOLID_BOX;
+    float far_m = 0.0f;
     for (int axis = 0; axis < 3; axis++) {
-        boxed.low_m[axis] = is_box ? solid->low_m[axis] : -NEPH_GPU_FAR_M;
-        boxed.high_m[axis] = is_box ? solid->high_m[axis] : NEPH_GPU_FAR_M;
-        boxed.center_m[axis] = is_box ? 0.5f * (solid->low_m[axis] + solid->high_m[axis])
-                                      : solid->low_m[axis];
+        const float half_m = find_half(solid, axis);
+        boxed.center_m[axis] = is_ball ? solid->low_m[axis]
+                                       : 0.5f * (solid->low_m[axis] + solid->high_m[axis]);
+        boxed.low_m[axis] = is_box ? solid->low_m[axis] : boxed.center_m[axis] - half_m;
+        boxed.high_m[axis] = is_box ? solid->high_m[axis] : boxed.center_m[axis] + half_m;
+        far_m = fmaxf(far_m, fmaxf(fabsf(boxed.low_m[axis]), fabsf(boxed.high_m[axis])));
+    }
+    for (int axis = 0; axis < 3 && !is_box; axis++) {
+        boxed.low_m[axis] -= NEPH_GPU_NODE_MARGIN * far_m;
+        boxed.high_m[axis] += NEPH_GPU_NODE_MARGIN * far_m;
     }
     return boxed;
 }
@@ -152,10 +176,7 @@ uint32_t neph_solid_tree_build(struct neph_gpu_solids *gpu, uint32_t count, cons
     for (int tree = WIDE; tree < TREE_COUNT; tree++) {
         const int first = placed;
         for (uint32_t i = 0; i < count; i++) {
-            const enum tree own = is_wide[i]                              ? WIDE
-                                  : gpu->solids[i].kind != NEPH_SOLID_BOX ? UNBOUNDED
-                                                                          : BOXES;
-            if ((int)own == tree)
+            if (is_wide[i] == (tree == WIDE))
                 builder.boxes[placed++] = find_box(&gpu->solids[i], i);
         }
         if (placed > first)

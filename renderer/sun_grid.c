@@ -16,7 +16,7 @@
 _Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 enum {
-    SOLIDS_MIN = 12,       /* fewer solids are tested in less time than a cell is read */
+    SOLIDS_MIN = 8,        /* fewer are tested in less time than a cell is read, on lavapipe */
     SOLID_CELLS = 1 << 12, /* cells for each solid */
     CELLS_MAX = 1 << 20,
     SIDE_MAX = 4096,
@@ -40,21 +40,27 @@ static double get_side(const struct neph_bounds *box, int axis)
 static const struct neph_bounds nothing = {{INFINITY, INFINITY, INFINITY},
                                            {-INFINITY, -INFINITY, -INFINITY}};
 
-struct neph_bounds neph_boxes_hull(const struct neph_scene *scene)
+static struct neph_bounds find_hull(const struct neph_scene *scene, enum neph_solid_kind kind)
 {
     struct neph_bounds hull = nothing;
     for (int i = 0; i < scene->solid_count; i++)
-        if (scene->solids[i].kind == NEPH_SOLID_BOX)
+        if (scene->solids[i].kind == kind)
             hull = neph_bounds_hull(hull, neph_solid_bounds(&scene->solids[i]));
     return hull;
 }
 
-bool neph_is_wide_solid(const struct neph_solid *solid, const struct neph_bounds *boxes)
+struct neph_bounds neph_plain_hull(const struct neph_scene *scene)
+{
+    const struct neph_bounds boxes = find_hull(scene, NEPH_SOLID_BOX);
+    return neph_bounds_are_empty(&boxes) ? find_hull(scene, NEPH_SOLID_SPHERE) : boxes;
+}
+
+bool neph_is_wide_solid(const struct neph_solid *solid, const struct neph_bounds *hull)
 {
     const struct neph_bounds box = neph_solid_bounds(solid);
     int wide_axes = 0;
     for (int axis = 0; axis < 3; axis++)
-        wide_axes += get_side(&box, axis) >= 0.25 * get_side(boxes, axis);
+        wide_axes += get_side(&box, axis) >= 0.25 * get_side(hull, axis);
     return solid->kind != NEPH_SOLID_MESH && wide_axes >= 2;
 }
 
@@ -67,6 +73,12 @@ size_t neph_sun_grid_room(const struct neph_scene *scene)
         return CELLS_MAX;
     const size_t cells = SOLID_CELLS * (size_t)scene->solid_count;
     return scene->solid_count < SOLIDS_MIN ? 0 : cells < CELLS_MAX ? cells : CELLS_MAX;
+}
+
+/* Two limits and one list for each cell. */
+size_t neph_sun_grid_words(const struct neph_scene *scene)
+{
+    return 3 * neph_sun_grid_room(scene) / 4;
 }
 
 /* --- axes and cells -------------------------------------------------------------------------- */
@@ -225,6 +237,16 @@ void neph_sun_grid_raise(struct neph_sun_grid *grid, int column, int row, double
     limits_m[1] = lit > limits_m[1] ? lit : limits_m[1];
 }
 
+/* Add a solid, by its number on the device, to the list of a cell. */
+static void list_solid(struct neph_sun_grid *grid, int column, int row, uint32_t number)
+{
+    uint32_t *listed = &grid->listed[(size_t)row * (size_t)grid->width + (size_t)column];
+    const uint32_t count = *listed & 3;
+    if (*listed != NEPH_GPU_MANY_LISTED)
+        *listed = count == 3 ? NEPH_GPU_MANY_LISTED
+                             : (*listed + 1) | number << (2 + NEPH_GPU_LISTED_BITS * count);
+}
+
 /* --- boxes ----------------------------------------------------------------------------------- */
 
 /* Where rays towards the sun enter and leave the two faces of a box across one of its axes, as
@@ -304,7 +326,7 @@ static bool covers_cell(const struct neph_sun_grid *grid, const struct slab slab
 
 /* The limits where rays leave the box: the least of three planes. */
 static void add_box_cell(struct neph_sun_grid *grid, const struct slab slabs[3], double top_m,
-                         int column, int row)
+                         int column, int row, uint32_t number)
 {
     double dark_m = INFINITY, lit_m = top_m + height_reserve * grid->cell_m;
     for (int axis = 0; axis < 3; axis++) {
@@ -318,9 +340,10 @@ static void add_box_cell(struct neph_sun_grid *grid, const struct slab slabs[3],
     }
     neph_sun_grid_raise(grid, column, row,
                         covers_cell(grid, slabs, column, row) ? dark_m : -INFINITY, lit_m);
+    list_solid(grid, column, row, number);
 }
 
-static void add_box(struct neph_sun_grid *grid, const struct neph_solid *box,
+static void add_box(struct neph_sun_grid *grid, const struct neph_solid *box, uint32_t number,
                     struct neph_sun_row *rows)
 {
     const struct neph_vec3 middle_m = neph_bounds_middle(&box->box);
@@ -335,7 +358,7 @@ static void add_box(struct neph_sun_grid *grid, const struct neph_solid *box,
     const struct neph_sun_row all = neph_sun_grid_touch_box(grid, corners_m, rows, &top_m);
     for (int row = all.first; row <= all.last; row++)
         for (int column = rows[row].first; column <= rows[row].last; column++)
-            add_box_cell(grid, slabs, top_m, column, row);
+            add_box_cell(grid, slabs, top_m, column, row, number);
 }
 
 /* --- balls ----------------------------------------------------------------------------------- */
@@ -352,7 +375,7 @@ static double find_half_chord(double radius, double u, double v)
     return sqrt(fmax(0.0, radius * radius - u * u - v * v));
 }
 
-static void add_ball(struct neph_sun_grid *grid, const struct neph_solid *ball)
+static void add_ball(struct neph_sun_grid *grid, const struct neph_solid *ball, uint32_t number)
 {
     const struct neph_sun_point at = to_cells(grid, neph_sun_point(&grid->axes, ball->center_m));
     const double radius = ball->radius_m / grid->cell_m;
@@ -369,6 +392,7 @@ static void add_ball(struct neph_sun_grid *grid, const struct neph_solid *ball)
                 grid, column, row,
                 least > 0.0 ? at.w + (least - height_reserve) * grid->cell_m : -INFINITY,
                 at.w + (find_half_chord(radius, u.low, v.low) + height_reserve) * grid->cell_m);
+            list_solid(grid, column, row, number);
         }
 }
 
@@ -380,7 +404,9 @@ static enum neph_status fill_grid(const struct neph_scene *scene, const bool *is
     const size_t count = (size_t)grid->width * (size_t)grid->height;
     struct neph_sun_row *rows = malloc((size_t)grid->height * sizeof(*rows));
     grid->limits_m = malloc(count * sizeof(*grid->limits_m));
-    if (!rows || !grid->limits_m) {
+    grid->listed = calloc(count, sizeof(*grid->listed));
+    uint32_t number = 0;
+    if (!rows || !grid->limits_m || !grid->listed) {
         free(rows);
         return neph_fail_memory(diag);
     }
@@ -389,9 +415,10 @@ static enum neph_status fill_grid(const struct neph_scene *scene, const bool *is
     for (int i = 0; i < scene->solid_count; i++) {
         const struct neph_solid *solid = &scene->solids[i];
         if (solid->kind == NEPH_SOLID_BOX && !is_wide[i])
-            add_box(grid, solid, rows);
+            add_box(grid, solid, number, rows);
         else if (solid->kind == NEPH_SOLID_SPHERE && !is_wide[i])
-            add_ball(grid, solid);
+            add_ball(grid, solid, number);
+        number += solid->kind != NEPH_SOLID_MESH;
     }
     free(rows);
     return neph_sun_grid_add_meshes(scene, grid, diag);
@@ -415,9 +442,9 @@ enum neph_status neph_sun_grid_create(const struct neph_scene *scene, struct nep
     bool *is_wide = malloc((size_t)scene->solid_count * sizeof(*is_wide));
     if (!is_wide)
         return neph_fail_memory(diag);
-    const struct neph_bounds boxes = neph_boxes_hull(scene);
+    const struct neph_bounds hull = neph_plain_hull(scene);
     for (int i = 0; i < scene->solid_count; i++)
-        is_wide[i] = neph_is_wide_solid(&scene->solids[i], &boxes);
+        is_wide[i] = neph_is_wide_solid(&scene->solids[i], &hull);
     grid->axes = find_axes(scene->sun.direction);
     enum neph_status status = NEPH_OK;
     if (place_grid(scene, is_wide, grid)) {
@@ -429,10 +456,18 @@ enum neph_status neph_sun_grid_create(const struct neph_scene *scene, struct nep
     return status;
 }
 
+void neph_sun_grid_free_cells(struct neph_sun_grid *grid)
+{
+    free(grid->listed);
+    free(grid->limits_m);
+    grid->listed = NULL;
+    grid->limits_m = NULL;
+}
+
 void neph_sun_grid_destroy(struct neph_sun_grid *grid)
 {
     free(grid->solids);
-    free(grid->limits_m);
+    neph_sun_grid_free_cells(grid);
     *grid = (struct neph_sun_grid){.cell_m = 0.0};
 }
 
@@ -446,7 +481,7 @@ bool neph_sun_grid_fits(const struct neph_sun_grid *grid, const struct neph_scen
 }
 
 struct neph_gpu_sun_grid neph_sun_grid_place(const struct neph_sun_grid *grid,
-                                             struct neph_vec3 camera_m, uint32_t first)
+                                             struct neph_vec3 camera_m, uint32_t words)
 {
     const struct neph_sun_point at = neph_sun_point(&grid->axes, camera_m);
     const struct neph_sun_point cells = to_cells(grid, at);
@@ -456,9 +491,24 @@ struct neph_gpu_sun_grid neph_sun_grid_place(const struct neph_sun_grid *grid,
         .height_m = (float)at.w,
         .reach_m = (float)(away < reach ? reach * grid->cell_m : 0.0),
         .size = {(uint32_t)grid->width, (uint32_t)grid->height},
-        .first = first,
+        .first = 2 * words,
+        .first_listed = 4 * words + 2 * (uint32_t)(grid->width * grid->height),
     };
     neph_gpu_direction(made.across_u, neph_vec3_scale(grid->axes.u, 1.0 / grid->cell_m));
     neph_gpu_direction(made.across_v, neph_vec3_scale(grid->axes.v, 1.0 / grid->cell_m));
     return made;
+}
+
+enum neph_status neph_sun_grid_upload(const struct neph_sun_grid *grid,
+                                      const struct neph_vulkan *vulkan,
+                                      const struct neph_buffer *buffer, size_t words,
+                                      struct neph_diag *diag)
+{
+    const size_t cells = (size_t)grid->width * (size_t)grid->height;
+    const size_t first = words * 4 * sizeof(uint32_t), limits = cells * sizeof(grid->limits_m[0]);
+    const enum neph_status status = neph_buffer_upload(vulkan, buffer, first, grid->limits_m,
+                                                       limits, diag);
+    return status ? status
+                  : neph_buffer_upload(vulkan, buffer, first + limits, grid->listed,
+                                       cells * sizeof(grid->listed[0]), diag);
 }

@@ -13,6 +13,7 @@
 #define NEPH_RENDERER_SUN_GRID_H
 
 #include "base/status.h"
+#include "renderer/compute.h"
 #include "scenes/quadrature.h"
 #include "scenes/scene.h"
 #include "shaders/structs.h"
@@ -28,32 +29,43 @@ struct neph_sun_grid {
     double cell_m;           /* side of a cell */
     int width, height;       /* in cells */
     float (*limits_m)[2];    /* of each cell: hidden up to, seen from */
+    uint32_t *listed;        /* of each cell: the boxes and balls that touch it; see GLSL */
     /* The solids for which it is. */
     int solid_count;
     struct neph_solid *solids;
 };
 
-/* The box around all boxes of a scene, and whether a solid is at least a quarter as wide along two
- * axes as this one. A mesh is not. */
-struct neph_bounds neph_boxes_hull(const struct neph_scene *scene);
-bool neph_is_wide_solid(const struct neph_solid *solid, const struct neph_bounds *boxes);
+/* The hull of all boxes of a scene, or without boxes of all spheres. And whether a solid is at least
+ * a quarter as wide along two axes as the hull. A mesh is not. */
+struct neph_bounds neph_plain_hull(const struct neph_scene *scene);
+bool neph_is_wide_solid(const struct neph_solid *solid, const struct neph_bounds *hull);
 
 /* The number of cells for which a scene needs room: 0 where few solids or a moving sun or moving
- * solids make a grid useless. */
+ * solids make a grid useless. And the number of words of four that they take. */
 size_t neph_sun_grid_room(const struct neph_scene *scene);
+size_t neph_sun_grid_words(const struct neph_scene *scene);
 
 /* Build the grid of a scene that has room for one; zero-initialise `grid`, free with _destroy. */
 enum neph_status neph_sun_grid_create(const struct neph_scene *scene, struct neph_sun_grid *grid,
                                       struct neph_diag *diag);
 void neph_sun_grid_destroy(struct neph_sun_grid *grid);
 
+/* Free the cells, after their upload. */
+void neph_sun_grid_free_cells(struct neph_sun_grid *grid);
+
 /* Whether it is the grid of a scene's sun and solids. */
 bool neph_sun_grid_fits(const struct neph_sun_grid *grid, const struct neph_scene *scene);
 
-/* The member of a frame, for a camera; `first` is the index of the first cell in the buffer. Where
+/* The member of a frame, for a camera; in the buffer `words` of four are before the grid. Where
  * the camera is too far for float32, no point uses the grid. */
 struct neph_gpu_sun_grid neph_sun_grid_place(const struct neph_sun_grid *grid,
-                                             struct neph_vec3 camera_m, uint32_t first);
+                                             struct neph_vec3 camera_m, uint32_t words);
+
+/* Upload the cells behind the first `words` of four of a buffer. */
+enum neph_status neph_sun_grid_upload(const struct neph_sun_grid *grid,
+                                      const struct neph_vulkan *vulkan,
+                                      const struct neph_buffer *buffer, size_t words,
+                                      struct neph_diag *diag);
 
 /* --- for sun_grid_meshes.c ------------------------------------------------------------------- */
 

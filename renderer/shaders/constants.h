@@ -60,8 +60,15 @@
 
 // Solids per scene, and solids per block. A block has a common bounding box.
 #define NEPH_GPU_SOLIDS_MAX 1024
+#define NEPH_GPU_SOLID_TURNED 2u // first kind of rotated boxes (solids.glsl)
 #define NEPH_GPU_LEAF_SOLIDS 8
+#define NEPH_GPU_NODE_MARGIN 4e-6f // of coordinates, some 60 roundings of float32
 #define NEPH_GPU_SOLID_NODES_MAX (2 * NEPH_GPU_SOLIDS_MAX / NEPH_GPU_LEAF_SOLIDS + 4)
+
+// The list of solids of a cell of the sun's grid: two bits for their count, up to 3, and for each
+// one the bits of its number; or the word for more than three.
+#define NEPH_GPU_LISTED_BITS 10
+#define NEPH_GPU_MANY_LISTED 0xffffffffu // never a list: a solid is in it once
 
 // Texels along each side of the textures of Horizon clouds.
 #define NEPH_GPU_HORIZON_BASE_SIDE 64

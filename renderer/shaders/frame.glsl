@@ -69,7 +69,8 @@ struct SunGrid {
     uvec2 size; // in cells
     uint first; // index of cell (0, 0)
     uint wide_nodes; // nodes of the trees of solids that are not in the grid
-    uvec2 padding;
+    uint first_listed; // index of the list of cell (0, 0)
+    uint padding;
 };
 
 struct Hit {

@@ -54,6 +54,8 @@ Surface surface_at(uint solid, vec3 point_m)
     return Surface(solid_normal(own, point_m), own.albedo.rgb);
 }
 
+const uint SOLID_NUMBER = (1u << NEPH_GPU_LISTED_BITS) - 1u; // bits of a number in a list
+
 uint numbered_solid(uint place) { return solid_order[place / 4][place % 4]; }
 
 #ifdef KNOWS_SOLIDS
@@ -93,8 +95,7 @@ Hit nearest_hit(vec3 origin_m, vec3 direction, uint except)
     for (uint n = 0; n < make_nonuniform(frame.solid_count);) {
         SolidNode node = solid_nodes[n];
         float t0_m = 0.0, t1_m = FAR_M;
-        bool meets = clip_box(node.low_m, node.high_m, origin_m, direction, t0_m, t1_m) &&
-                     t0_m <= hit.t_m;
+        bool meets = meets_node(node, origin_m, direction, t0_m, t1_m) && t0_m <= hit.t_m;
         n = is_entered(meets) && node.leaf == 0u ? n + 1 : node.next;
         for (uint i = 0; i < (meets ? leaf_count(node) : 0u); i++) {
             uint s = numbered_solid(leaf_first(node) + i);
@@ -116,6 +117,14 @@ Hit scene_hit(vec3 origin_m, vec3 direction)
     return nearest_hit(origin_m, direction, NO_SOLID);
 }
 
+// Whether a solid is met between two distances from a point.
+bool is_between(uint s, vec3 point_m, vec3 direction, float start_m, float end_m)
+{
+    float t0_m, t1_m;
+    return solid_interval(solids[s], point_m, direction, t0_m, t1_m) && t1_m > start_m &&
+           t0_m < end_m;
+}
+
 // Whether no solid but `except` is met between two distances from a point. Only of the solids whose
 // trees have the nodes from `first` to the one before `behind`; meshes are behind all of them.
 bool is_free(vec3 point_m, vec3 direction, float start_m, float end_m, uint except, uint first,
@@ -125,16 +134,24 @@ bool is_free(vec3 point_m, vec3 direction, float start_m, float end_m, uint exce
     for (uint n = first; n < behind;) {
         SolidNode node = solid_nodes[n];
         float t0_m = start_m, t1_m = end_m;
-        bool meets = !is_hidden &&
-                     clip_box(node.low_m, node.high_m, point_m, direction, t0_m, t1_m);
+        bool meets = !is_hidden && meets_node(node, point_m, direction, t0_m, t1_m);
         n = is_entered(meets) && node.leaf == 0u ? n + 1 : node.next;
         for (uint i = 0; i < (meets ? leaf_count(node) : 0u); i++) {
             uint s = numbered_solid(leaf_first(node) + i);
-            if (s != except && solid_interval(solids[s], point_m, direction, t0_m, t1_m) &&
-                t1_m > start_m && t0_m < end_m)
+            if (s != except && is_between(s, point_m, direction, start_m, end_m))
                 is_hidden = true;
         }
     }
+    return !is_hidden;
+}
+
+// Whether no solid of a list is met.
+bool is_free_of_listed(uint listed, vec3 point_m, vec3 direction, float start_m, float end_m)
+{
+    bool is_hidden = false;
+    for (uint i = 0u; i < (listed & 3u) && !is_hidden; i++)
+        is_hidden = is_between(listed >> (2u + NEPH_GPU_LISTED_BITS * i) & SOLID_NUMBER, point_m,
+                               direction, start_m, end_m);
     return !is_hidden;
 }
 
@@ -152,16 +169,20 @@ bool is_free(vec3 point_m, vec3 direction, float start_m, float end_m, uint exce
 const float SHADOW_START = 1e-6;
 
 // With the grid across the sun, rays test only solids that are not in it, such as a ground, and for
-// points between the two limits of their cell all others.
+// points between the two limits of their cell the solids that touch it.
 bool sees_sun_by_grid(vec3 point_m, float start_m)
 {
-    uint sun = sun_from_grid(point_m), wide = make_nonuniform(frame.sun_grid.wide_nodes);
+    uint cell, sun = sun_from_grid(point_m, cell);
+    uint wide = make_nonuniform(frame.sun_grid.wide_nodes);
     bool is_seen = sun != SUN_HIDDEN;
     if (is_seen)
         is_seen = is_free(point_m, to_sun(), start_m, ENDLESS_M, NO_SOLID, 0u, wide);
     if (is_seen && sun == SUN_UNSURE) {
-        is_seen = is_free(point_m, to_sun(), start_m, ENDLESS_M, NO_SOLID, wide,
-                          make_nonuniform(frame.solid_count));
+        uint listed = sun_grid_list(cell);
+        is_seen = listed == NEPH_GPU_MANY_LISTED
+                      ? is_free(point_m, to_sun(), start_m, ENDLESS_M, NO_SOLID, wide,
+                                make_nonuniform(frame.solid_count))
+                      : is_free_of_listed(listed, point_m, to_sun(), start_m, ENDLESS_M);
         if (MESHES && is_seen)
             is_seen = !is_mesh_met(point_m, to_sun(), start_m, ENDLESS_M, NO_SOLID);
     }

@@ -14,7 +14,7 @@ const bool TURNED = (TRAITS & NEPH_GPU_TURNED) != 0u; // a box is rotated
 // enum neph_solid_kind. SOLID_TURNED + 0, 1, 2 are boxes rotated about x, y, z.
 const uint SOLID_BOX = 0;
 const uint SOLID_SPHERE = 1;
-const uint SOLID_TURNED = 2;
+const uint SOLID_TURNED = NEPH_GPU_SOLID_TURNED;
 
 struct Solid {
     vec3 low_m; // sphere: centre; rotated box: before the rotation
@@ -24,9 +24,7 @@ struct Solid {
     vec4 albedo; // w: sphere: altitude of the camera above it; rotated box: sine
 };
 
-// A node of the trees of boxes around solids (renderer/solid_tree.h). Its rounded interval on a ray
-// contains the rounded intervals of its solids, because it is computed in the same way from smaller
-// lows and larger highs.
+// A node of the trees of boxes around solids (renderer/solid_tree.h).
 struct SolidNode {
     vec3 low_m;
     uint leaf; // 0: the node behind this one is its first child; else see leaf_first()
@@ -63,6 +61,18 @@ bool clip_box(vec3 low_m, vec3 high_m, vec3 origin_m, vec3 direction, inout floa
            clip_axis(low_m.x, high_m.x, origin_m.x, direction.x, t0_m, t1_m) &&
            clip_axis(low_m.y, high_m.y, origin_m.y, direction.y, t0_m, t1_m) &&
            clip_axis(low_m.z, high_m.z, origin_m.z, direction.z, t0_m, t1_m);
+}
+
+// The part of a ray in a node, within [t0, t1]. It contains the rounded intervals of the node's
+// solids. That of a box is computed in the same way from a larger low and a smaller high. Points of
+// the others are within the node, because the node is larger by more than their rounding, which
+// grows with their own distance from the camera (solid_tree.h) and with the ray's.
+bool meets_node(SolidNode node, vec3 origin_m, vec3 direction, inout float t0_m, inout float t1_m)
+{
+    vec3 far_m = abs(origin_m);
+    float margin_m = NEPH_GPU_NODE_MARGIN * max(far_m.x, max(far_m.y, far_m.z));
+    return clip_box(node.low_m - margin_m, node.high_m + margin_m, origin_m, direction, t0_m,
+                    t1_m);
 }
 
 // Computed from the ray's point nearest to the centre; the discriminant b^2 - 4 a c would cancel

@@ -22,16 +22,43 @@ static void make_solids(struct neph_gpu_solids *gpu, uint32_t count, uint64_t *s
             solid->low_m[axis] = (float)neph_test_uniform(seed, -100.0, 100.0);
             solid->high_m[axis] = solid->low_m[axis] + (float)size_m;
         }
+        const double angle = neph_test_uniform(seed, 0.0, 2.0 * M_PI);
+        const bool is_ball = solid->kind == NEPH_SOLID_SPHERE;
+        solid->radius_m = is_ball ? solid->high_m[0] - solid->low_m[0] : (float)cos(angle);
+        solid->albedo[3] = (float)sin(angle);
     }
 }
 
+static bool has_point(const struct neph_gpu_solid_node *node, const double point_m[3])
+{
+    bool has = true;
+    for (int axis = 0; axis < 3; axis++)
+        has = has && point_m[axis] >= node->low_m[axis] && point_m[axis] <= node->high_m[axis];
+    return has;
+}
+
+/* Corners of the box, or of the box around a sphere; a rotated box turns them about its middle, by
+ * the cosine in radius_m and the sine in albedo[3]. */
 static bool is_within(const struct neph_gpu_solid *solid, const struct neph_gpu_solid_node *node)
 {
     bool is_in = true;
-    for (int axis = 0; axis < 3; axis++) {
-        const bool is_box = solid->kind == NEPH_SOLID_BOX;
-        is_in = is_in && node->low_m[axis] <= (is_box ? solid->low_m[axis] : -NEPH_GPU_FAR_M) &&
-                node->high_m[axis] >= (is_box ? solid->high_m[axis] : NEPH_GPU_FAR_M);
+    for (int corner = 0; corner < 8; corner++) {
+        double from_m[3], point_m[3];
+        for (int axis = 0; axis < 3; axis++) {
+            const double low = (double)solid->low_m[axis], high = (double)solid->high_m[axis];
+            const bool is_ball = solid->kind == NEPH_SOLID_SPHERE;
+            const double half = is_ball ? (double)solid->radius_m : 0.5 * (high - low);
+            from_m[axis] = corner >> axis & 1 ? half : -half;
+            point_m[axis] = (is_ball ? low : 0.5 * (low + high)) + from_m[axis];
+        }
+        if (solid->kind >= NEPH_GPU_SOLID_TURNED) {
+            const int about = (int)(solid->kind - NEPH_GPU_SOLID_TURNED), b = (about + 1) % 3,
+                      c = (about + 2) % 3;
+            const double cosine = (double)solid->radius_m, sine = (double)solid->albedo[3];
+            point_m[b] += (cosine - 1.0) * from_m[b] - sine * from_m[c];
+            point_m[c] += sine * from_m[b] + (cosine - 1.0) * from_m[c];
+        }
+        is_in = is_in && has_point(node, point_m);
     }
     return is_in;
 }

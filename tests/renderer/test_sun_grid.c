@@ -5,6 +5,7 @@
  */
 #include "tests/mesh_builders.h"
 
+#include "renderer/shaders/constants.h"
 #include "renderer/sun_grid.h"
 #include "scenes/solids.h"
 
@@ -120,18 +121,19 @@ static void make_world(struct world *world, enum meshes meshes, uint64_t *seed)
 /* The world without its wide solids, which are not in the grid. */
 static struct neph_scene leave_out_wide(const struct world *world, struct neph_solid *solids)
 {
-    const struct neph_bounds boxes = neph_boxes_hull(&world->scene);
+    const struct neph_bounds hull = neph_plain_hull(&world->scene);
     struct neph_scene rest = world->scene;
     rest.solids = solids;
     rest.solid_count = 0;
     for (int i = 0; i < SOLIDS; i++)
-        if (!neph_is_wide_solid(&world->solids[i], &boxes))
+        if (!neph_is_wide_solid(&world->solids[i], &hull))
             solids[rest.solid_count++] = world->solids[i];
     return rest;
 }
 
-/* 0: it does not decide; 1: lit; 2: hidden. As in shaders/sun_grid.glsl. */
-static int decide(const struct neph_sun_grid *grid, struct neph_vec3 point_m)
+/* 0: it does not decide, and the solids that may hide the sun are listed; 1: lit; 2: hidden. As in
+ * shaders/sun_grid.glsl. */
+static int decide(const struct neph_sun_grid *grid, struct neph_vec3 point_m, uint32_t *listed)
 {
     const struct neph_sun_point at = neph_sun_point(&grid->axes, point_m);
     const int column = (int)floor((at.u - grid->low_u_m) / grid->cell_m);
@@ -139,13 +141,34 @@ static int decide(const struct neph_sun_grid *grid, struct neph_vec3 point_m)
     if (column < 0 || column >= grid->width || row < 0 || row >= grid->height)
         return 1;
     const float *limits_m = grid->limits_m[row * grid->width + column];
+    *listed = grid->listed[row * grid->width + column];
     return at.w >= (double)limits_m[1] ? 1 : at.w <= (double)limits_m[0] ? 2 : 0;
+}
+
+/* The solids of a list, with all meshes. */
+static struct neph_scene take_listed(const struct neph_scene *scene, uint32_t listed,
+                                     struct neph_solid *solids)
+{
+    struct neph_scene taken = *scene;
+    uint32_t number = 0;
+    taken.solids = solids;
+    taken.solid_count = 0;
+    for (int i = 0; i < scene->solid_count; i++) {
+        const bool is_mesh = scene->solids[i].kind == NEPH_SOLID_MESH;
+        bool is_taken = is_mesh;
+        for (uint32_t k = 0; k < (listed & 3) && !is_mesh; k++)
+            is_taken |= (listed >> (2 + NEPH_GPU_LISTED_BITS * k) & 1023) == number;
+        number += !is_mesh;
+        if (is_taken)
+            solids[taken.solid_count++] = scene->solids[i];
+    }
+    return taken;
 }
 
 static void check_worlds(enum meshes meshes)
 {
     uint64_t seed = 61;
-    int decided = 0, hidden = 0, known_hidden = 0, all = 0;
+    int decided = 0, hidden = 0, known_hidden = 0, all = 0, by_list = 0;
     for (int n = 0; n < 6; n++) {
         OWNED(world) struct world world;
         OWNED(grid) struct neph_sun_grid grid = {.cell_m = 0.0};
@@ -159,7 +182,14 @@ static void check_worlds(enum meshes meshes)
         for (int i = 0; i < POINTS; i++) {
             const struct neph_vec3 point_m = random_point(&seed, 130.0);
             const bool sees = neph_scene_is_sun_visible(&rest, point_m);
-            const int said = decide(&grid, point_m);
+            uint32_t listed = 0;
+            const int said = decide(&grid, point_m, &listed);
+            if (said == 0 && listed != NEPH_GPU_MANY_LISTED) {
+                struct neph_solid few[SOLIDS];
+                const struct neph_scene taken = take_listed(&world.scene, listed, few);
+                assert_int_equal(neph_scene_is_sun_visible(&taken, point_m), sees);
+                by_list++;
+            }
             if (said != 0) {
                 if (said != (sees ? 1 : 2))
                     print_error("world %d, point %d\n", n, i);
@@ -171,8 +201,9 @@ static void check_worlds(enum meshes meshes)
             known_hidden += said == 2;
         }
     }
-    print_message("%d of %d decided, %d of %d hidden known\n", decided, all, known_hidden, hidden);
-    assert_true(decided > 0.9 * all);
+    print_message("%d of %d decided and %d by few solids, %d of %d hidden known\n", decided, all,
+                  by_list, known_hidden, hidden);
+    assert_true(decided > 0.9 * all && by_list > 0.5 * (all - decided));
     assert_true(known_hidden > 0.5 * hidden);
 }
 
