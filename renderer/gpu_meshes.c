@@ -394,8 +394,8 @@ enum neph_status neph_gpu_meshes_upload(const struct neph_vulkan *vulkan,
     if (!data)
         return neph_fail_memory(diag);
     write_meshes(scene, eye_m, data);
-    enum neph_status status = neph_gpu_mesh_places_write(
-        scene, eye_m, data + NEPH_GPU_MESH_PLACES_FIRST, diag);
+    enum neph_status status = neph_gpu_mesh_places_write(scene, eye_m,
+                                                         data + NEPH_GPU_MESH_PLACES_FIRST, diag);
     if (!status)
         status = neph_buffer_upload(vulkan, buffer, 0, data, count * sizeof(*data), diag);
     free(data);

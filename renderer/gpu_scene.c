@@ -660,9 +660,9 @@ static enum neph_status upload_meshes(const struct neph_vulkan *vulkan,
                                       const struct neph_scene *scene, double frame,
                                       struct neph_gpu_scene *gpu, struct neph_diag *diag)
 {
-    enum neph_status status = neph_gpu_meshes_upload(
-        vulkan, scene, neph_scene_camera(scene, frame).position_m,
-        &gpu->buffers[NEPH_GPU_TEXELS_BUFFER], diag);
+    enum neph_status status = neph_gpu_meshes_upload(vulkan, scene,
+                                                     neph_scene_camera(scene, frame).position_m,
+                                                     &gpu->buffers[NEPH_GPU_TEXELS_BUFFER], diag);
     if (!status)
         status = neph_mesh_motion_create(scene, &gpu->mesh_motion, diag);
     return status || !gpu->is_on_cpu || neph_gpu_count_instances(scene) == 0

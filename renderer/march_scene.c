@@ -128,9 +128,8 @@ static enum neph_status update_scene_buffers(const struct neph_scene *from,
     neph_buffer_ring_advance(&scene->frame_ring, &scene->gpu.buffers[0]);
     neph_buffer_ring_advance(&scene->solid_ring, &scene->gpu.buffers[1]);
     scene->gpu.frame = scene->gpu.buffers[0].mapped;
-    const enum neph_status status = neph_gpu_scene_update(scene->vulkan, &scene->gpu, from, frame,
-                                                          params->width_px, params->height_px,
-                                                          gpu_s, diag);
+    const enum neph_status status = neph_gpu_scene_update(
+        scene->vulkan, &scene->gpu, from, frame, params->width_px, params->height_px, gpu_s, diag);
     neph_march_set_frame(from, params, scene->gpu.frame);
     return status;
 }

@@ -1019,9 +1019,8 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
         status = render_mirrored(realtime, frame, diag);
     if (!status)
         status = render_size(realtime, frame, false, image, stats, diag);
-    return status || !image
-               ? status
-               : neph_gpu_scene_check(realtime->vulkan, &realtime->scene.gpu, diag);
+    return status || !image ? status
+                            : neph_gpu_scene_check(realtime->vulkan, &realtime->scene.gpu, diag);
 }
 
 enum neph_status neph_realtime_collect(struct neph_realtime *realtime,
