@@ -10,7 +10,7 @@
 #include "tests/mesh_builders.h"
 #include "tests/renderer/sequence_test.h"
 
-#include "renderer/gpu_meshes.h"
+#include "renderer/gpu_scene.h"
 #include "scenes/solids.h"
 
 /* The rounding of a position on a device, relative to its size: half a unit of the last of 24 bits,
@@ -736,6 +736,33 @@ static void test_a_mesh_at_rest_keeps_its_bits(void **state)
     free(words[0]);
     free(words[1]);
     test_end_moving(&moving);
+}
+
+/* Each of three frames in flight has its own memory, and a frame whose solids are those of the
+ * frame before submits nothing. */
+static void test_places_are_copied_where_solids_move(void **state)
+{
+    struct neph_gpu_scene gpu = {.frame = NULL};
+    OWNED(moving) struct moving moving;
+    struct neph_diag diag = {0};
+    VkBuffer used[MOVING_FRAMES];
+    make_moving(&moving, true);
+    moving.keys[1].frame = MOVING_FRAMES - 2;
+    neph_assert_ok(neph_gpu_scene_create(*state, &moving.test.scene, 0.0, 8, 8, false, &gpu, &diag),
+                   &diag);
+    for (int frame = 0; frame < MOVING_FRAMES; frame++) {
+        OWNED(scene) struct neph_scene *still = test_still(&moving.test.scene, frame);
+        const uint64_t sent = neph_batches_submitted(*state);
+        neph_assert_ok(neph_gpu_scene_update(*state, &gpu, still, frame, 8, 8, NULL, &diag), &diag);
+        used[frame] = gpu.mesh_motion.places.handle;
+        assert_int_equal(neph_batches_submitted(*state) - sent, frame < MOVING_FRAMES - 1);
+    }
+    for (int frame = NEPH_IN_FLIGHT_FRAMES; frame < MOVING_FRAMES - 1; frame++) {
+        assert_ptr_equal(used[frame], used[frame - NEPH_IN_FLIGHT_FRAMES]);
+        for (int back = 1; back < NEPH_IN_FLIGHT_FRAMES; back++)
+            assert_ptr_not_equal(used[frame], used[frame - back]);
+    }
+    neph_gpu_scene_destroy(*state, &gpu);
 }
 
 #include "tests/renderer/main.h"
