@@ -374,6 +374,25 @@ enum neph_status neph_buffer_upload(const struct neph_vulkan *vulkan,
     return status;
 }
 
+/* The barrier makes the timestamp, which is one of kernels, wait for the copy. */
+enum neph_status neph_copy_submit(const struct neph_vulkan *vulkan, const struct neph_buffer *from,
+                                  const struct neph_buffer *to, size_t offset_bytes,
+                                  size_t size_bytes, double *gpu_s, struct neph_diag *diag)
+{
+    const VkBufferCopy region = {.dstOffset = offset_bytes, .size = size_bytes};
+    struct neph_lane *lane;
+    VkResult result = neph_lane_begin(vulkan, &lane);
+    if (result == VK_SUCCESS) {
+        vulkan->api.vkCmdCopyBuffer(lane->commands, from->handle, to->handle, 1, &region);
+        neph_lane_barrier(vulkan, lane, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                          VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                          VK_ACCESS_SHADER_READ_BIT);
+        neph_lane_stamp(vulkan, lane, gpu_s);
+        result = neph_lane_submit(vulkan, lane);
+    }
+    return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, "copy", diag);
+}
+
 enum neph_status neph_buffer_download(const struct neph_vulkan *vulkan,
                                       const struct neph_buffer *buffer,
                                       const struct neph_buffer *readback, size_t size_bytes,

@@ -66,6 +66,13 @@ enum neph_status neph_buffer_upload(const struct neph_vulkan *vulkan,
                                     const struct neph_buffer *buffer, size_t offset_bytes,
                                     const void *data, size_t size_bytes, struct neph_diag *diag);
 
+/* Submit a copy of the first bytes of a NEPH_BUFFER_UPLOAD buffer to `offset_bytes` of a
+ * NEPH_BUFFER_DEVICE one: a batch, whose time is added to `*gpu_s` when it is collected; NULL: not
+ * reported. `from` must not change until then. */
+enum neph_status neph_copy_submit(const struct neph_vulkan *vulkan, const struct neph_buffer *from,
+                                  const struct neph_buffer *to, size_t offset_bytes,
+                                  size_t size_bytes, double *gpu_s, struct neph_diag *diag);
+
 /* Copy the first bytes of a NEPH_BUFFER_DEVICE buffer to a NEPH_BUFFER_READBACK one, and wait. */
 enum neph_status neph_buffer_download(const struct neph_vulkan *vulkan,
                                       const struct neph_buffer *buffer,

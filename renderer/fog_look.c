@@ -284,14 +284,15 @@ static enum neph_status read_fog_frame(struct work *work, struct neph_image **im
 }
 
 /* Update the scene in memory that no other frame reads. */
-static void update_fog_scene(struct neph_fog_renderer *looks, const struct neph_scene *scene,
-                             double frame)
+static enum neph_status update_fog_scene(struct neph_fog_renderer *looks,
+                                         const struct neph_scene *scene, double frame,
+                                         double *gpu_s, struct neph_diag *diag)
 {
     neph_buffer_ring_advance(&looks->frame_ring, &looks->gpu.buffers[0]);
     neph_buffer_ring_advance(&looks->solid_ring, &looks->gpu.buffers[1]);
     looks->gpu.frame = looks->gpu.buffers[0].mapped;
-    neph_gpu_scene_update(&looks->gpu, scene, frame, looks->params.width_px,
-                          looks->params.height_px);
+    return neph_gpu_scene_update(looks->vulkan, &looks->gpu, scene, frame, looks->params.width_px,
+                                 looks->params.height_px, gpu_s, diag);
 }
 
 enum neph_status neph_fog_renderer_frame(struct neph_fog_renderer *looks,
@@ -302,15 +303,16 @@ enum neph_status neph_fog_renderer_frame(struct neph_fog_renderer *looks,
     const struct neph_camera camera = neph_scene_camera(scene, frame);
     struct work work = {.looks = looks};
     int slot;
-    const enum neph_status status = neph_in_flight_begin(looks->vulkan, &looks->flight, &slot,
-                                                         diag);
+    enum neph_status status = neph_in_flight_begin(looks->vulkan, &looks->flight, &slot, diag);
     if (status)
         return status;
     work.gpu_s = &looks->flights_gpu_s[slot];
     *work.gpu_s = 0.0;
     work.run.look = neph_gpu_fog_pack(scene, &looks->params.look, looks->params.model,
                                       camera.position_m);
-    update_fog_scene(looks, scene, frame);
+    status = update_fog_scene(looks, scene, frame, work.gpu_s, diag);
+    if (status)
+        return status;
     return image ? read_fog_frame(&work, image, gpu_s, diag) : submit_fog_frame(&work, diag);
 }
 

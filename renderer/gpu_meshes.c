@@ -18,7 +18,6 @@ _Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 typedef uint32_t words[4];
 
 enum {
-    FAULT_WORDS = 1,
     NODE_WORDS = 2,
     INSTANCE_WORDS = 6,
     TRIANGLE_WORDS = 3,
@@ -51,19 +50,38 @@ static struct neph_vec3 find_mesh_middle(const struct neph_mesh *mesh)
     return neph_bounds_middle(&mesh->tree.nodes[0].bounds);
 }
 
-static struct neph_bounds find_hull(const struct neph_scene *scene)
+static struct neph_bounds find_hull(const struct neph_solid *solids, int count)
 {
     struct neph_bounds hull = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (int i = 0; i < scene->solid_count; i++)
-        if (is_instance(&scene->solids[i]))
-            hull = neph_bounds_hull(hull, neph_solid_bounds(&scene->solids[i]));
+    for (int i = 0; i < count; i++)
+        if (is_instance(&solids[i]))
+            hull = neph_bounds_hull(hull, neph_solid_bounds(&solids[i]));
     return hull;
+}
+
+/* The origin of all places. It does not move with an instance, so that all others keep their bits.
+ */
+static struct neph_vec3 find_origin(const struct neph_scene *scene)
+{
+    const struct neph_solid *solids = scene->unmoved_solids ? scene->unmoved_solids : scene->solids;
+    const struct neph_bounds hull = find_hull(solids, scene->solid_count);
+    const struct neph_vec3 middle_m = neph_bounds_middle(&hull);
+    return scene->unmoved_solids ? neph_vec3_add(middle_m, scene->shift_m) : middle_m;
 }
 
 static double find_reach(const struct neph_bounds *box)
 {
     const struct neph_vec3 side = neph_vec3_sub(box->max_m, box->min_m);
     return 0.5 * fmax(side.x, fmax(side.y, side.z));
+}
+
+/* The largest coordinate of a box relative to a point. */
+static double find_reach_from(struct neph_vec3 point, const struct neph_bounds *box)
+{
+    const struct neph_vec3 away = neph_vec3_sub(neph_bounds_middle(box), point);
+    const struct neph_vec3 side = neph_vec3_sub(box->max_m, box->min_m);
+    return fmax(fabs(away.x) + 0.5 * side.x,
+                fmax(fabs(away.y) + 0.5 * side.y, fabs(away.z) + 0.5 * side.z));
 }
 
 /* What a vector loses by rounding to float32. */
@@ -118,10 +136,15 @@ static size_t count_mesh_words(const struct neph_mesh *mesh)
     return count_shape_words(mesh) + neph_gpu_mesh_look_words(mesh);
 }
 
+size_t neph_gpu_mesh_place_words(const struct neph_scene *scene)
+{
+    return NODE_WORDS * count_instance_nodes(scene) +
+           INSTANCE_WORDS * (size_t)neph_gpu_count_instances(scene);
+}
+
 size_t neph_gpu_mesh_words(const struct neph_scene *scene)
 {
-    size_t count = FAULT_WORDS + NODE_WORDS * count_instance_nodes(scene) +
-                   INSTANCE_WORDS * (size_t)neph_gpu_count_instances(scene);
+    size_t count = NEPH_GPU_MESH_PLACES_FIRST + neph_gpu_mesh_place_words(scene);
     if (neph_gpu_count_instances(scene) == 0)
         return 0;
     for (int i = 0; i < scene->mesh_count; i++)
@@ -135,12 +158,14 @@ struct neph_gpu_meshes neph_gpu_meshes_place(const struct neph_scene *scene,
     struct neph_gpu_meshes made = {0};
     if (neph_gpu_count_instances(scene) == 0)
         return made;
-    const struct neph_bounds hull = find_hull(scene);
-    const struct neph_vec3 origin_m = neph_vec3_sub(neph_bounds_middle(&hull), camera_m);
+    const struct neph_bounds hull = find_hull(scene->solids, scene->solid_count);
+    const struct neph_vec3 world_m = find_origin(scene);
+    const struct neph_vec3 origin_m = neph_vec3_sub(world_m, camera_m);
     neph_gpu_direction(made.origin_m, origin_m);
     neph_gpu_direction(made.origin_low_m, find_rest(origin_m));
-    made.reach_m = (float)find_reach(&hull);
-    made.instances = (uint32_t)(FAULT_WORDS + NODE_WORDS * count_instance_nodes(scene));
+    made.reach_m = (float)find_reach_from(world_m, &hull);
+    made.instances = NEPH_GPU_MESH_PLACES_FIRST +
+                     (uint32_t)(NODE_WORDS * count_instance_nodes(scene));
     made.triangle_bits = (uint32_t)count_triangle_bits(scene);
     return made;
 }
@@ -310,27 +335,38 @@ static void write_instance(const struct neph_solid *solid, struct neph_vec3 orig
     set_float(&to[4][3], find_reach(&mesh->tree.nodes[0].bounds));
 }
 
-static enum neph_status write_all(const struct neph_scene *scene, struct neph_vec3 eye_m, words *to,
-                                  struct neph_diag *diag)
+/* The index of the first word behind the places. */
+static uint32_t find_first_mesh(const struct neph_scene *scene)
 {
-    const struct neph_bounds hull = find_hull(scene);
-    const struct neph_vec3 origin_m = neph_bounds_middle(&hull);
-    uint32_t at = (uint32_t)(FAULT_WORDS + NODE_WORDS * count_instance_nodes(scene));
+    return NEPH_GPU_MESH_PLACES_FIRST + (uint32_t)neph_gpu_mesh_place_words(scene);
+}
+
+static void write_meshes(const struct neph_scene *scene, struct neph_vec3 eye_m, words *to)
+{
     const uint32_t textures = (uint32_t)(neph_gpu_mesh_words(scene) -
                                          neph_gpu_mesh_texture_words(scene));
-    words *instance = to + at;
+    uint32_t at = find_first_mesh(scene);
+    for (int i = 0; i < scene->mesh_count; i++) {
+        const struct neph_mesh *mesh = scene->meshes[i];
+        write_mesh(mesh, find_eye(scene, mesh, eye_m), to + at);
+        if (neph_gpu_mesh_look_words(mesh) > 0)
+            neph_gpu_mesh_look_write(scene, i, at + (uint32_t)count_shape_words(mesh), textures,
+                                     to);
+        at += (uint32_t)count_mesh_words(mesh);
+    }
+}
+
+enum neph_status neph_gpu_mesh_places_write(const struct neph_scene *scene, struct neph_vec3 eye_m,
+                                            uint32_t (*to)[4], struct neph_diag *diag)
+{
+    const struct neph_vec3 origin_m = find_origin(scene);
+    words *instance = to + NODE_WORDS * count_instance_nodes(scene);
     uint32_t *firsts = malloc((size_t)scene->mesh_count * sizeof(*firsts));
     if (!firsts)
         return neph_fail_memory(diag);
-    at += INSTANCE_WORDS * (uint32_t)neph_gpu_count_instances(scene);
-    for (int i = 0; i < scene->mesh_count; i++) {
-        firsts[i] = at;
-        write_mesh(scene->meshes[i], find_eye(scene, scene->meshes[i], eye_m), to + at);
-        if (neph_gpu_mesh_look_words(scene->meshes[i]) > 0)
-            neph_gpu_mesh_look_write(scene, i, at + (uint32_t)count_shape_words(scene->meshes[i]),
-                                     textures, to);
-        at += (uint32_t)count_mesh_words(scene->meshes[i]);
-    }
+    for (int i = 0; i < scene->mesh_count; i++)
+        firsts[i] = i == 0 ? find_first_mesh(scene)
+                           : firsts[i - 1] + (uint32_t)count_mesh_words(scene->meshes[i - 1]);
     for (int i = 0; i < scene->solid_count; i++)
         if (is_instance(&scene->solids[i])) {
             const int mesh = neph_mesh_index(scene, &scene->solids[i]);
@@ -338,7 +374,7 @@ static enum neph_status write_all(const struct neph_scene *scene, struct neph_ve
             instance += INSTANCE_WORDS;
         }
     free(firsts);
-    return write_instance_tree(scene, origin_m, eye_m, to + FAULT_WORDS, diag);
+    return write_instance_tree(scene, origin_m, eye_m, to, diag);
 }
 
 enum neph_status neph_gpu_meshes_upload(const struct neph_vulkan *vulkan,
@@ -357,7 +393,9 @@ enum neph_status neph_gpu_meshes_upload(const struct neph_vulkan *vulkan,
     words *data = calloc(count, sizeof(*data));
     if (!data)
         return neph_fail_memory(diag);
-    enum neph_status status = write_all(scene, eye_m, data, diag);
+    write_meshes(scene, eye_m, data);
+    enum neph_status status = neph_gpu_mesh_places_write(scene, eye_m,
+                                                         data + NEPH_GPU_MESH_PLACES_FIRST, diag);
     if (!status)
         status = neph_buffer_upload(vulkan, buffer, 0, data, count * sizeof(*data), diag);
     free(data);

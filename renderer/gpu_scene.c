@@ -288,11 +288,12 @@ static enum neph_status upload_phases(const struct neph_vulkan *vulkan,
 }
 
 /* The number of elements in front of those of media. */
-static size_t count_first(const struct neph_scene *scene, const struct neph_medium *const *media,
-                          uint32_t medium_count, enum neph_gpu_data data)
+static size_t count_first(const struct neph_gpu_scene *gpu, const struct neph_scene *scene,
+                          const struct neph_medium *const *media, uint32_t medium_count,
+                          enum neph_gpu_data data)
 {
     return data == NEPH_GPU_VALUES   ? count_phase_values(media, medium_count)
-           : data == NEPH_GPU_TEXELS ? neph_gpu_mesh_words(scene) + neph_sun_grid_words(scene)
+           : data == NEPH_GPU_TEXELS ? neph_gpu_mesh_words(scene) + gpu->sun_grid_words
                                      : 0;
 }
 
@@ -304,7 +305,7 @@ static enum neph_status upload_data(const struct neph_vulkan *vulkan,
 {
     const size_t element_bytes = data_buffers[data].element_bytes;
     struct neph_buffer *buffer = &gpu->buffers[data_buffers[data].binding];
-    size_t first = count_first(scene, media, gpu->frame->medium_count, data), count = first;
+    size_t first = count_first(gpu, scene, media, gpu->frame->medium_count, data), count = first;
     for (uint32_t m = 0; m < gpu->frame->medium_count; m++)
         count += data_count(media[m], data);
     if (count > UINT32_MAX / element_bytes)
@@ -477,7 +478,7 @@ static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m
     uint32_t firsts[NEPH_GPU_DATA_COUNT] = {0}, next_phase = 0;
     const uint32_t listed = neph_gpu_scene_list_media(scene, media);
     for (int data = 0; data < NEPH_GPU_DATA_COUNT; data++)
-        firsts[data] = (uint32_t)count_first(scene, media, listed, data);
+        firsts[data] = (uint32_t)count_first(gpu, scene, media, listed, data);
     gpu->optical_depth_iterations = 1;
     for (int i = 0; i < scene->medium_count; i++) {
         const struct neph_medium *medium = &scene->media[i];
@@ -509,11 +510,11 @@ static uint32_t encode_known_media(const struct neph_gpu_frame *frame)
     return known;
 }
 
-uint32_t neph_gpu_solid_number(const struct neph_scene *scene, int solid)
+uint32_t neph_gpu_solid_number(const struct neph_scene *scene, int solid, bool is_mesh)
 {
     uint32_t number = 0;
     for (int i = 0; i < solid; i++)
-        number += scene->solids[i].kind != NEPH_SOLID_MESH;
+        number += (scene->solids[i].kind == NEPH_SOLID_MESH) == is_mesh;
     return number;
 }
 
@@ -609,7 +610,8 @@ static void fill_scene_frame(struct neph_gpu_scene *gpu, const struct neph_scene
     fill_media(scene, camera.position_m, gpu, media);
     gpu->constants[1] |= encode_known_media(gpu->frame) | (gpu->is_on_cpu ? NEPH_GPU_ON_CPU : 0u);
     for (int i = 0; i < scene->solid_count; i++)
-        gpu->constants[1] |= neph_is_turned(&scene->solids[i].turn) ? NEPH_GPU_TURNED : 0u;
+        if (scene->solids[i].kind != NEPH_SOLID_MESH && neph_is_turned(&scene->solids[i].turn))
+            gpu->constants[1] |= NEPH_GPU_TURNED;
     for (int i = 0; i < scene->medium_count; i++)
         gpu->constants[1] |= neph_is_turned(&scene->media[i].turn) ? NEPH_GPU_TURNED_MEDIA : 0u;
     const uint32_t wide_nodes = fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
@@ -634,8 +636,8 @@ static void fill_scene_frame(struct neph_gpu_scene *gpu, const struct neph_scene
 static enum neph_status create_sun_grid(const struct neph_scene *scene, struct neph_gpu_scene *gpu,
                                         struct neph_diag *diag)
 {
-    return neph_sun_grid_room(scene) > 0 ? neph_sun_grid_create(scene, &gpu->sun_grid, diag)
-                                         : NEPH_OK;
+    gpu->sun_grid_words = neph_sun_grid_words(scene);
+    return gpu->sun_grid_words > 0 ? neph_sun_grid_create(scene, &gpu->sun_grid, diag) : NEPH_OK;
 }
 
 static enum neph_status upload_sun_grid(const struct neph_vulkan *vulkan,
@@ -655,9 +657,11 @@ static enum neph_status upload_meshes(const struct neph_vulkan *vulkan,
                                       const struct neph_scene *scene, double frame,
                                       struct neph_gpu_scene *gpu, struct neph_diag *diag)
 {
-    const enum neph_status status = neph_gpu_meshes_upload(
-        vulkan, scene, neph_scene_camera(scene, frame).position_m,
-        &gpu->buffers[NEPH_GPU_TEXELS_BUFFER], diag);
+    enum neph_status status = neph_gpu_meshes_upload(vulkan, scene,
+                                                     neph_scene_camera(scene, frame).position_m,
+                                                     &gpu->buffers[NEPH_GPU_TEXELS_BUFFER], diag);
+    if (!status)
+        status = neph_mesh_motion_create(scene, &gpu->mesh_motion, diag);
     return status || !gpu->is_on_cpu || neph_gpu_count_instances(scene) == 0
                ? status
                : neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, sizeof(uint32_t),
@@ -710,11 +714,15 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
     return status;
 }
 
-void neph_gpu_scene_update(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
-                           int width_px, int height_px)
+enum neph_status neph_gpu_scene_update(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu,
+                                       const struct neph_scene *scene, double frame, int width_px,
+                                       int height_px, double *gpu_s, struct neph_diag *diag)
 {
     const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX];
     fill_scene_frame(gpu, scene, frame, width_px, height_px, media);
+    return neph_mesh_motion_update(vulkan, scene, neph_scene_camera(scene, frame).position_m,
+                                   &gpu->buffers[NEPH_GPU_TEXELS_BUFFER], &gpu->mesh_motion, gpu_s,
+                                   diag);
 }
 
 void neph_gpu_scene_add_fog(struct neph_gpu_scene *gpu, const struct neph_scene *scene,
@@ -743,6 +751,7 @@ void neph_gpu_scene_destroy(const struct neph_vulkan *vulkan, struct neph_gpu_sc
         neph_buffer_destroy(vulkan, &gpu->buffers[i]);
     neph_buffer_destroy(vulkan, &gpu->pairs);
     neph_buffer_destroy(vulkan, &gpu->mesh_readback);
+    neph_mesh_motion_destroy(vulkan, &gpu->mesh_motion);
     neph_sun_grid_destroy(&gpu->sun_grid);
     gpu->frame = NULL;
 }

@@ -9,6 +9,7 @@
 
 #include "renderer/compute.h"
 #include "renderer/gpu_meshes.h"
+#include "renderer/mesh_motion.h"
 #include "renderer/shaders/constants.h"
 #include "renderer/solid_tree.h"
 #include "renderer/sun_grid.h"
@@ -40,8 +41,9 @@ static inline uint64_t neph_gpu_solid_iterations(const struct neph_scene *scene)
            neph_gpu_mesh_iterations(scene);
 }
 
-/* The place of a solid among those that are no meshes, which is its number on the device. */
-uint32_t neph_gpu_solid_number(const struct neph_scene *scene, int solid);
+/* The number of solids before one that are meshes, or that are none: its number on the device among
+ * its like. */
+uint32_t neph_gpu_solid_number(const struct neph_scene *scene, int solid, bool is_mesh);
 
 /* A scene on the device, for one frame: the buffers at bindings 0 to 4 of every kernel that
  * includes shaders/scene.glsl. */
@@ -68,7 +70,9 @@ struct neph_gpu_scene {
     uint32_t constants[NEPH_GPU_SCENE_CONSTANTS];
     bool is_on_cpu, has_pairs;
     struct neph_buffer mesh_readback; /* on a CPU, with meshes */
-    struct neph_sun_grid sun_grid;    /* without limits: they are in the buffer of texels */
+    struct neph_mesh_motion mesh_motion;
+    struct neph_sun_grid sun_grid; /* without limits: they are in the buffer of texels */
+    size_t sun_grid_words;         /* of the grid in that buffer; of the scene at creation */
     /* The position of the majorants of each medium, if any; they move with the medium. */
     struct neph_gpu_majorants {
         uint32_t size[3], first;
@@ -87,10 +91,12 @@ enum neph_status neph_gpu_scene_create(const struct neph_vulkan *vulkan,
                                        int height_px, bool with_majorants,
                                        struct neph_gpu_scene *gpu, struct neph_diag *diag);
 
-/* Upload another frame of the scene, with another sun or moved media (neph_scene_at()): grids and
- * textures stay unchanged on the device. */
-void neph_gpu_scene_update(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
-                           int width_px, int height_px);
+/* Upload another frame of the scene, with another sun, moved media or solids (neph_scene_at()):
+ * grids, textures and triangles stay unchanged on the device. `*gpu_s`: as
+ * neph_mesh_motion_update(), whose errors this has. */
+enum neph_status neph_gpu_scene_update(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu,
+                                       const struct neph_scene *scene, double frame, int width_px,
+                                       int height_px, double *gpu_s, struct neph_diag *diag);
 
 /* Add one medium, an unbounded fog without data of its own, to the frame in `gpu`. The frame's
  * memory must be readable, since its other media are kept. */

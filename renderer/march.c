@@ -108,8 +108,6 @@ static const char *find_obstacle(const struct neph_scene *scene, enum neph_march
 {
     if (neph_surfaces_obstacle(scene))
         return neph_surfaces_obstacle(scene);
-    if (neph_moving_mesh_obstacle(scene))
-        return neph_moving_mesh_obstacle(scene);
     if (lighting == NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_MULTIPLE)
         return "multiple scattering";
     if (lighting != NEPH_MARCH_SINGLE && scene->scattering == NEPH_SCATTERING_SINGLE)
@@ -332,6 +330,7 @@ struct neph_march {
     double flights_gpu_s[NEPH_IN_FLIGHT_FRAMES];            /* dispatches of the frames in flight */
     struct neph_sun_fill_cost fills[NEPH_IN_FLIGHT_FRAMES]; /* fillings before them */
     double lights_gpu_s[NEPH_IN_FLIGHT_FRAMES];             /* traced light before them */
+    double places_gpu_s[NEPH_IN_FLIGHT_FRAMES];             /* copies of places of meshes */
     struct neph_sky_times skies[NEPH_IN_FLIGHT_FRAMES];     /* tables of the sky before them */
     int home_slot;
 };
@@ -549,7 +548,8 @@ static enum neph_status read_frame(struct neph_march *march, struct work *work,
     uint64_t evaluations, closed_forms;
     neph_sun_fill_counts(work->cost.fill, &evaluations, &closed_forms);
     work->stats.gpu_s = *work->gpu_s + neph_sun_fill_gpu_s(work->cost.fill) +
-                        *work->cost.light_gpu_s + neph_sky_gpu_s(work->cost.sky);
+                        *work->cost.light_gpu_s + *work->cost.places_gpu_s +
+                        neph_sky_gpu_s(work->cost.sky);
     work->stats.sky = *work->cost.sky;
     work->stats.density_evaluations += evaluations;
     work->stats.closed_forms += closed_forms;
@@ -577,6 +577,8 @@ enum neph_status neph_march_frame(struct neph_march *march, const struct neph_sc
     work.cost.fill = &march->fills[slot];
     work.cost.light_gpu_s = &march->lights_gpu_s[slot];
     *work.cost.light_gpu_s = 0.0;
+    work.cost.places_gpu_s = &march->places_gpu_s[slot];
+    *work.cost.places_gpu_s = 0.0;
     work.cost.sky = &march->skies[slot];
     *work.cost.sky = (struct neph_sky_times){.air_s = 0.0};
     status = neph_march_scene_update(scene, &march->params, frame, moment, &march->scene,
@@ -604,7 +606,8 @@ enum neph_status neph_march_collect(struct neph_march *march, double *gpu_s, str
     march->home_slot = slot;
     neph_march_split_adapt(&march->cut, march->flights_gpu_s[slot]);
     *gpu_s = march->flights_gpu_s[slot] + neph_sun_fill_gpu_s(&march->fills[slot]) +
-             march->lights_gpu_s[slot] + neph_sky_gpu_s(&march->skies[slot]);
+             march->lights_gpu_s[slot] + march->places_gpu_s[slot] +
+             neph_sky_gpu_s(&march->skies[slot]);
     return NEPH_OK;
 }
 

@@ -93,6 +93,7 @@ enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struc
                                          struct neph_march_scene *scene, struct neph_diag *diag)
 {
     struct neph_scene rest;
+    scene->vulkan = vulkan;
     enum neph_status status = create_sky(vulkan, from, params, scene, diag);
     if (!status)
         status = create_marched(vulkan, get_marched_scene(scene, from, &rest), params, scene, diag);
@@ -119,15 +120,18 @@ void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_marc
 }
 
 /* Update the scene itself. */
-static void update_scene_buffers(const struct neph_scene *from,
-                                 const struct neph_march_params *params, double frame,
-                                 struct neph_march_scene *scene)
+static enum neph_status update_scene_buffers(const struct neph_scene *from,
+                                             const struct neph_march_params *params, double frame,
+                                             struct neph_march_scene *scene, double *gpu_s,
+                                             struct neph_diag *diag)
 {
     neph_buffer_ring_advance(&scene->frame_ring, &scene->gpu.buffers[0]);
     neph_buffer_ring_advance(&scene->solid_ring, &scene->gpu.buffers[1]);
     scene->gpu.frame = scene->gpu.buffers[0].mapped;
-    neph_gpu_scene_update(&scene->gpu, from, frame, params->width_px, params->height_px);
+    const enum neph_status status = neph_gpu_scene_update(
+        scene->vulkan, &scene->gpu, from, frame, params->width_px, params->height_px, gpu_s, diag);
     neph_march_set_frame(from, params, scene->gpu.frame);
+    return status;
 }
 
 /* Update the fog model. With froxels it begins where they end; without froxels it covers all
@@ -233,10 +237,11 @@ static enum neph_status update_marched(const struct neph_scene *from,
                                        struct neph_march_scene_cost *cost, struct neph_diag *diag)
 {
     *cost->fill = (struct neph_sun_fill_cost){.dispatches = 0};
-    update_scene_buffers(from, params, frame, scene);
+    enum neph_status status = update_scene_buffers(from, params, frame, scene, cost->places_gpu_s,
+                                                   diag);
     update_fog_model(whole, params, frame, scene);
-    enum neph_status status = neph_skip_cells_place(&scene->skip_cells, from, frame,
-                                                    scene->gpu.frame, diag);
+    if (!status)
+        status = neph_skip_cells_place(&scene->skip_cells, from, frame, scene->gpu.frame, diag);
     if (!status)
         status = neph_sun_cache_fill(&scene->sun_cache, from, frame, &scene->gpu,
                                      &scene->skip_cells, cost->fill, diag);

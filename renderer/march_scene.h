@@ -20,6 +20,7 @@
 #include "renderer/traced_light.h"
 
 struct neph_march_scene {
+    struct neph_vulkan *vulkan; /* borrowed */
     struct neph_gpu_scene gpu;
     struct neph_buffer_ring frame_ring, solid_ring;
     struct neph_skip_cells skip_cells;
@@ -50,6 +51,7 @@ void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_marc
  * then. */
 struct neph_march_scene_cost {
     struct neph_sun_fill_cost *fill;
+    double *places_gpu_s;       /* of the places of meshes that move */
     double *light_gpu_s;        /* of traced or diffused light */
     struct neph_sky_times *sky; /* added to; NULL: no sky */
 };

@@ -90,7 +90,7 @@ static bool has_same_media(struct neph_sky_shade *shade, const struct neph_scene
 {
     struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX];
     neph_gpu_scene_pack_media(rest, media);
-    const bool same = tables->has_aerial && rest->mover_count == 0 &&
+    const bool same = tables->has_aerial && !rest->unmoved_solids &&
                       memcmp(media, shade->media, sizeof(media)) == 0;
     memcpy(shade->media, media, sizeof(media));
     return same;

@@ -383,6 +383,8 @@ enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
     max_align_t *behind = place_media(made, neph_scene_wind_displacement_m(scene, frame));
     if (has_own_solids(scene))
         place_solids(scene, frame, behind, &made->scene);
+    if (scene->mover_count > 0)
+        made->scene.unmoved_solids = scene->solids;
     if (neph_scene_is_clear(scene, frame))
         made->scene.medium_count = 0;
     stop_time(&made->scene);
@@ -393,6 +395,7 @@ enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
 void neph_scene_shift(struct neph_scene *static_scene, struct neph_vec3 by_m)
 {
     struct neph_camera_key *key = static_scene->camera_keys;
+    static_scene->shift_m = neph_vec3_add(static_scene->shift_m, by_m);
     key->position_m = neph_vec3_add(key->position_m, by_m);
     key->look_at_m = neph_vec3_add(key->look_at_m, by_m);
     for (int i = 0; i < static_scene->medium_count; i++)

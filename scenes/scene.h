@@ -330,6 +330,11 @@ struct neph_scene {
     uint64_t coverage_draw;
     int mover_count;
     struct neph_mover *movers; /* of some of the solids */
+    /* Of a scene of neph_scene_at() with solids that move: the solids without motion, which are the
+     * same in all frames; neph_scene_shift() has moved the scene by `shift_m` from there. NULL: no
+     * solid moves. */
+    const struct neph_solid *unmoved_solids;
+    struct neph_vec3 shift_m;
     int medium_count;
     struct neph_medium media[NEPH_SCENE_MEDIA_MAX];
     struct neph_fog_look fog_look; /* of its height fog; for non-physical models only */

@@ -64,16 +64,6 @@ const char *neph_mesh_obstacle(const struct neph_scene *scene)
     return NULL;
 }
 
-const char *neph_moving_mesh_obstacle(const struct neph_scene *scene)
-{
-    for (int m = 0; m < scene->mover_count; m++)
-        for (int i = 0; i < scene->movers[m].count; i++)
-            if (scene->solids[scene->movers[m].first + i].kind == NEPH_SOLID_MESH)
-                return "triangle meshes that move: engines exact, oracle, surfaces, tracer, cycles "
-                       "and povray have them";
-    return NULL;
-}
-
 unsigned neph_scene_mesh_looks(const struct neph_scene *scene)
 {
     unsigned looks = 0;

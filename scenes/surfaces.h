@@ -18,9 +18,6 @@ bool neph_scene_has_metal(const struct neph_scene *scene);
  * words; NULL: no reason. */
 const char *neph_surfaces_obstacle(const struct neph_scene *scene);
 
-/* Why an engine whose meshes are static cannot render the scene; NULL: none moves. */
-const char *neph_moving_mesh_obstacle(const struct neph_scene *scene);
-
 /* Why an engine without meshes cannot render the scene; NULL: it has none. */
 const char *neph_mesh_obstacle(const struct neph_scene *scene);
 

@@ -69,10 +69,8 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
                        char *reason, size_t reason_size)
 {
     const enum neph_fog_model model = (enum neph_fog_model)settings->values[OPTION_MODEL];
-    const char *solids = neph_surfaces_obstacle(scene);
-    solids = solids ? solids : neph_moving_mesh_obstacle(scene);
-    if (solids) {
-        snprintf(reason, reason_size, "%s", solids);
+    if (neph_surfaces_obstacle(scene)) {
+        snprintf(reason, reason_size, "%s", neph_surfaces_obstacle(scene));
         return false;
     }
     return neph_fog_look_can_model(scene, model, reason, reason_size) &&

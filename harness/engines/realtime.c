@@ -93,6 +93,9 @@ static enum neph_status label_passes(struct neph_image *image,
     if (!status)
         status = neph_frame_stats_set_pass(image, "higher orders", ending, stats->light_gpu_s,
                                            diag);
+    if (!status && stats->places_gpu_s > 0.0)
+        status = neph_frame_stats_set_pass(image, "places of meshes", ending, stats->places_gpu_s,
+                                           diag);
     if (!status)
         status = neph_frame_stats_set_pass(image, "cloud shadow", ending, stats->shadow_gpu_s,
                                            diag);
@@ -225,6 +228,7 @@ static enum neph_status collect(void *renderer, struct neph_flight_cost *cost,
         neph_flight_cost_add(cost, neph_rt_passes[i]->name, stats.pass_gpu_s[i],
                              stat_target_bytes(stats.pass_traffic_bytes[i]));
     neph_flight_cost_add_sky(cost, &stats.sky);
+    add_before("places of meshes", stats.places_gpu_s, cost);
     add_before("higher orders", stats.light_gpu_s, cost);
     add_before("cloud shadow", stats.shadow_gpu_s, cost);
     return NEPH_OK;

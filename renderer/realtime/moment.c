@@ -91,8 +91,10 @@ static struct neph_gpu_mover mover_from(const struct neph_scene *scene,
     const struct neph_turn a = here.turn, b = there.turn;
     const bool is_static = a.cosine == b.cosine && a.sine == b.sine;
     struct neph_gpu_mover made = {
-        .first = neph_gpu_solid_number(scene, mover->first),
-        .end = neph_gpu_solid_number(scene, mover->first + mover->count),
+        .first = neph_gpu_solid_number(scene, mover->first, false),
+        .end = neph_gpu_solid_number(scene, mover->first + mover->count, false),
+        .instances_first = neph_gpu_solid_number(scene, mover->first, true),
+        .instances_end = neph_gpu_solid_number(scene, mover->first + mover->count, true),
         .axis = (uint32_t)mover->axis,
         .cosine = is_static ? 1.0f : (float)(a.cosine * b.cosine + a.sine * b.sine),
         .sine = is_static ? 0.0f : (float)(b.sine * a.cosine - b.cosine * a.sine),

@@ -610,7 +610,8 @@ static enum neph_status render_split(struct neph_realtime *realtime,
                                      struct neph_image **image, struct progress *made,
                                      struct neph_diag *diag)
 {
-    struct neph_march_scene_cost cost = {made->fill, &made->stats->light_gpu_s, &made->stats->sky};
+    struct neph_march_scene_cost cost = {made->fill, &made->stats->places_gpu_s,
+                                         &made->stats->light_gpu_s, &made->stats->sky};
     made->counts = image;
     if (made->counts)
         memset(realtime->counters.mapped, 0, sizeof(struct neph_gpu_counters));
@@ -723,7 +724,7 @@ static void finish_frame(struct neph_realtime *realtime, const struct neph_rt_tr
 /* Adds up the device times of a finished frame, and adapts the splits of the next frame to them. */
 static void add_device_times(struct neph_realtime *realtime, struct neph_realtime_stats *stats)
 {
-    stats->gpu_s = stats->light_gpu_s + neph_sky_gpu_s(&stats->sky);
+    stats->gpu_s = stats->places_gpu_s + stats->light_gpu_s + neph_sky_gpu_s(&stats->sky);
     for (int i = 0; neph_rt_passes[i]; i++) {
         stats->gpu_s += stats->pass_gpu_s[i];
         if (realtime->cuts[i].ray_count > 0)
@@ -1018,9 +1019,8 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
         status = render_mirrored(realtime, frame, diag);
     if (!status)
         status = render_size(realtime, frame, false, image, stats, diag);
-    return status || !image
-               ? status
-               : neph_gpu_scene_check(realtime->vulkan, &realtime->scene.gpu, diag);
+    return status || !image ? status
+                            : neph_gpu_scene_check(realtime->vulkan, &realtime->scene.gpu, diag);
 }
 
 enum neph_status neph_realtime_collect(struct neph_realtime *realtime,

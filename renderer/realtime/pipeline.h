@@ -38,6 +38,7 @@ struct neph_realtime_frame {
 struct neph_realtime_stats {
     double pass_gpu_s[NEPH_RT_PASSES_MAX]; /* of neph_rt_passes; NaN: no clock; 0: not run */
     double light_gpu_s;                    /* traced or diffused light, before the passes, or 0 */
+    double places_gpu_s;                   /* places of meshes that move, before the passes, or 0 */
     struct neph_sky_times sky;             /* tables of the sky, before the passes */
     double shadow_gpu_s;                   /* shadow map of clouds, before the passes, or 0 */
     double gpu_s;                          /* sum of all device times */

@@ -561,19 +561,19 @@ static enum neph_status upload_scene(struct neph_screen_renderer *screen,
 {
     const struct moment moment = make_moment(screen, scene, frame);
     struct neph_scene *still = NULL;
-    const enum neph_status status = neph_scene_at(scene, frame, &still, diag);
+    enum neph_status status = neph_scene_at(scene, frame, &still, diag);
     if (status)
         return status;
     if (screen->frame > 0)
         swap_history_targets(screen);
-    neph_gpu_scene_update(&screen->gpu, still, frame, screen->params.width_px,
-                          screen->params.height_px);
+    status = neph_gpu_scene_update(screen->vulkan, &screen->gpu, still, frame,
+                                   screen->params.width_px, screen->params.height_px, NULL, diag);
     fill_view(screen, still, &moment);
     fill_surfaces(screen, scene, &moment);
     screen->frame++;
     screen->frame_before = frame;
     neph_scene_destroy(still);
-    return NEPH_OK;
+    return status;
 }
 
 enum neph_status neph_screen_renderer_frame(struct neph_screen_renderer *screen,

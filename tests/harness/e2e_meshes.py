@@ -207,25 +207,26 @@ class Meshes(neph_case.NephCase):
         mesh = self.json("scenes", "mesh.yaml")["meshes"][0]
         self.assertEqual(mesh, {"triangles": 48, "left_out": 0, "inside": "closed"})
         self.render("mesh", "-e", "oracle", "--set", "samples=2")
-        self.put_scene("moving", "  - mesh: {file: boxes.obj, albedo: [0, 0, 0], "
-                                 "motion: {keys: [{frame: 0, move_m: [0, 0, 0]}, "
-                                 "{frame: 1, move_m: [1, 0, 0]}]}}")
-        self.neph("render", "moving.yaml", "-e", "march", "--size", "8x8", "-o", "no", code=None,
-                  said="triangle meshes that move")
 
-    def test_the_tracer_renders_a_mesh_that_moves(self):
+    def test_devices_render_a_mesh_that_moves(self):
+        """The march and `realtime` are compared with boxes that move in test_gpu_meshes.c."""
         motion = ("motion: {keys: [{frame: 0}, {frame: 1, move_m: [1, 0.5, 0]}]}",
                   "position_m: [1, 0.5, 0]", "position_m: [0, 0, 0]")
-        words = "-e", "tracer", "--set", "samples=4", "--seed", "7"
-        for name, key in zip(("moving", "there", "here"), motion):
-            text = self.put_scene(name, f"  - mesh: {{file: boxes.obj, albedo: [0.5, 0.4, 0.3], "
-                                        f"{key}}}")
-            path = self.folder / text
-            path.write_text(f"frames: {{count: 2}}\n{path.read_text()}")
-        moving = self.render("moving", *words, "--frame", "1")
-        there, here = (self.render(name, *words) for name in ("there", "here"))
-        self.assert_same(moving, there, 1e-5)
-        self.assertGreater(sum(a != b for a, b in zip(moving["Z"], here["Z"])), 100)
+        for engine, without, words in (
+                ("tracer", "#", ("--set", "samples=4", "--seed", "7")),
+                ("fog_look", "lights:", ())):
+            for name, key in zip(("moving", "there", "here"), motion):
+                path = self.folder / self.put_scene(
+                    name, f"  - mesh: {{file: boxes.obj, albedo: [0.5, 0.4, 0.3], {key}}}")
+                lines = [line for line in path.read_text().split("\n")
+                         if not line.startswith(without)]
+                path.write_text("\n".join(lines + [
+                    "frames: {count: 2}",
+                    "fog_look: {inscattering_w_per_m2_sr: [0.1, 0.1, 0.1]}"]))
+            moving = self.render("moving", "-e", engine, *words, "--frame", "1")
+            there, here = (self.render(name, "-e", engine, *words) for name in ("there", "here"))
+            self.assert_same(moving, there, 1e-5)
+            self.assertGreater(sum(a != b for a, b in zip(moving["Z"], here["Z"])), 100)
 
     def test_refused_files(self):
         self.put("text.ply", "no mesh")

@@ -8,8 +8,9 @@
  * displaced by this rounding: where they differ, at edges and silhouettes, each of them is right.
  */
 #include "tests/mesh_builders.h"
-#include "tests/renderer/frames.h"
+#include "tests/renderer/sequence_test.h"
 
+#include "renderer/gpu_scene.h"
 #include "scenes/solids.h"
 
 /* The rounding of a position on a device, relative to its size: half a unit of the last of 24 bits,
@@ -581,26 +582,187 @@ static void test_more_triangles_than_numbers_are_refused(void **state)
     assert_non_null(strstr(diag.message, "numbers for 2^30"));
 }
 
-static void test_meshes_that_move_are_only_in_the_tracer(void **state)
-{
+/* --- motion ---------------------------------------------------------------------------------- */
+
+enum { MOVING_FRAMES = 8, MOVING_SIDE = 40 }; /* each slot of frames in flight is used twice */
+
+/* Hills at rest, and a box or the mesh of a box that moves and turns, in fog; the camera moves, too.
+ * The rays of no two pixels end at equal depths, which the anti-aliasing compares. A small box at
+ * rest is turned, too, so that both scenes have the same kernels. */
+struct moving {
     struct test_scene test;
-    struct neph_mover mover = {.first = 0, .count = 1};
-    const struct neph_settings settings = test_preset(NULL, "");
-    const struct neph_vec3 sides = {1, 1, 1}, middle = {0, 0, -5};
-    OWNED(mesh) struct neph_mesh *mesh = make_body(1, sides, middle);
-    char reason[256];
-    test_scene_init(&test);
-    add_instance(&test, &mesh);
-    assert_true(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
-    assert_true(neph_tracer_can_render(&test.scene, reason, sizeof(reason)));
-    assert_true(neph_realtime_can_render(&test.scene, &settings, reason, sizeof(reason)));
-    test.scene.movers = &mover;
-    test.scene.mover_count = 1;
-    assert_true(neph_tracer_can_render(&test.scene, reason, sizeof(reason)));
-    assert_false(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
-    assert_non_null(strstr(reason, "triangle meshes that move"));
-    assert_false(neph_realtime_can_render(&test.scene, &settings, reason, sizeof(reason)));
-    assert_non_null(strstr(reason, "triangle meshes that move"));
+    struct neph_camera_key cameras[2];
+    struct neph_solid_key keys[2];
+    struct neph_mover mover;
+    struct neph_mesh *meshes[2];
+};
+
+static void test_end_moving(struct moving *moving)
+{
+    for (int i = 0; i < 2; i++)
+        neph_mesh_destroy(moving->meshes[i]);
+}
+
+static void make_moving(struct moving *moving, bool is_mesh)
+{
+    static const struct neph_vec3 low_m = {-1.2, 0.6, -9.0}, high_m = {1.0, 2.4, -7.5};
+    struct test_scene *test = &moving->test;
+    test_scene_init(test);
+    test_add_medium(test, 0.03, 0.05, 0.0);
+    moving->meshes[0] = finish_mesh(make_hills(12, 30.0, 0.5));
+    moving->meshes[1] = make_box_mesh(low_m, high_m);
+    add_instance(test, &moving->meshes[0]);
+    test_add_box(test, (struct neph_vec3){3.0, 0.5, -8.0}, (struct neph_vec3){3.5, 1.0, -7.5});
+    test->solids[1].turn = (struct neph_turn){1, cos(0.3), sin(0.3)};
+    if (is_mesh)
+        *add_instance(test, &moving->meshes[1]) = put_mesh(moving->meshes[1]);
+    else
+        test_add_box(test, low_m, high_m);
+    test->solids[2].albedo = (struct neph_rgb){0.5, 0.25, 1.0};
+    test->scene.meshes = moving->meshes;
+    test->scene.mesh_count = 2;
+    moving->cameras[0] = moving->cameras[1] = test->key;
+    moving->cameras[0].position_m.x = 0.3;
+    moving->cameras[1].frame = MOVING_FRAMES;
+    moving->cameras[1].position_m = (struct neph_vec3){1.1, 1.9, -0.5};
+    test->scene.camera_keys = moving->cameras;
+    test->scene.camera_key_count = 2;
+    moving->keys[0] = (struct neph_solid_key){0, {0, 0, 0}, 0.1};
+    moving->keys[1] = (struct neph_solid_key){MOVING_FRAMES, {0.9, 0.5, 0.4}, 1.1};
+    moving->mover = (struct neph_mover){2, 1, 2, {0, 1.0, -8.0}, 2, moving->keys};
+    test->scene.movers = &moving->mover;
+    test->scene.mover_count = 1;
+    test->scene.frame_count = MOVING_FRAMES + 1;
+}
+
+/* The mean difference of a channel is below `mean` of its mean: rounding of float32, of distances
+ * and of the light that follows from them. */
+static void assert_near(const struct neph_image *a, const struct neph_image *b, double mean)
+{
+    static const char *const channels[] = {"R", "G", "B", "transmittance.G"};
+    for (size_t i = 0; i < COUNT(channels); i++) {
+        const double distance = test_distance(a, b, channels[i]);
+        if (!(distance < mean))
+            fail_msg("channel %s: the mean differs by %.2g", channels[i], distance);
+    }
+}
+
+/* The frames of one ray marcher in flight, and of one that begins with the last frame. */
+static void test_a_mesh_moves_as_a_box_in_the_march(void **state)
+{
+    const struct neph_march_params params = {
+        .width_px = MOVING_SIDE, .height_px = MOVING_SIDE, .steps = 8, .sun_steps = 1};
+    OWNED(image) struct neph_image *box = NULL, *mesh = NULL, *alone = NULL;
+    struct neph_diag diag = {0};
+    for (int is_mesh = 0; is_mesh < 2; is_mesh++) {
+        struct neph_image **image = is_mesh ? &mesh : &box;
+        OWNED(moving) struct moving moving;
+        make_moving(&moving, is_mesh);
+        OWNED(march)
+        struct neph_march *march = test_march_open(*state, &moving.test.scene, &params);
+        for (int frame = 0; frame <= MOVING_FRAMES; frame++) {
+            OWNED(scene) struct neph_scene *still = test_still(&moving.test.scene, frame);
+            neph_assert_ok(neph_march_frame(march, still, frame, NULL,
+                                            frame == MOVING_FRAMES ? image : NULL, NULL, &diag),
+                           &diag);
+        }
+        OWNED(scene) struct neph_scene *last = test_still(&moving.test.scene, MOVING_FRAMES);
+        if (is_mesh)
+            alone = test_march(*state, last, &params, NULL);
+    }
+    assert_near(mesh, box, 1e-7);
+    assert_same_bits(alone, mesh);
+}
+
+/* Frames that are read back, of the box and of its mesh; and the last of frames of the mesh in
+ * flight. Colours are stored in half precision, whose rounding hides that of float32, but for a few
+ * pixels. */
+static void test_a_mesh_moves_as_a_box_in_realtime(void **state)
+{
+    const struct neph_settings settings = test_preset(
+        "off", "steps=4 ray_dither=none upscale_dither=none split=four taa=on");
+    struct neph_realtime *read[2], *sent;
+    struct moving moving[2];
+    struct neph_diag diag = {0};
+    struct neph_image *frames[2] = {NULL};
+    for (int is_mesh = 0; is_mesh < 2; is_mesh++) {
+        make_moving(&moving[is_mesh], is_mesh);
+        read[is_mesh] = test_sequence(*state, &moving[is_mesh].test.scene, &settings, MOVING_SIDE,
+                                      MOVING_SIDE);
+    }
+    sent = test_sequence(*state, &moving[1].test.scene, &settings, MOVING_SIDE, MOVING_SIDE);
+    for (int frame = 0; frame <= MOVING_FRAMES; frame++) {
+        const struct neph_realtime_frame next = {&moving[1].test.scene, frame, NULL};
+        for (int is_mesh = 0; is_mesh < 2; is_mesh++) {
+            neph_image_destroy(frames[is_mesh]);
+            frames[is_mesh] = test_next(read[is_mesh], &moving[is_mesh].test.scene, frame, NULL);
+        }
+        assert_near(frames[1], frames[0], 1e-6);
+        if (frame < MOVING_FRAMES)
+            neph_assert_ok(neph_realtime_render(sent, &next, NULL, NULL, &diag), &diag);
+    }
+    OWNED(image)
+    struct neph_image *last = test_next(sent, &moving[1].test.scene, MOVING_FRAMES, NULL);
+    assert_same_bits(last, frames[1]);
+    neph_realtime_destroy(sent);
+    for (int i = 0; i < 2; i++) {
+        neph_realtime_destroy(read[i]);
+        neph_image_destroy(frames[i]);
+        test_end_moving(&moving[i]);
+    }
+}
+
+/* The places of hills at rest do not depend on the frame, so their depths keep their bits. */
+static void test_a_mesh_at_rest_keeps_its_bits(void **state)
+{
+    const struct neph_vec3 eye_m = {0, 1, 0};
+    uint32_t(*words[2])[4] = {NULL};
+    struct moving moving;
+    struct neph_diag diag = {0};
+    (void)state;
+    make_moving(&moving, true);
+    for (int i = 0; i < 2; i++) {
+        OWNED(scene) struct neph_scene *still = test_still(&moving.test.scene, 3.0 * i);
+        const struct neph_gpu_meshes place = neph_gpu_meshes_place(still, eye_m);
+        const struct neph_gpu_meshes other = neph_gpu_meshes_place(&moving.test.scene, eye_m);
+        words[i] = calloc(neph_gpu_mesh_place_words(still), sizeof(*words[i]));
+        neph_assert_ok(neph_gpu_mesh_places_write(still, eye_m, words[i], &diag), &diag);
+        assert_memory_equal(place.origin_m, other.origin_m, sizeof(place.origin_m));
+        assert_int_equal(place.instances, NEPH_GPU_MESH_PLACES_FIRST + 12);
+    }
+    /* Six words are an instance, the first behind the nodes. */
+    assert_memory_equal(words[0][12], words[1][12], 6 * sizeof(words[0][0]));
+    assert_memory_not_equal(words[0][18], words[1][18], 6 * sizeof(words[0][0]));
+    free(words[0]);
+    free(words[1]);
+    test_end_moving(&moving);
+}
+
+/* Each of three frames in flight has its own memory, and a frame whose solids are those of the
+ * frame before submits nothing. */
+static void test_places_are_copied_where_solids_move(void **state)
+{
+    struct neph_gpu_scene gpu = {.frame = NULL};
+    OWNED(moving) struct moving moving;
+    struct neph_diag diag = {0};
+    VkBuffer used[MOVING_FRAMES];
+    make_moving(&moving, true);
+    moving.keys[1].frame = MOVING_FRAMES - 2;
+    neph_assert_ok(neph_gpu_scene_create(*state, &moving.test.scene, 0.0, 8, 8, false, &gpu, &diag),
+                   &diag);
+    for (int frame = 0; frame < MOVING_FRAMES; frame++) {
+        OWNED(scene) struct neph_scene *still = test_still(&moving.test.scene, frame);
+        const uint64_t sent = neph_batches_submitted(*state);
+        neph_assert_ok(neph_gpu_scene_update(*state, &gpu, still, frame, 8, 8, NULL, &diag), &diag);
+        used[frame] = gpu.mesh_motion.places.handle;
+        assert_int_equal(neph_batches_submitted(*state) - sent, frame < MOVING_FRAMES - 1);
+    }
+    for (int frame = NEPH_IN_FLIGHT_FRAMES; frame < MOVING_FRAMES - 1; frame++) {
+        assert_ptr_equal(used[frame], used[frame - NEPH_IN_FLIGHT_FRAMES]);
+        for (int back = 1; back < NEPH_IN_FLIGHT_FRAMES; back++)
+            assert_ptr_not_equal(used[frame], used[frame - back]);
+    }
+    neph_gpu_scene_destroy(*state, &gpu);
 }
 
 #include "tests/renderer/main.h"

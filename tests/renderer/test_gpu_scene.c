@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scene data on the device: whether a solid may shadow a medium, and voxels as pairs for a CPU
- * device.
+ * Scene data on the device: whether a solid may shadow a medium, voxels as pairs for a CPU device,
+ * and places of data over frames.
  */
 #include "tests/renderer/march_test.h"
 
 #include "renderer/gpu_scene.h"
 #include "scenes/media.h"
+#include "scenes/motion.h"
 #include "scenes/solids.h"
 
 static bool may_be_shaded(struct neph_vulkan *vulkan, const struct neph_scene *scene)
@@ -103,6 +104,38 @@ static void test_a_cpu_has_voxels_in_pairs(void **state)
                 assert_true(pairs[2 * i + 1] == values[i + 1]);
         }
     }
+    neph_gpu_scene_destroy(*state, &gpu);
+}
+
+/* The static scene of a frame would get room for a grid across the sun, in front of the clouds'
+ * textures; a scene whose sun or solids move has none. */
+static void test_textures_stay_in_scenes_that_move(void **state)
+{
+    const struct neph_horizon_params cumulus = make_cumulus();
+    struct neph_solid_key keys[] = {{.frame = 0}, {.frame = 4, .move_m = {1, 0, 0}}};
+    struct neph_mover mover = {.first = 3, .count = 1, .key_count = 2, .keys = keys};
+    OWNED(media) struct test_scene test;
+    struct neph_gpu_scene gpu = {.frame = NULL};
+    struct neph_diag diag = {0};
+    test_scene_init(&test);
+    struct neph_medium cloud = {.kind = NEPH_MEDIUM_HORIZON,
+                                .albedo = white,
+                                .extinction_color = white,
+                                .extinction_per_m = 0.08,
+                                .box = {{-3e3, 500, -5e3}, {3e3, 1900, 2e3}}};
+    neph_assert_ok(neph_horizon_create(&cumulus, &cloud.horizon, &diag), &diag);
+    test_add(&test, cloud);
+    for (int i = 0; i < 14; i++)
+        test_add_box(&test, (struct neph_vec3){i, 0, -9}, (struct neph_vec3){i + 0.5, 2, -8});
+    test.scene.movers = &mover;
+    test.scene.mover_count = 1;
+    neph_assert_ok(neph_gpu_scene_create(*state, &test.scene, 0.0, 8, 8, false, &gpu, &diag),
+                   &diag);
+    const struct neph_gpu_medium before = gpu.frame->media[0];
+    OWNED(scene) struct neph_scene *still = NULL;
+    neph_assert_ok(neph_scene_at(&test.scene, 2.0, &still, &diag), &diag);
+    neph_assert_ok(neph_gpu_scene_update(*state, &gpu, still, 2.0, 8, 8, NULL, &diag), &diag);
+    assert_memory_equal(&before, &gpu.frame->media[0], sizeof(before));
     neph_gpu_scene_destroy(*state, &gpu);
 }
 

@@ -45,12 +45,14 @@ struct ViewCamera {
 // has moved. Places are relative to this frame's camera.
 struct Mover {
     vec3 pivot_m;
-    uint first; // of the scene's solids; `end` is past the last
+    uint first; // of the scene's solids that are no meshes; `end` is past the last
     vec3 pivot_before_m;
     uint end;
     uint axis; // 0 x, 1 y, 2 z
     float cosine, sine; // of the angle back to the frame before
-    uint padding;
+    uint instances_first; // of meshes; `instances_end` is past the last
+    uint instances_end;
+    uint padding_1, padding_2, padding_3;
 };
 
 // Elements row by row, row 0 on top.

@@ -25,6 +25,13 @@ vec3 turned_back(Mover mover, vec3 v)
     return vec3(c * v.x - s * v.y, s * v.x + c * v.y, v.z);
 }
 
+bool is_moved(Mover mover, uint solid)
+{
+    return is_mesh(solid) ? hit_instance(solid) >= mover.instances_first &&
+                                hit_instance(solid) < mover.instances_end
+                          : solid >= mover.first && solid < mover.end;
+}
+
 // The displacement of a point x of a solid, with the mover's rotation R back to the frame before:
 //
 //     x - x_before = (a - R a) + (pivot - pivot_before),   a = x - pivot
@@ -36,7 +43,7 @@ vec3 moved_m(uint solid, vec3 point_m, out float is_mover)
     is_mover = 0.0;
     for (uint m = 0; m < view.mover_count; m++) {
         Mover mover = view.movers[m];
-        if (solid < mover.first || solid >= mover.end)
+        if (!is_moved(mover, solid))
             continue;
         precise vec3 arm_m = point_m - mover.pivot_m;
         precise vec3 own_m = arm_m - turned_back(mover, arm_m);
