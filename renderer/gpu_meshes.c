@@ -37,6 +37,15 @@ int neph_gpu_count_instances(const struct neph_scene *scene)
     return count;
 }
 
+double neph_gpu_count_triangles(const struct neph_scene *scene)
+{
+    double count = 0.0;
+    for (int i = 0; i < scene->solid_count; i++)
+        if (is_instance(&scene->solids[i]))
+            count += scene->solids[i].mesh->data.triangle_count;
+    return count;
+}
+
 int neph_gpu_count_plain_solids(const struct neph_scene *scene)
 {
     return scene->solid_count - neph_gpu_count_instances(scene);
@@ -108,6 +117,12 @@ static int count_triangle_bits(const struct neph_scene *scene)
     return count_bits(most - 1);
 }
 
+/* Whether numbers of hits, of so many bits, are sums of triangles (shaders/mesh_data.glsl). */
+static bool has_searched_hits(const struct neph_scene *scene)
+{
+    return count_bits(neph_gpu_count_instances(scene) - 1) + count_triangle_bits(scene) > HIT_BITS;
+}
+
 /* A fit: on a terrain of 200,000 triangles with 2,000 trees, subgroups of eight paths of the tracer
  * take between a half and all of it on average; with few solids they take less. */
 uint64_t neph_gpu_mesh_iterations(const struct neph_scene *scene)
@@ -167,6 +182,7 @@ struct neph_gpu_meshes neph_gpu_meshes_place(const struct neph_scene *scene,
     made.instances = NEPH_GPU_MESH_PLACES_FIRST +
                      (uint32_t)(NODE_WORDS * count_instance_nodes(scene));
     made.triangle_bits = (uint32_t)count_triangle_bits(scene);
+    made.searched = has_searched_hits(scene) ? (uint32_t)neph_gpu_count_instances(scene) : 0;
     return made;
 }
 
@@ -314,7 +330,7 @@ static void write_mesh(const struct neph_mesh *mesh, struct neph_vec3 eye, words
 }
 
 static void write_instance(const struct neph_solid *solid, struct neph_vec3 origin_m,
-                           uint32_t first, words *to)
+                           uint32_t first, uint32_t first_hit, words *to)
 {
     const struct neph_mesh *mesh = solid->mesh;
     const struct neph_vec3 middle = find_mesh_middle(mesh);
@@ -330,6 +346,7 @@ static void write_instance(const struct neph_solid *solid, struct neph_vec3 orig
     to[2][3] = neph_gpu_mesh_look_words(mesh) > 0 ? first + (uint32_t)count_shape_words(mesh) : 0;
     set_vector(to[3], place_m);
     set_vector(to[5], find_rest(place_m));
+    to[5][3] = first_hit;
     set_float(&to[3][3], solid->scale_m);
     set_vector(to[4], (struct neph_vec3){solid->albedo.r, solid->albedo.g, solid->albedo.b});
     set_float(&to[4][3], find_reach(&mesh->tree.nodes[0].bounds));
@@ -360,8 +377,10 @@ enum neph_status neph_gpu_mesh_places_write(const struct neph_scene *scene, stru
                                             uint32_t (*to)[4], struct neph_diag *diag)
 {
     const struct neph_vec3 origin_m = find_origin(scene);
+    const bool is_searched = has_searched_hits(scene);
+    const uint32_t regular = 1u << count_triangle_bits(scene);
     words *instance = to + NODE_WORDS * count_instance_nodes(scene);
-    uint32_t *firsts = malloc((size_t)scene->mesh_count * sizeof(*firsts));
+    uint32_t *firsts = malloc((size_t)scene->mesh_count * sizeof(*firsts)), hit = 0;
     if (!firsts)
         return neph_fail_memory(diag);
     for (int i = 0; i < scene->mesh_count; i++)
@@ -370,8 +389,9 @@ enum neph_status neph_gpu_mesh_places_write(const struct neph_scene *scene, stru
     for (int i = 0; i < scene->solid_count; i++)
         if (is_instance(&scene->solids[i])) {
             const int mesh = neph_mesh_index(scene, &scene->solids[i]);
-            write_instance(&scene->solids[i], origin_m, firsts[mesh], instance);
+            write_instance(&scene->solids[i], origin_m, firsts[mesh], hit, instance);
             instance += INSTANCE_WORDS;
+            hit += is_searched ? (uint32_t)scene->solids[i].mesh->data.triangle_count : regular;
         }
     free(firsts);
     return write_instance_tree(scene, origin_m, eye_m, to, diag);
@@ -382,14 +402,14 @@ enum neph_status neph_gpu_meshes_upload(const struct neph_vulkan *vulkan,
                                         const struct neph_buffer *buffer, struct neph_diag *diag)
 {
     const size_t count = neph_gpu_mesh_words(scene);
-    const int bits = count_triangle_bits(scene), instances = neph_gpu_count_instances(scene);
     if (count == 0)
         return NEPH_OK;
-    if (count_bits(instances - 1) + bits > HIT_BITS)
+    if (neph_gpu_count_triangles(scene) > (double)(1 << HIT_BITS))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "%d instances of meshes with up to 2^%d triangles; on a device there are "
-                         "numbers for 2^%d triangles of all instances",
-                         instances, bits, HIT_BITS);
+                         "%d instances of meshes with %.4g triangles in all; a device has numbers "
+                         "for 2^%d",
+                         neph_gpu_count_instances(scene), neph_gpu_count_triangles(scene),
+                         HIT_BITS);
     words *data = calloc(count, sizeof(*data));
     if (!data)
         return neph_fail_memory(diag);

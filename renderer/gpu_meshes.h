@@ -16,6 +16,9 @@
 int neph_gpu_count_instances(const struct neph_scene *scene);
 int neph_gpu_count_plain_solids(const struct neph_scene *scene);
 
+/* The number of triangles of all instances. */
+double neph_gpu_count_triangles(const struct neph_scene *scene);
+
 /* The number of words of four that the meshes take; 0 without meshes. */
 size_t neph_gpu_mesh_words(const struct neph_scene *scene);
 
@@ -29,7 +32,7 @@ size_t neph_gpu_mesh_place_words(const struct neph_scene *scene);
 uint64_t neph_gpu_mesh_iterations(const struct neph_scene *scene);
 
 /* Write the meshes to the start of a buffer that has room for them, above all for rays of `eye_m`.
- * NEPH_ERR_UNSUPPORTED: instances times triangles are more than hits have numbers for. */
+ * NEPH_ERR_UNSUPPORTED: all instances have more triangles than hits have numbers for. */
 enum neph_status neph_gpu_meshes_upload(const struct neph_vulkan *vulkan,
                                         const struct neph_scene *scene, struct neph_vec3 eye_m,
                                         const struct neph_buffer *buffer, struct neph_diag *diag);

@@ -327,15 +327,6 @@ static void add_bounds(const struct neph_scene *scene, struct adding *adding)
     }
 }
 
-static double count_triangles(const struct neph_scene *scene)
-{
-    double count = 0.0;
-    for (int i = 0; i < scene->solid_count; i++)
-        if (scene->solids[i].kind == NEPH_SOLID_MESH)
-            count += scene->solids[i].mesh->data.triangle_count;
-    return count;
-}
-
 enum neph_status neph_sun_grid_add_meshes(const struct neph_scene *scene,
                                           struct neph_sun_grid *grid, struct neph_diag *diag)
 {
@@ -350,7 +341,7 @@ enum neph_status neph_sun_grid_add_meshes(const struct neph_scene *scene,
         status = neph_fail_memory(diag);
     for (size_t i = 0; i < count && !status; i++)
         adding.cells[i] = empty_cell;
-    if (!status && count_triangles(scene) > triangles_max)
+    if (!status && neph_gpu_count_triangles(scene) > triangles_max)
         add_bounds(scene, &adding);
     else
         for (int i = 0; i < scene->mesh_count && !status; i++)

@@ -54,8 +54,9 @@ struct Meshes {
     float reach_m; // their largest coordinate
     vec3 origin_low_m; // what origin_m has lost by rounding
     uint instances; // index of the first instance
-    uvec3 padding;
-    uint triangle_bits; // of the number of a hit
+    uvec2 padding;
+    uint searched;      // number of instances among which that of a hit is searched; 0: not needed
+    uint triangle_bits; // of the number of a hit, where it is not searched
 };
 
 // The grid across the sun (sun_grid.glsl). A point has its place in the grid, in cells, by

@@ -38,6 +38,10 @@ void check_loops()
     report_left_loop(MESHES && turns < wanted);
 }
 
+// Marks of the hit of a mesh.
+const uint IS_MESH = 0x80000000u;
+const uint IS_BACK = 0x40000000u; // the ray comes from the side opposite to the normal
+
 // --- data -----------------------------------------------------------------------------------
 
 // A node of a tree, as SolidNode. Nodes are in the order of a walk that enters all of them.
@@ -68,6 +72,7 @@ struct MeshInstance {
     uint nodes;     // index of the tree's first node
     uint triangles; // index of the first triangle
     uint look;      // index of its look (mesh_looks.glsl); 0: flat, of one colour and whole
+    uint first_hit; // a hit of its first triangle
 };
 
 // The place of an instance and the origin of all places are sums of two floats each. The larger
@@ -83,12 +88,12 @@ MeshInstance mesh_instance(uint i)
 {
     uint at = frame.meshes.instances + MESH_INSTANCE_WORDS * i;
     uvec4 x = mesh_words[at], y = mesh_words[at + 1], z = mesh_words[at + 2];
-    uvec4 place = mesh_words[at + 3], surface = mesh_words[at + 4];
+    uvec4 place = mesh_words[at + 3], surface = mesh_words[at + 4], place_low = mesh_words[at + 5];
     return MeshInstance(
         mat3(uintBitsToFloat(x.xyz), uintBitsToFloat(y.xyz), uintBitsToFloat(z.xyz)),
-        instance_position_m(place, mesh_words[at + 5]), uintBitsToFloat(place.w),
-        uintBitsToFloat(surface.xyz),
-        uintBitsToFloat(surface.w), x.w, y.w, z.w);
+        instance_position_m(place, place_low), uintBitsToFloat(place.w),
+        uintBitsToFloat(surface.xyz), uintBitsToFloat(surface.w), x.w, y.w, z.w,
+        IS_MESH | place_low.w);
 }
 
 // A point relative to the camera in the axes of a mesh, relative to its middle.
@@ -115,31 +120,46 @@ vec3 triangle_area(Triangle t)
 
 // --- the number of a hit ------------------------------------------------------------------------
 
-// A hit of a mesh has, in place of the number of a solid, these bits, the instance, and the
-// triangle in the lowest Meshes.triangle_bits.
-const uint IS_MESH = 0x80000000u;
-const uint IS_BACK = 0x40000000u; // the ray comes from the side opposite to the normal
+// A hit of a mesh has, in place of the number of a solid, IS_MESH and a number: its triangle's, plus
+// the first one of its instance. First numbers are multiples of 2^triangle_bits; where there are too
+// few bits for that, they are the triangles of all instances before, and the instance is searched.
 
 bool is_mesh(uint solid)
 {
     return MESHES && solid >= IS_MESH && solid != NO_SOLID;
 }
 
-uint hit_instance(uint solid)
+uint first_hit_number(uint instance)
 {
-    return (solid & ~(IS_MESH | IS_BACK)) >> frame.meshes.triangle_bits;
+    return mesh_words[frame.meshes.instances + MESH_INSTANCE_WORDS * instance + 5u].w;
 }
 
-uint hit_triangle(uint solid)
+uint hit_instance(uint solid)
 {
-    return solid & ~(~0u << frame.meshes.triangle_bits);
+    uint number = solid & ~(IS_MESH | IS_BACK);
+    uint behind = make_nonuniform(frame.meshes.searched), found = 0u;
+    if (behind == 0u)
+        return number >> frame.meshes.triangle_bits;
+    while (behind - found > 1u) {
+        uint middle = (found + behind) / 2u;
+        if (first_hit_number(middle) <= number)
+            found = middle;
+        else
+            behind = middle;
+    }
+    return found;
+}
+
+uint hit_triangle(uint solid, MeshInstance mesh)
+{
+    return (solid & ~IS_BACK) - mesh.first_hit;
 }
 
 // Unit normal of a hit, on the side that the ray came from.
 vec3 mesh_normal(uint solid)
 {
     MeshInstance mesh = mesh_instance(hit_instance(solid));
-    vec3 area = triangle_area(mesh_triangle(mesh.triangles + 3u * hit_triangle(solid)));
+    vec3 area = triangle_area(mesh_triangle(mesh.triangles + 3u * hit_triangle(solid, mesh)));
     // Scaled to about 1: the square of the area of a small triangle underflows.
     area /= max(abs(area.x), max(abs(area.y), abs(area.z)));
     vec3 normal = normalize(mesh.turn * area);

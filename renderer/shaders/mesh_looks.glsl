@@ -100,7 +100,7 @@ void add_mesh_look(uint solid, vec3 point_m, inout vec3 normal, inout vec3 albed
     if (mesh.look == 0u)
         return;
     MeshLook look = mesh_look(mesh.look);
-    uint triangle = hit_triangle(solid);
+    uint triangle = hit_triangle(solid, mesh);
     vec3 weights = triangle_weights(mesh_triangle(mesh.triangles + 3u * triangle),
                                     to_mesh(mesh, point_m));
     if (MESH_SMOOTH && look.normals != 0u)

@@ -119,7 +119,6 @@ void keep_nearest_triangle(uint instance, vec3 origin_m, vec3 direction, uint ex
 {
     MeshInstance mesh = mesh_instance(instance);
     MeshRay ray = instance_ray(mesh, origin_m, direction);
-    uint own = IS_MESH | instance << frame.meshes.triangle_bits;
     uint n = 0u;
     while (n != NO_SOLID) {
         MeshNode node = mesh_node(mesh.nodes, n);
@@ -130,11 +129,11 @@ void keep_nearest_triangle(uint instance, vec3 origin_m, vec3 direction, uint ex
             float t_m;
             bool is_back;
             vec3 sides;
-            if ((own | triangle) != (except & ~IS_BACK) &&
+            if (mesh.first_hit + triangle != (except & ~IS_BACK) &&
                 meet_triangle(ray, mesh_triangle(mesh.triangles + 3u * triangle), t_m, is_back,
                               sides) &&
                 t_m < hit.t_m && !is_cut_out(mesh, triangle, sides))
-                hit = Hit(t_m, own | triangle | (is_back ? IS_BACK : 0u));
+                hit = Hit(t_m, (mesh.first_hit + triangle) | (is_back ? IS_BACK : 0u));
         }
     }
     report_left_loop(n != NO_SOLID);
@@ -146,7 +145,6 @@ bool is_instance_met(uint instance, vec3 origin_m, vec3 direction, float start_m
 {
     MeshInstance mesh = mesh_instance(instance);
     MeshRay ray = instance_ray(mesh, origin_m, direction);
-    uint own = IS_MESH | instance << frame.meshes.triangle_bits;
     bool is_met = false;
     uint n = 0u;
     while (n != NO_SOLID) {
@@ -158,7 +156,7 @@ bool is_instance_met(uint instance, vec3 origin_m, vec3 direction, float start_m
             float t_m;
             bool is_back;
             vec3 sides;
-            if ((own | triangle) != (except & ~IS_BACK) &&
+            if (mesh.first_hit + triangle != (except & ~IS_BACK) &&
                 meet_triangle(ray, mesh_triangle(mesh.triangles + 3u * triangle), t_m, is_back,
                               sides) &&
                 t_m > start_m && t_m < end_m && !is_cut_out(mesh, triangle, sides))

@@ -561,23 +561,71 @@ static void test_a_walk_that_is_left_is_an_error(void **state)
         assert_int_equal(refused, 0);
 }
 
+enum { CROWD = 8193, CROWD_CELLS = 256 }; /* over 2^13 instances of 2^17 triangles */
+
+/* Hills, a quad, and a crowd of quads below its middle, where no ray meets them. */
+struct crowd {
+    struct test_scene test;
+    struct neph_mesh *meshes[2];
+    struct neph_solid solids[CROWD];
+};
+
+static void test_end_crowd(struct crowd **crowd)
+{
+    neph_mesh_destroy((*crowd)->meshes[0]);
+    neph_mesh_destroy((*crowd)->meshes[1]);
+    free(*crowd);
+}
+
+static struct crowd *make_crowd(void)
+{
+    struct crowd *crowd = calloc(1, sizeof(*crowd));
+    assert_non_null(crowd);
+    test_scene_init(&crowd->test);
+    crowd->meshes[0] = finish_mesh(make_hills(CROWD_CELLS, 1.0, 0.1));
+    crowd->meshes[1] = finish_mesh(make_hills(1, 1.0, 0.0));
+    for (int i = 0; i < CROWD; i++)
+        crowd->solids[i] = (struct neph_solid){.kind = NEPH_SOLID_MESH,
+                                               .mesh = crowd->meshes[i > 0],
+                                               .center_m = {0.0, -0.01, 0.0},
+                                               .scale_m = 0.01,
+                                               .albedo = {0.5, 0.4, 0.3}};
+    for (int i = 0; i < CROWD; i += CROWD - 1) {
+        crowd->solids[i].center_m = (struct neph_vec3){i == 0 ? 2.0 : 0.0, 0.0, 0.0};
+        crowd->solids[i].scale_m = 1.0;
+    }
+    crowd->solids[0].albedo.g = 0.1;
+    crowd->test.scene.solids = crowd->solids;
+    crowd->test.scene.solid_count = CROWD;
+    crowd->test.scene.meshes = crowd->meshes;
+    crowd->test.scene.mesh_count = 2;
+    crowd->test.key.position_m = (struct neph_vec3){1.0, 3.0, 0.1};
+    crowd->test.key.look_at_m = (struct neph_vec3){1.0, 0.0, 0.0};
+    return crowd;
+}
+
+/* Where numbers of hits are too few for the largest mesh in each place, they are found all the same:
+ * a crowd changes no bit of the hills and of the quad. */
+static void test_hits_of_many_instances_are_found(void **state)
+{
+    OWNED(crowd) struct crowd *crowd = make_crowd();
+    OWNED(image) struct neph_image *all = render(*state, &crowd->test.scene, MARCH);
+    crowd->solids[1] = crowd->solids[CROWD - 1];
+    crowd->test.scene.solid_count = 2;
+    OWNED(image) struct neph_image *few = render(*state, &crowd->test.scene, MARCH);
+    assert_same_bits(all, few);
+    assert_true(count_sky(few) < PIXELS / 2);
+}
+
 static void test_more_triangles_than_numbers_are_refused(void **state)
 {
-    enum { INSTANCES = 8193, CELLS = 182 }; /* over 2^13 and over 2^16 / 2 */
-    struct neph_scene scene;
-    struct test_scene test;
+    const struct neph_march_params params = {.width_px = 8, .height_px = 8, .steps = 1};
     struct neph_diag diag = {0};
     struct neph_image *frame = NULL;
-    const struct neph_march_params params = {.width_px = 8, .height_px = 8, .steps = 1};
-    OWNED(mesh) struct neph_mesh *mesh = finish_mesh(make_hills(CELLS, 1.0, 0.1));
-    OWNED(memory) struct neph_solid *solids = calloc(INSTANCES, sizeof(*solids));
-    test_scene_init(&test);
-    for (int i = 0; i < INSTANCES; i++)
-        solids[i] = *add_instance(&test, &mesh), test.scene.solid_count = 0;
-    scene = test.scene;
-    scene.solids = solids;
-    scene.solid_count = INSTANCES;
-    assert_int_equal(test_march_frame(*state, &scene, &params, &frame, NULL, &diag),
+    OWNED(crowd) struct crowd *crowd = make_crowd();
+    for (int i = 0; i < CROWD; i++)
+        crowd->solids[i].mesh = crowd->meshes[0];
+    assert_int_equal(test_march_frame(*state, &crowd->test.scene, &params, &frame, NULL, &diag),
                      NEPH_ERR_UNSUPPORTED);
     assert_non_null(strstr(diag.message, "numbers for 2^30"));
 }
