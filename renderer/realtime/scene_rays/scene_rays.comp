@@ -52,6 +52,17 @@ void intersect_solids(inout SightLine picture, inout SightLine steady)
     }
 }
 
+// Many solids: the 32 threads of a GPU that walk through their trees together have 8 x 4 pixels, whose
+// rays meet nearly the same boxes. Tiles at the right and the lower edge are smaller.
+ivec2 find_tiled_pixel(int ray)
+{
+    ivec2 size = view_size();
+    int band = ray / (4 * size.x), in_band = ray - 4 * size.x * band;
+    int height = min(4, size.y - 4 * band), column = in_band / (8 * height);
+    int width = min(8, size.x - 8 * column), in_tile = in_band - 8 * height * column;
+    return ivec2(8 * column + in_tile % width, 4 * band + in_tile / width);
+}
+
 void main()
 {
     load_known_solids();
@@ -59,7 +70,8 @@ void main()
     int ray = int(run.first_ray + thread);
     if (KNOWN_SOLIDS != 0u)
         ray = deal_ray(ray, view_size().x * view_size().y);
-    ivec2 pixel = element_at(ray, view_size().x);
+    bool is_tiled = GPU_ACCESS && KNOWN_SOLIDS == RT_SOLIDS_UNKNOWN;
+    ivec2 pixel = is_tiled ? find_tiled_pixel(ray) : element_at(ray, view_size().x);
     Camera camera = frame_camera();
     vec3 background = frame.background;
     SightLine picture = sight_line(camera, vec2(pixel) + 0.5 + jitter_px);
