@@ -79,10 +79,10 @@ enum neph_status neph_march_create(struct neph_vulkan *vulkan, const struct neph
                                    struct neph_march **march, struct neph_diag *diag);
 void neph_march_destroy(struct neph_march *march);
 
-/* Render one frame of the scene, which may have another sun or moved media (neph_scene_at());
- * params.frame is ignored. `moment` NULL: a frame without a sequence. The image has R G B,
- * volume.*, transmittance.*, Z as in base/image.h, and volume.distance if anything was marched; no
- * attributes. Same scene, params and device: same bits. `stats` may be NULL.
+/* Render one frame of the scene, which may have another sun, and media and solids that have moved
+ * (neph_scene_at()); params.frame is ignored. `moment` NULL: a frame without a sequence. The image
+ * has R G B, volume.*, transmittance.*, Z as in base/image.h, and volume.distance if anything was
+ * marched; no attributes. Same scene, params and device: same bits. `stats` may be NULL.
  *
  * NEPH_ERR_UNSUPPORTED: a single step exceeds the limits of a dispatch (thousands of sun steps).
  * NEPH_ERR_INTERRUPTED: neph_interrupted() between two dispatches (well below a second each on two

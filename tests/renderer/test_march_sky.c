@@ -226,6 +226,25 @@ static void test_aerial_perspective_converges(void **state)
     assert_true(off[0] < 5e-3 && off[1] < 1e-3);
 }
 
+/* A solid that moves takes its shadow on the air along: the last frame of a sequence has the bits of
+ * that frame alone. */
+static void test_shadows_on_the_air_follow_solids(void **state)
+{
+    struct neph_solid_key keys[] = {{.frame = 0, .move_m = {-4e3, 0, 0}}, {.frame = 1}};
+    struct neph_mover mover = {.first = 4, .count = 1, .key_count = 2, .keys = keys};
+    const struct neph_march_params params = make_params(NEPH_MARCH_OCTAVES, 8);
+    OWNED(scene) struct neph_scene *scene = load_aerial(2);
+    scene->movers = &mover;
+    scene->mover_count = 1;
+    OWNED(scene) struct neph_scene *first = test_still(scene, 0), *last = test_still(scene, 1);
+    OWNED(march) struct neph_march *march = test_march_open(*state, scene, &params);
+    OWNED(image) struct neph_image *before = test_march_next(march, first, NULL);
+    OWNED(image) struct neph_image *after = test_march_next(march, last, NULL);
+    OWNED(image) struct neph_image *alone = test_march(*state, last, &params, NULL);
+    assert_same_bits(after, alone);
+    assert_false(test_same_bits(after, before));
+}
+
 /* --- light of the sky ------------------------------------------------------------------------- */
 
 /* Mean radiance over all directions at a point, in double. */
