@@ -265,26 +265,34 @@ struct render {
 /* Upper bound of loop iterations (compute.h) in one iteration of the path kernel's main loop: three
  * loops over the solids, two over fog layers, tracking (each step may choose a node in a loop), and
  * one over finished items. With lights, six more over the lights, two over media and two over
- * solids. */
-static uint32_t count_inner_iterations(const struct neph_scene *scene)
+ * solids. The meshes' iterations are `of_meshes` for each loop over the solids. */
+static uint32_t count_inner_iterations(const struct neph_scene *scene, uint64_t of_meshes)
 {
     uint32_t fog = 1;
     for (int i = 0; i < scene->medium_count; i++)
         fog += 3 + 2 * (uint32_t)scene->media[i].layer_count;
-    const uint32_t solids = (uint32_t)neph_gpu_solid_iterations(scene);
+    const uint32_t solids = (uint32_t)(neph_gpu_solid_iterations(scene) -
+                                       neph_gpu_mesh_iterations(scene) + of_meshes);
     const uint32_t lights = scene->light_count > 0
                                 ? 6 * ((uint32_t)scene->light_count + 1) + 2 * fog + 2 * solids
                                 : 0;
     return 1 + 3 * solids + 2 * fog + track_steps * 5 + 1 + NEPH_GPU_TAKES + 1 + lights;
 }
 
+/* On a CPU the kernel itself ends a dispatch after NEPH_GPU_WALKS loop iterations in meshes. All
+ * other loops get a third of that, and the rest is for the walks of the last turn. */
 static uint32_t choose_turns(const struct neph_scene *scene,
-                             const struct neph_tracer_params *params)
+                             const struct neph_tracer_params *params, bool is_cpu)
 {
     const uint32_t comfortable = 4096; /* a few milliseconds of a work group on a CPU core */
-    uint32_t turns = (NEPH_KERNEL_LOOP_ITERATIONS_MAX - 1) / count_inner_iterations(scene);
+    const uint64_t of_meshes = neph_gpu_mesh_iterations(scene);
+    const bool counts_walks = is_cpu && of_meshes > 0;
+    const uint32_t limit = counts_walks ? NEPH_GPU_WALKS / 3 : NEPH_KERNEL_LOOP_ITERATIONS_MAX - 1;
+    uint32_t turns = limit / count_inner_iterations(scene, counts_walks ? 0 : of_meshes);
     if (turns > comfortable)
         turns = comfortable;
+    if (turns == 0)
+        turns = 1;
     if (params->dispatch_turns > 0 && params->dispatch_turns < turns)
         turns = params->dispatch_turns;
     return turns;
@@ -625,7 +633,7 @@ static enum neph_status prepare(struct render *render, const struct neph_scene *
     const struct neph_tracer_params *params = render->params;
     render->pixel_count = (size_t)params->width_px * (size_t)params->height_px;
     render->viewed_first = SIZE_MAX;
-    render->turns = choose_turns(scene, params);
+    render->turns = choose_turns(scene, params, render->vulkan->description.is_cpu);
     render->needs_paths = needs_paths(scene);
     render->is_open = is_open(scene);
     render->lit_tables = lit_tables(scene);

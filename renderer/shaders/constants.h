@@ -78,6 +78,7 @@
 // The path tracer: strata of a pixel's samples, and edges of a table of light (tracer_lit.glsl).
 #define NEPH_GPU_STRATA 4
 #define NEPH_GPU_TAKES 8 // items that a thread takes from a queue at once
+#define NEPH_GPU_WALKS 24000 // loop iterations in walks through meshes, after which a dispatch ends
 #define NEPH_GPU_LIT_EDGES 16
 
 // Octaves of scattering with fitted factors (renderer/octaves_fitted.h).

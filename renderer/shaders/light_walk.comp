@@ -430,7 +430,9 @@ void main()
         path.origin_m += run.shift_m;
         find_next_events();
     }
-    for (uint i = 0; i < run.turns && events < run.events && misses < MISSES_MAX; i++) {
+    for (uint i = 0; i < run.turns && events < run.events && misses < MISSES_MAX &&
+                     !has_walked_enough();
+         i++) {
         if (path.is_alive == 0u)
             start();
         else

@@ -104,10 +104,44 @@ bool meet_triangle(MeshRay ray, Triangle t, out float t_m, out bool is_back, out
 // the tracer go different ways, each thread for itself.
 #ifdef WALKS_ALONE
 #define is_entered(meets) (meets)
+
+// Loop iterations of this thread in walks. A bound of them is far above their mean, so a kernel on a
+// CPU counts them and ends its dispatch before its loops are left (renderer/compute.h). lavapipe
+// executes a loop that no thread enters once. Eight threads of a subgroup whose walks never coincide
+// take NEPH_GPU_WALKS together.
+uint walked = 0u;
+
+void count_walk(uint iterations) { walked += ON_CPU ? iterations : 0u; }
+
+bool has_walked_enough() { return MESHES && ON_CPU && walked >= NEPH_GPU_WALKS / 8; }
 #else
 #extension GL_KHR_shader_subgroup_vote : require
 #define is_entered(meets) subgroupAny(meets)
+
+void count_walk(uint iterations) {}
 #endif
+
+// Iterations that the loops over the leaves take for each leaf, with the loops in them.
+const uint TRIANGLE_LEAF_TURNS = 3;
+const uint INSTANCE_LEAF_TURNS = 2 + TRIANGLE_LEAF_TURNS;
+
+// The content of the next leaf that the ray meets, from node `n` on, which then is the node after
+// the leaf; 0: none. Walks that go together stop at a leaf that another thread meets. Leaves are
+// handled outside of this loop: without branches their work would be done for each node.
+uint find_leaf(uint first, MeshRay ray, bool is_open, float start_m, float end_m, inout uint n)
+{
+    uint leaf = 0u, found = 0u;
+    while (n != NO_SOLID && found == 0u) {
+        MeshNode node = mesh_node(first, n);
+        bool meets = is_open && meets_box(ray, node.low_m, node.high_m, start_m, end_m);
+        bool enters = is_entered(meets);
+        leaf |= meets ? node.leaf : 0u;
+        found = enters ? node.leaf : 0u;
+        n = enters && node.leaf == 0u ? n + 1u : node.next;
+        count_walk(1u);
+    }
+    return leaf;
+}
 
 MeshRay instance_ray(MeshInstance to, vec3 origin_m, vec3 direction)
 {
@@ -121,11 +155,10 @@ void keep_nearest_triangle(uint instance, vec3 origin_m, vec3 direction, uint ex
     MeshRay ray = instance_ray(mesh, origin_m, direction);
     uint n = 0u;
     while (n != NO_SOLID) {
-        MeshNode node = mesh_node(mesh.nodes, n);
-        bool meets = meets_box(ray, node.low_m, node.high_m, 0.0, hit.t_m);
-        n = is_entered(meets) && node.leaf == 0u ? n + 1u : node.next;
-        for (uint i = 0u; i < (meets ? node.leaf & 15u : 0u); i++) {
-            uint triangle = (node.leaf >> 4u) + i;
+        uint leaf = find_leaf(mesh.nodes, ray, true, 0.0, hit.t_m, n);
+        count_walk(TRIANGLE_LEAF_TURNS + (leaf & 15u));
+        for (uint i = 0u; i < (leaf & 15u); i++) {
+            uint triangle = (leaf >> 4u) + i;
             float t_m;
             bool is_back;
             vec3 sides;
@@ -148,11 +181,10 @@ bool is_instance_met(uint instance, vec3 origin_m, vec3 direction, float start_m
     bool is_met = false;
     uint n = 0u;
     while (n != NO_SOLID) {
-        MeshNode node = mesh_node(mesh.nodes, n);
-        bool meets = !is_met && meets_box(ray, node.low_m, node.high_m, start_m, end_m);
-        n = is_entered(meets) && node.leaf == 0u ? n + 1u : node.next;
-        for (uint i = 0u; i < (meets ? node.leaf & 15u : 0u); i++) {
-            uint triangle = (node.leaf >> 4u) + i;
+        uint leaf = find_leaf(mesh.nodes, ray, !is_met, start_m, end_m, n);
+        count_walk(TRIANGLE_LEAF_TURNS + (leaf & 15u));
+        for (uint i = 0u; i < (leaf & 15u); i++) {
+            uint triangle = (leaf >> 4u) + i;
             float t_m;
             bool is_back;
             vec3 sides;
@@ -186,12 +218,12 @@ void keep_nearest_mesh(vec3 origin_m, vec3 direction, uint except, inout Hit hit
     vec3 from_m = mesh_origin_m(origin_m, except);
     MeshRay ray = mesh_ray(from_m - frame.meshes.origin_m, direction, frame.meshes.reach_m);
     uint n = 0u;
+    count_walk(INSTANCE_LEAF_TURNS);
     while (n != NO_SOLID) {
-        MeshNode node = mesh_node(1u, n);
-        bool meets = meets_box(ray, node.low_m, node.high_m, 0.0, hit.t_m);
-        n = is_entered(meets) && node.leaf == 0u ? n + 1u : node.next;
-        if (meets && node.leaf != 0u)
-            keep_nearest_triangle(node.leaf - 1u, from_m, direction, except, hit);
+        uint leaf = find_leaf(1u, ray, true, 0.0, hit.t_m, n);
+        count_walk(INSTANCE_LEAF_TURNS);
+        if (leaf != 0u)
+            keep_nearest_triangle(leaf - 1u, from_m, direction, except, hit);
     }
     report_left_loop(n != NO_SOLID);
 }
@@ -203,12 +235,12 @@ bool is_mesh_met(vec3 origin_m, vec3 direction, float start_m, float end_m, uint
     MeshRay ray = mesh_ray(from_m - frame.meshes.origin_m, direction, frame.meshes.reach_m);
     bool is_met = false;
     uint n = 0u;
+    count_walk(INSTANCE_LEAF_TURNS);
     while (n != NO_SOLID) {
-        MeshNode node = mesh_node(1u, n);
-        bool meets = !is_met && meets_box(ray, node.low_m, node.high_m, start_m, end_m);
-        n = is_entered(meets) && node.leaf == 0u ? n + 1u : node.next;
-        if (meets && node.leaf != 0u)
-            is_met = is_instance_met(node.leaf - 1u, from_m, direction, start_m, end_m, except);
+        uint leaf = find_leaf(1u, ray, !is_met, start_m, end_m, n);
+        count_walk(INSTANCE_LEAF_TURNS);
+        if (leaf != 0u)
+            is_met = is_instance_met(leaf - 1u, from_m, direction, start_m, end_m, except);
     }
     report_left_loop(n != NO_SOLID);
     return is_met;

@@ -1000,7 +1000,8 @@ void main()
         path.stage = STAGE_IDLE;
     else
         path = states[thread];
-    for (uint turn = 0; turn < run.turns && path.stage != STAGE_DONE; turn++) {
+    for (uint turn = 0; turn < run.turns && path.stage != STAGE_DONE && !has_walked_enough();
+         turn++) {
         if (path.stage == STAGE_BEHIND)
             start_at_surface();
         if (path.stage == STAGE_NONE)

@@ -106,7 +106,7 @@ layout(std430, binding = 7) buffer Queues {
 struct TracerPixel {
     vec4 behind;        // background, or sunlight reflected by the surface; black if OPEN; w: eye
                         // depth [m]
-    vec4 transmittance; // w: unused
+    vec4 transmittance; // w: length of the view ray [m]; FAR_M: it meets no solid
     vec4 sums[4];       // order1, higher, surface; and squared differences of pairs, w: their
                         // sum over the channels, squared
     vec4 excess[4];     // rounding errors of the sums
@@ -115,6 +115,12 @@ struct TracerPixel {
 layout(std430, binding = 8) buffer Pixels {
     TracerPixel pixels[];
 };
+
+// Length of the view ray of a pixel of the chunk, which tracer_view.comp has found.
+float view_length_m(uint pixel)
+{
+    return pixels[run.first_pixel + pixel - run.part_pixel].transmittance.w;
+}
 
 // Cost and progress of all rounds. Counters only grow.
 layout(std430, binding = 9) buffer Progress {

@@ -61,7 +61,7 @@ First first_collision(uint pixel, ViewRay ray, uint hero, float u)
         return first;
     uint m = choice.medium;
     vec3 color = frame.media[m].extinction_color;
-    float t0_m = 0.0, t1_m = scene_hit(ray.origin_m, ray.direction).t_m;
+    float t0_m = 0.0, t1_m = view_length_m(pixel);
     if (!clip_medium(m, ray.origin_m, ray.direction, t0_m, t1_m))
         return first;
     float part = absorbed_fraction(color[hero] * choice.depth);
@@ -150,7 +150,7 @@ First lit_collision(uint pixel, ViewRay ray, float u)
     uint m = part.medium;
     vec3 color = frame.media[m].extinction_color;
     float depth = depths[pixel * PARTS + m * LAYERS_MAX + part.layer];
-    float t0_m = 0.0, t1_m = scene_hit(ray.origin_m, ray.direction).t_m;
+    float t0_m = 0.0, t1_m = view_length_m(pixel);
     if (part.other_chance <= 0.0 || depth <= 0.0 ||
         !clip_medium(m, ray.origin_m, ray.direction, t0_m, t1_m))
         return first;
@@ -185,8 +185,7 @@ vec3 lamplight_scattered_once(uint pixel, ViewRay ray, uint sample_index, float 
     uvec4 key = sample_key(run.first_pixel + pixel, run.first_sample + sample_index);
     vec2 u = vec2(uniform_from(pcg4d(key.wzyx).xyz).x, stratified_u);
     LampPlace place = draw_lamp_place(ray.origin_m, ray.direction,
-                                      scene_hit(ray.origin_m, ray.direction).t_m, u,
-                                      run.first_pixel + pixel);
+                                      view_length_m(pixel), u, run.first_pixel + pixel);
     if (place.density_per_m <= 0.0)
         return vec3(0.0);
     vec3 point_m = view_point_m(ray, place.t_m);

@@ -41,9 +41,9 @@ Stretch clip_to_medium(uint m, vec3 origin_m, vec3 direction, float length_m)
 }
 
 // Hull of all media on the view ray; empty when there are none, or when it is unbounded.
-Stretch find_hull(ViewRay ray)
+Stretch find_hull(uint pixel, ViewRay ray)
 {
-    float length_m = scene_hit(ray.origin_m, ray.direction).t_m;
+    float length_m = view_length_m(pixel);
     Stretch hull = Stretch(length_m, 0.0);
     for (uint m = 0; m < media_count(); m++) {
         if (MEDIA_DIFFER && !is_bright(m))
@@ -237,7 +237,7 @@ void main()
     uint edge = gl_GlobalInvocationID.x % LIT_EDGES, pixel = gl_GlobalInvocationID.x / LIT_EDGES;
     bool is_any = pixel < run.pixel_count;
     ViewRay ray = pixel_ray(run.first_pixel + pixel);
-    Stretch hull = is_any ? find_hull(ray) : Stretch(0.0, 0.0);
+    Stretch hull = is_any ? find_hull(pixel, ray) : Stretch(0.0, 0.0);
     float stretch_m = (hull.t1_m - hull.t0_m) / float(GUESS_STRETCHES);
     bool is_seen = stretch_m > 0.0;
     uint thread = gl_LocalInvocationID.x;

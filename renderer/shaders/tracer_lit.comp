@@ -78,7 +78,7 @@ float find_log_light(uint pixel, uint m, uint l, uint edge)
     float depth = depths[pixel * PARTS + m * LAYERS_MAX + l];
     vec3 color = frame.media[m].extinction_color;
     ViewRay ray = pixel_ray(run.first_pixel + pixel);
-    float t0_m = 0.0, t1_m = scene_hit(ray.origin_m, ray.direction).t_m;
+    float t0_m = 0.0, t1_m = view_length_m(pixel);
     if (depth <= 0.0 || color == vec3(0.0) ||
         !clip_medium(m, ray.origin_m, ray.direction, t0_m, t1_m))
         return DARK;

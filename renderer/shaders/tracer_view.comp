@@ -84,5 +84,5 @@ void main()
     vec3 arriving = colour_transmittance(find_depths(thread, ray, hit.t_m));
     uint pixel = run.first_pixel + thread - run.part_pixel;
     pixels[pixel].behind = vec4(behind, eye_depth_m);
-    pixels[pixel].transmittance = vec4(arriving, 0.0);
+    pixels[pixel].transmittance = vec4(arriving, hit.t_m);
 }
