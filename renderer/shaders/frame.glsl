@@ -54,7 +54,8 @@ struct Meshes {
     float reach_m; // their largest coordinate
     vec3 origin_low_m; // what origin_m has lost by rounding
     uint instances; // index of the first instance
-    uvec3 padding;
+    uvec2 padding;
+    uint frame_number; // of the sequence, for alpha as coverage
     uint triangle_bits; // of the number of a hit
 };
 

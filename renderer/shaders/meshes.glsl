@@ -133,7 +133,7 @@ void keep_nearest_triangle(uint instance, vec3 origin_m, vec3 direction, uint ex
             if ((own | triangle) != (except & ~IS_BACK) &&
                 meet_triangle(ray, mesh_triangle(mesh.triangles + 3u * triangle), t_m, is_back,
                               sides) &&
-                t_m < hit.t_m && !is_cut_out(mesh, triangle, sides))
+                t_m < hit.t_m && !is_cut_out(mesh, own | triangle, sides))
                 hit = Hit(t_m, own | triangle | (is_back ? IS_BACK : 0u));
         }
     }
@@ -161,7 +161,7 @@ bool is_instance_met(uint instance, vec3 origin_m, vec3 direction, float start_m
             if ((own | triangle) != (except & ~IS_BACK) &&
                 meet_triangle(ray, mesh_triangle(mesh.triangles + 3u * triangle), t_m, is_back,
                               sides) &&
-                t_m > start_m && t_m < end_m && !is_cut_out(mesh, triangle, sides))
+                t_m > start_m && t_m < end_m && !is_cut_out(mesh, own | triangle, sides))
                 is_met = true;
         }
         n = is_entered(!is_met) ? n : NO_SOLID;
@@ -187,6 +187,7 @@ void keep_nearest_mesh(vec3 origin_m, vec3 direction, uint except, inout Hit hit
 {
     vec3 from_m = mesh_origin_m(origin_m, except);
     MeshRay ray = mesh_ray(from_m - frame.meshes.origin_m, direction, frame.meshes.reach_m);
+    SET_COVERAGE_VIEW();
     uint n = 0u;
     while (n != NO_SOLID) {
         MeshNode node = mesh_node(1u, n);
@@ -203,6 +204,7 @@ bool is_mesh_met(vec3 origin_m, vec3 direction, float start_m, float end_m, uint
 {
     vec3 from_m = mesh_origin_m(origin_m, except);
     MeshRay ray = mesh_ray(from_m - frame.meshes.origin_m, direction, frame.meshes.reach_m);
+    set_coverage_ray(from_m, direction);
     bool is_met = false;
     uint n = 0u;
     while (n != NO_SOLID) {
