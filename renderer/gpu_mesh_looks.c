@@ -10,6 +10,9 @@
 
 /* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_ALPHA_COUNT == 3, "a new kind");
+_Static_assert(NEPH_GPU_ALPHA_CUTOUT == NEPH_ALPHA_CUTOUT &&
+                   NEPH_GPU_ALPHA_COVERAGE == NEPH_ALPHA_COVERAGE,
+               "equal in shaders and C");
 
 enum {
     LOOK_WORDS = 2,
@@ -26,7 +29,8 @@ uint32_t neph_gpu_mesh_look_bits(const struct neph_scene *scene)
     const unsigned looks = neph_scene_mesh_looks(scene);
     return (looks & NEPH_LOOK_SMOOTH ? NEPH_GPU_MESH_SMOOTH : 0u) |
            (looks & NEPH_LOOK_TEXTURE ? NEPH_GPU_MESH_TEXTURES : 0u) |
-           (looks & NEPH_LOOK_CUTOUT ? NEPH_GPU_MESH_CUTOUTS : 0u);
+           (looks & NEPH_LOOK_CUTOUT ? NEPH_GPU_MESH_CUTOUTS : 0u) |
+           (looks & NEPH_LOOK_COVERAGE ? NEPH_GPU_MESH_COVERAGE : 0u);
 }
 
 static size_t count_normals(const struct neph_mesh *mesh)
@@ -132,7 +136,7 @@ void neph_gpu_mesh_look_write(const struct neph_scene *scene, int index, uint32_
         const int user = find_first_user(scene, index);
         look[0][1] = first + (uint32_t)count_normals(mesh);
         look[0][2] = textures + (uint32_t)count_textures_before(scene, user);
-        look[0][3] = mesh->material.alpha == NEPH_ALPHA_CUTOUT;
+        look[0][3] = (uint32_t)mesh->material.alpha;
         look[1][0] = (uint32_t)texture->width_px;
         look[1][1] = (uint32_t)texture->height_px;
         write_uv(&mesh->data, words + look[0][1]);

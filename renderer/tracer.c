@@ -80,9 +80,17 @@ static bool lights(const struct neph_scene *scene)
     return scene->environment_light && is_positive(scene->background_w_per_m2_sr);
 }
 
-/* Whether the optical depth of some medium has no closed form: the view ray is then tracked too. */
+static bool has_coverage(const struct neph_scene *scene)
+{
+    return neph_scene_mesh_looks(scene) & NEPH_LOOK_COVERAGE;
+}
+
+/* Whether the view ray is tracked too: the optical depth of some medium has no closed form, or the
+ * ray ends at random. */
 static bool is_open(const struct neph_scene *scene)
 {
+    if (has_coverage(scene))
+        return true;
     for (int i = 0; i < scene->medium_count; i++)
         if (!neph_medium_has_closed_form(&scene->media[i]))
             return true;
@@ -99,7 +107,7 @@ static bool needs_paths(const struct neph_scene *scene)
  * light, or to a guess of it (without point and spot lights). */
 static bool is_lit_once(const struct neph_scene *scene)
 {
-    if (is_open(scene) && scene->light_count > 0)
+    if ((is_open(scene) && scene->light_count > 0) || has_coverage(scene))
         return false;
     return scene->scattering == NEPH_SCATTERING_SINGLE && scene->sun.present &&
            is_positive(scene->sun.irradiance_w_per_m2) && scene->medium_count > 0;
@@ -109,7 +117,7 @@ static bool is_lit_once(const struct neph_scene *scene)
  * media of different emission, each of which is sampled by its own. */
 static bool samples_by_light(const struct neph_scene *scene)
 {
-    return is_lit_once(scene) || neph_scene_sources_differ(scene);
+    return is_lit_once(scene) || (neph_scene_sources_differ(scene) && !has_coverage(scene));
 }
 
 /* Number of light tables of a pixel: one per medium, or two if a fog may have two layers; a single

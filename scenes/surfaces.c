@@ -82,14 +82,13 @@ unsigned neph_scene_mesh_looks(const struct neph_scene *scene)
 const char *neph_coverage_obstacle(const struct neph_scene *scene)
 {
     return neph_scene_mesh_looks(scene) & NEPH_LOOK_COVERAGE
-               ? "meshes with alpha as coverage: engines oracle, cycles and povray have them"
+               ? "meshes with alpha as coverage: engines oracle, tracer, march, realtime, "
+                 "fog_look, cycles and povray have them"
                : NULL;
 }
 
 const char *neph_surfaces_obstacle(const struct neph_scene *scene)
 {
-    if (neph_coverage_obstacle(scene))
-        return neph_coverage_obstacle(scene);
     if (neph_scene_is_textured(scene))
         return "solids with a texture: engines exact, oracle and surfaces have them";
     return neph_metal_obstacle(scene);

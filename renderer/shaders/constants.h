@@ -31,6 +31,10 @@
 #define NEPH_GPU_MESH_SMOOTH 1024u
 #define NEPH_GPU_MESH_TEXTURES 2048u
 #define NEPH_GPU_MESH_CUTOUTS 4096u
+#define NEPH_GPU_MESH_COVERAGE 8192u
+// Alpha of a mesh: enum neph_alpha.
+#define NEPH_GPU_ALPHA_CUTOUT 1u
+#define NEPH_GPU_ALPHA_COVERAGE 2u
 
 // Bits of specialization constant 1: properties of a scene, beside its kinds of media, for which
 // kernels are specialized.

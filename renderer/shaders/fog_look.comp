@@ -5,6 +5,8 @@
 // surface, which is lit by the sun, and the closed form of the fog in front of it.
 #extension GL_GOOGLE_include_directive : require
 
+#define DRAWS_COVERAGE
+
 #include "fog_look.glsl"
 #include "scene.glsl"
 
@@ -47,6 +49,7 @@ void main()
         return;
     uint pixel = run.first_ray + thread;
     ViewRay ray = camera_ray(pixel % frame.width_px, pixel / frame.width_px);
+    set_coverage(uvec2(pixel, 0u), frame.meshes.frame_number);
     Hit hit = scene_hit(ray.origin_m, ray.direction);
     bool is_sky = hit.solid == NO_SOLID;
     vec3 behind = is_sky ? frame.background

@@ -29,6 +29,7 @@
 // peaked phase functions. docs/light.md measures the bias of the higher orders.
 #extension GL_GOOGLE_include_directive : require
 
+#define DRAWS_COVERAGE
 #define WALKS_ALONE // scene.glsl
 #include "march_light.glsl"
 
@@ -164,6 +165,8 @@ void find_fog_collision(uint m)
 // Next solid and next fog collision along the path; shapes are left to turn().
 void find_next_events()
 {
+    if (MESH_COVERAGE)
+        set_coverage(draw_bits(), 0u);
     solid_ahead = nearest_hit(path.origin_m, path.direction, path.solid);
     fog_m = FAR_M;
     fog_medium = MEDIA_MAX;

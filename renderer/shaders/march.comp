@@ -8,6 +8,7 @@
 // late. Threads outside the image are idle.
 #extension GL_GOOGLE_include_directive : require
 
+#define DRAWS_COVERAGE
 #define SEES_GRID_TEXELS
 
 #include "march.glsl"
@@ -77,6 +78,7 @@ void main()
         return;
     vec2 place_px = vec2(pixel) + 0.5 + frame.jitter_px;
     ViewRay ray = camera_ray_at(frame_camera(), place_px);
+    set_coverage(pixel, frame.meshes.frame_number);
     Hit hit = scene_hit(ray.origin_m, ray.direction);
 
     Sums sums = sums_at_start(thread);

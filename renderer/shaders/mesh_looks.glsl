@@ -9,13 +9,14 @@
 
 const bool MESH_SMOOTH = (SCENE_KINDS & NEPH_GPU_MESH_SMOOTH) != 0u;
 const bool MESH_TEXTURES = (SCENE_KINDS & NEPH_GPU_MESH_TEXTURES) != 0u;
-const bool MESH_CUTOUTS = (SCENE_KINDS & NEPH_GPU_MESH_CUTOUTS) != 0u;
+const bool MESH_COVERAGE = (SCENE_KINDS & NEPH_GPU_MESH_COVERAGE) != 0u;
+const bool MESH_HOLES = (SCENE_KINDS & (NEPH_GPU_MESH_CUTOUTS | NEPH_GPU_MESH_COVERAGE)) != 0u;
 
 struct MeshLook {
     uint normals;    // index of the first; three for each triangle; 0: flat
     uint uv;         // index of the first; two words for each triangle; 0: no texture
     uint texels;     // index of the first; rows from the top
-    uint is_cut_out; // not 0: it has no surface where alpha is below 1/2
+    uint alpha;      // NEPH_GPU_ALPHA_CUTOUT, NEPH_GPU_ALPHA_COVERAGE, or 0: no holes
     uvec2 size_px;
 };
 
@@ -80,17 +81,78 @@ vec4 find_texel(MeshLook look, uint triangle, vec3 weights)
     return mix_texels(above, below, part.y);
 }
 
-// Whether a ray passes a triangle that it meets, through a hole. `sides`: of its edges, the largest
-// where the corner opposite to the edge is met.
-bool is_cut_out(MeshInstance mesh, uint triangle, vec3 sides)
+// --- alpha as coverage --------------------------------------------------------------------------
+//
+// A ray meets each triangle with the probability alpha: it is met if alpha exceeds a hash of the
+// ray and the triangle (stochastic transparency: E. Enderton et al., I3D 2010; C. Wyman, M.
+// McGuire, "Hashed Alpha Testing", I3D 2017). So any hit and nearest hit stay decisions, whose mean
+// over many rays is right.
+//
+// A kernel that defines DRAWS_COVERAGE sets what its rays have in common. Passes that find the same
+// view ray set the same numbers and find the same hit: its hash is without the ray's own bits, in
+// which kernels differ. In consecutive frames the hash moves by the golden ratio, modulo 1: so the
+// mean of a pixel over frames converges faster than with independent numbers. In other kernels a
+// triangle is met where alpha is at least 1/2.
+#ifdef DRAWS_COVERAGE
+uint coverage_seed;
+uint coverage_shift;
+uint coverage_ray; // bits of a shadow ray; 0: a ray to the nearest hit
+
+// A hash: M. Jarzynski and M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020, `pcg`.
+uint mix_bits(uint bits)
 {
-    if (!MESH_CUTOUTS || mesh.look == 0u)
+    bits = bits * 747796405u + 2891336453u;
+    bits = (bits >> ((bits >> 28) + 4u) ^ bits) * 277803737u;
+    return bits >> 22 ^ bits;
+}
+
+// `key`: a pixel, or a path and its segment.
+void set_coverage(uvec2 key, uint frame_number)
+{
+    coverage_seed = mix_bits(key.x + mix_bits(key.y));
+    coverage_shift = frame_number * 2654435769u; // 2^32 over the golden ratio
+}
+
+void set_coverage_ray(vec3 origin_m, vec3 direction)
+{
+    uvec3 bits = floatBitsToUint(origin_m) + 747796405u * floatBitsToUint(direction);
+    bits *= uvec3(2376512323u, 3625334849u, 3407524639u);
+    coverage_ray = bits.x ^ bits.y ^ bits.z;
+}
+
+// The part of rays that pass a triangle is below this number, 0..1. On an edge or vertex it is that
+// of all triangles of the instance: one of them would else be drawn after another.
+float draw_covered_part(MeshInstance mesh, uint hit, vec3 sides)
+{
+    uint number = any(equal(sides, vec3(0.0))) ? mesh.first_hit : hit;
+    uint bits = mix_bits(number + mix_bits(coverage_seed ^ coverage_ray)) + coverage_shift;
+    return float(bits >> 8) * exp2(-24.0);
+}
+#define SET_COVERAGE_VIEW() coverage_ray = 0u
+#else
+#define set_coverage_ray(origin_m, direction)
+#define SET_COVERAGE_VIEW()
+#endif
+
+// Whether a ray passes a triangle that it meets, through a hole. `hit`: the number of this hit.
+// `sides`: of its edges, the largest where the corner opposite to the edge is met.
+bool is_cut_out(MeshInstance mesh, uint hit, vec3 sides)
+{
+    if (!MESH_HOLES || mesh.look == 0u)
         return false;
     MeshLook look = mesh_look(mesh.look);
-    if (look.is_cut_out == 0u)
+    if (look.alpha == 0u)
         return false;
-    return find_texel(look, triangle, sides / (sides.x + sides.y + sides.z)).a < 0.5;
+    vec3 weights = sides / (sides.x + sides.y + sides.z);
+    float alpha = find_texel(look, hit_triangle(hit, mesh), weights).a;
+#ifdef DRAWS_COVERAGE
+    if (MESH_COVERAGE && look.alpha == NEPH_GPU_ALPHA_COVERAGE)
+        return alpha <= draw_covered_part(mesh, hit, sides);
+#endif
+    return alpha < 0.5;
 }
+
+// --- surfaces -----------------------------------------------------------------------------------
 
 // Changes the normal of a hit, which is the triangle's, to the one for the cosine law, and the
 // albedo, which is the instance's, to the one at the point.

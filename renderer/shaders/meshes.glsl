@@ -158,15 +158,15 @@ void keep_nearest_triangle(uint instance, vec3 origin_m, vec3 direction, uint ex
         uint leaf = find_leaf(mesh.nodes, ray, true, 0.0, hit.t_m, n);
         count_walk(TRIANGLE_LEAF_TURNS + (leaf & 15u));
         for (uint i = 0u; i < (leaf & 15u); i++) {
-            uint triangle = (leaf >> 4u) + i;
+            uint triangle = (leaf >> 4u) + i, own = mesh.first_hit + triangle;
             float t_m;
             bool is_back;
             vec3 sides;
-            if (mesh.first_hit + triangle != (except & ~IS_BACK) &&
+            if (own != (except & ~IS_BACK) &&
                 meet_triangle(ray, mesh_triangle(mesh.triangles + 3u * triangle), t_m, is_back,
                               sides) &&
-                t_m < hit.t_m && !is_cut_out(mesh, triangle, sides))
-                hit = Hit(t_m, (mesh.first_hit + triangle) | (is_back ? IS_BACK : 0u));
+                t_m < hit.t_m && !is_cut_out(mesh, own, sides))
+                hit = Hit(t_m, own | (is_back ? IS_BACK : 0u));
         }
     }
     report_left_loop(n != NO_SOLID);
@@ -184,14 +184,14 @@ bool is_instance_met(uint instance, vec3 origin_m, vec3 direction, float start_m
         uint leaf = find_leaf(mesh.nodes, ray, !is_met, start_m, end_m, n);
         count_walk(TRIANGLE_LEAF_TURNS + (leaf & 15u));
         for (uint i = 0u; i < (leaf & 15u); i++) {
-            uint triangle = (leaf >> 4u) + i;
+            uint triangle = (leaf >> 4u) + i, own = mesh.first_hit + triangle;
             float t_m;
             bool is_back;
             vec3 sides;
-            if (mesh.first_hit + triangle != (except & ~IS_BACK) &&
+            if (own != (except & ~IS_BACK) &&
                 meet_triangle(ray, mesh_triangle(mesh.triangles + 3u * triangle), t_m, is_back,
                               sides) &&
-                t_m > start_m && t_m < end_m && !is_cut_out(mesh, triangle, sides))
+                t_m > start_m && t_m < end_m && !is_cut_out(mesh, own, sides))
                 is_met = true;
         }
         n = is_entered(!is_met) ? n : NO_SOLID;
@@ -217,6 +217,7 @@ void keep_nearest_mesh(vec3 origin_m, vec3 direction, uint except, inout Hit hit
 {
     vec3 from_m = mesh_origin_m(origin_m, except);
     MeshRay ray = mesh_ray(from_m - frame.meshes.origin_m, direction, frame.meshes.reach_m);
+    SET_COVERAGE_VIEW();
     uint n = 0u;
     count_walk(INSTANCE_LEAF_TURNS);
     while (n != NO_SOLID) {
@@ -233,6 +234,7 @@ bool is_mesh_met(vec3 origin_m, vec3 direction, float start_m, float end_m, uint
 {
     vec3 from_m = mesh_origin_m(origin_m, except);
     MeshRay ray = mesh_ray(from_m - frame.meshes.origin_m, direction, frame.meshes.reach_m);
+    set_coverage_ray(from_m, direction);
     bool is_met = false;
     uint n = 0u;
     count_walk(INSTANCE_LEAF_TURNS);

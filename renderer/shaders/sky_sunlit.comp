@@ -7,6 +7,7 @@
 // table, where sky_aerial.comp replaces them.
 #extension GL_GOOGLE_include_directive : require
 
+#define DRAWS_COVERAGE
 #define SKY_IS_FILLED
 #include "march_light.glsl"
 #include "march_run.glsl"
@@ -69,6 +70,7 @@ void main()
     if (gl_GlobalInvocationID.x >= run.ray_count)
         return;
     uint index = run.first_ray + gl_GlobalInvocationID.x;
+    set_coverage(uvec2(index, NO_SOLID), frame.meshes.frame_number);
     uint columns = eye.aerial_columns, rows = eye.aerial_rows;
     uint column = index % columns, row = index / columns % rows;
     uint slice = 1u + index / (columns * rows);

@@ -21,6 +21,7 @@
 // The result of an item depends on (seed, pixel, sample) only, not on the thread or the dispatch.
 #extension GL_GOOGLE_include_directive : require
 
+#define DRAWS_COVERAGE
 #define WALKS_ALONE // scene.glsl
 #include "tracer_lamps.glsl"
 #include "tracer_sun.glsl"
@@ -182,6 +183,14 @@ uvec4 draw4()
     return pcg4d(uvec4(path.key, path.drawn++));
 }
 
+// The ray of a segment, or with 1 an event's shadow ray, draws its own part of meshes with alpha as
+// coverage; all that start at the camera draw the same.
+void draw_coverage(uint shadow)
+{
+    if (MESH_COVERAGE)
+        set_coverage(path.key.zy + uvec2(path.events == 0u ? 0u : path.drawn + 1u, shadow), 0u);
+}
+
 // --- items --------------------------------------------------------------------------------------
 
 uint queue() { return run.first_queue + gl_WorkGroupID.x; }
@@ -225,6 +234,7 @@ void start_at_surface()
         if (path.roulette <= 0.0)
             return;
     }
+    draw_coverage(0u);
     Hit hit = scene_hit(ray.origin_m, ray.direction);
     if (hit.solid == NO_SOLID || surface_albedo(hit.solid) == vec3(0.0))
         return;
@@ -676,6 +686,7 @@ void process_event()
             path.throughput = vec3(0.0);
         prepare_next(next, expected, u.z);
     }
+    draw_coverage(1u);
     bool is_lit = path.pending != vec3(0.0) && (!SOLIDS || sees_light(is_lamp));
     if (is_sun_in_table() && is_lit && !is_lamp) {
         sunlit = look_up_sunlight(uniform_from(bits.www).x);
@@ -769,6 +780,7 @@ void start_segment()
         finish_path();
         return;
     }
+    draw_coverage(0u);
     if (SOLIDS && (is_path() || path.ray == RAY_VIEW)) {
         Hit hit = nearest_hit(path.origin_m, path.direction, path.solid);
         path.end_m = hit.t_m;

@@ -46,9 +46,10 @@ layout(constant_id = 14) const bool SUN_BY_TABLE = false;
 // bright media, so each medium gets a share of the first collisions.
 layout(constant_id = 15) const bool MEDIA_DIFFER = false;
 
-// A medium's optical depth has no closed form, so the transmittance of the view ray is estimated,
-// too.
-const bool OPEN = (KINDS & OPEN_KINDS) != 0u;
+// A medium's optical depth has no closed form, or the end of the view ray is random (alpha as
+// coverage): so the transmittance of the view ray is estimated, too.
+const bool HAS_OPEN = (KINDS & OPEN_KINDS) != 0u;
+const bool OPEN = HAS_OPEN || MESH_COVERAGE;
 
 // In grids with multiple scattering order 1 is left to the paths: a shadow ray by tracking costs
 // less than the exact transmittance through a voxel grid, and adds little to the noise of all

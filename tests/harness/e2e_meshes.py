@@ -197,7 +197,7 @@ class Meshes(neph_case.NephCase):
             self.assert_same(cut, rest, 1e-5)
         self.put_scene("covered", "  - mesh: {file: quad.obj, albedo_texture: half.png, "
                                   f"alpha: coverage, {end}")
-        self.neph("render", "covered.yaml", "-e", "march", "--size", "8x8", "-o", "no", code=None,
+        self.neph("render", "covered.yaml", "-e", "exact", "--size", "8x8", "-o", "no", code=None,
                   said="alpha as coverage")
 
     def test_engines_say_what_they_have(self):

@@ -366,7 +366,8 @@ static void test_keys_of_a_material(void **state)
     OWNED(scene)
     struct neph_scene *covered = load_good(state,
                                            "quad.obj, albedo_texture: leaf.png, alpha: coverage");
-    assert_non_null(strstr(neph_surfaces_obstacle(covered), "alpha as coverage"));
+    assert_non_null(strstr(neph_coverage_obstacle(covered), "alpha as coverage"));
+    assert_null(neph_surfaces_obstacle(covered));
 }
 
 static void test_what_is_refused(void **state)

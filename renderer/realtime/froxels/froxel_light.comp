@@ -12,6 +12,7 @@
 
 // Defined below, because froxels.glsl needs the view.
 float left_to_pixels_m(vec3 lamp_m);
+#define DRAWS_COVERAGE
 #define LAMP_BALL_M(lamp) left_to_pixels_m(lamp.position_m)
 
 #include "renderer/realtime/shared/rays.glsl"
@@ -216,6 +217,7 @@ void main()
         return;
     ivec3 froxel = find_froxel(run.first_ray + thread);
     Change change;
+    set_coverage(uvec2(run.first_ray + thread, 0u), view_frame);
     vec4 light = compute_froxel_light(froxel, change), before;
     bool has_history = is_set(RT_FROXEL_HISTORY) && has_past &&
                        force_nonuniform(view.sun_jumped) == 0u;

@@ -8,6 +8,8 @@
 // filter.
 #extension GL_GOOGLE_include_directive : require
 
+#define DRAWS_COVERAGE
+
 #include "medium_ray.glsl"
 
 #include "renderer/realtime/shared/dither.glsl"
@@ -55,10 +57,19 @@ Ray make_texel_ray(ivec2 half_pixel, float place)
     return make_ray(place_px, fetch_half(RT_HALF_DEPTH, half_pixel).x, place);
 }
 
+// Which parts of meshes with alpha as coverage the shadow rays meet. By the numbers of
+// read_ray_dither(), so that rays that are marched twice are equal.
+void draw_ray_coverage(ivec2 tile, ivec2 half_pixel)
+{
+    set_coverage(uvec2(half_pixel),
+                 choice(RT_GRADIENT) == 0 ? view_frame : find_schedule_cycle(tile) >> 1);
+}
+
 Ray make_tile_ray(ivec2 tile)
 {
     ivec2 half_pixel = 2 * tile + slot_place(int(fetch_tile(RT_TILE, tile).x));
     half_pixel = min(half_pixel, half_size() - 1);
+    draw_ray_coverage(tile, half_pixel);
     return make_texel_ray(half_pixel, mix(0.5, read_ray_dither(tile, half_pixel),
                                           setting(RT_RAY_DITHER_AMOUNT)));
 }
@@ -89,6 +100,7 @@ void march_texel(uint thread)
 {
     ivec2 half_pixel = element_at(int(run.first_ray + thread), half_size().x);
     MarchedRay marched;
+    set_coverage(uvec2(half_pixel), view_frame);
     if (thread >= run.ray_count || !march_ray(thread, make_texel_ray(half_pixel, 0.5), marched))
         return;
     if (choice(RT_TARGET_FORMAT) == RT_FORMAT_HALF)
@@ -103,6 +115,7 @@ void march_pixel(uint thread)
 {
     ivec2 pixel = element_at(int(run.first_ray + thread), view_size().x);
     Ray ray = make_ray(vec2(pixel) + 0.5 + jitter_px, fetch_full(RT_DEPTH, pixel).x, 0.5);
+    set_coverage(uvec2(pixel), view_frame);
     MarchedRay marched;
     if (thread >= run.ray_count || !march_ray(thread, ray, marched))
         return;

@@ -4,17 +4,21 @@
 // The scene pass, in place of a game's own passes: the depth of each pixel, and the radiance behind
 // all media, by one ray through the scene's solids. With jitter the depth at the start of the split
 // frame comes from a second ray without jitter: a depth map that moves with the jitter
-// (jittered_depth = on) makes the choice of slots flicker with a static camera.
+// (jittered_depth = on) makes the choice of slots flicker with a static camera. For the same reason
+// the second ray meets the same parts of meshes with alpha as coverage in all frames.
 //
 // With few solids the loop over them is unrolled (known_solids.glsl), and threads without a pixel
 // repeat the work of the last one.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
+#define DRAWS_COVERAGE
 #define SEES_GRID_TEXELS
 #define KNOWS_SOLIDS
 
 #include "renderer/realtime/shared/rays.glsl"
+
+#include "renderer/realtime/shared/coverage.glsl"
 
 struct SightLine {
     ViewRay ray;
@@ -37,7 +41,7 @@ void intersect_solid(Solid solid, uint s, inout SightLine line)
 }
 
 // Few solids on a GPU are read once for both rays.
-void intersect_solids(inout SightLine picture, inout SightLine steady)
+void intersect_solids(ivec2 pixel, inout SightLine picture, inout SightLine steady)
 {
     if (!ARE_KNOWN && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN) {
         [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
@@ -46,9 +50,12 @@ void intersect_solids(inout SightLine picture, inout SightLine steady)
                 intersect_solid(solids[s], s, steady);
         }
     } else {
+        draw_view_coverage(pixel);
         picture.hit = scene_hit(picture.ray.origin_m, picture.ray.direction);
+        set_coverage(uvec2(pixel), 0u);
         if (choice(RT_JITTERED_DEPTH) == 0)
             steady.hit = scene_hit(steady.ray.origin_m, steady.ray.direction);
+        draw_view_coverage(pixel); // for shadows
     }
 }
 
@@ -76,7 +83,7 @@ void main()
     vec3 background = frame.background;
     SightLine picture = sight_line(camera, vec2(pixel) + 0.5 + jitter_px);
     SightLine steady = sight_line(camera, vec2(pixel) + 0.5);
-    intersect_solids(picture, steady);
+    intersect_solids(pixel, picture, steady);
     if (choice(RT_JITTERED_DEPTH) != 0)
         steady = picture;
     if (gl_GlobalInvocationID.x >= run.ray_count)

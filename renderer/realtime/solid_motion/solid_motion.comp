@@ -6,6 +6,7 @@
 // rays (realtime/scene_rays/scene_rays.comp).
 #extension GL_GOOGLE_include_directive : require
 
+#define DRAWS_COVERAGE
 #define KNOWS_SOLIDS
 
 #include "renderer/shaders/march_run.glsl"
@@ -13,6 +14,8 @@
 
 #define REALTIME_BINDING 11 // as in realtime/shared/rays.glsl, whose other declarations are unused
 #include "renderer/realtime/shared/view.glsl"
+
+#include "renderer/realtime/shared/coverage.glsl"
 
 // Rotates about the mover's axis, back to the frame before.
 vec3 turned_back(Mover mover, vec3 v)
@@ -59,6 +62,7 @@ void main()
     uint thread = min(gl_GlobalInvocationID.x, run.ray_count - 1u);
     ivec2 pixel = element_at(int(run.first_ray + thread), view_size().x);
     ViewRay ray = camera_ray_at(frame_camera(), vec2(pixel) + 0.5 + jitter_px);
+    draw_view_coverage(pixel);
     Hit hit = scene_hit(ray.origin_m, ray.direction);
     vec3 displacement_m = vec3(0.0);
     float is_mover = 0.0;
