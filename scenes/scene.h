@@ -330,9 +330,8 @@ struct neph_scene {
     uint64_t coverage_draw;
     int mover_count;
     struct neph_mover *movers; /* of some of the solids */
-    /* Of a scene of neph_scene_at() with solids that move: the solids without motion, which are the
-     * same in all frames; neph_scene_shift() has moved the scene by `shift_m` from there. NULL: no
-     * solid moves. */
+    /* The solids without motion, the same in all frames, if neph_scene_at() has placed solids that
+     * move; else NULL. neph_scene_shift() has moved the scene by `shift_m` from there. */
     const struct neph_solid *unmoved_solids;
     struct neph_vec3 shift_m;
     int medium_count;

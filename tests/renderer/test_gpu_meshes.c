@@ -634,9 +634,9 @@ static void test_more_triangles_than_numbers_are_refused(void **state)
 
 enum { MOVING_FRAMES = 8, MOVING_SIDE = 40 }; /* each slot of frames in flight is used twice */
 
-/* Hills at rest, and a box or the mesh of a box that moves and turns, in fog; the camera moves, too.
+/* Hills at rest, and a box or the mesh of a box that moves and turns, in fog; the camera moves too.
  * The rays of no two pixels end at equal depths, which the anti-aliasing compares. A small box at
- * rest is turned, too, so that both scenes have the same kernels. */
+ * rest is turned as well, so that both scenes have the same kernels. */
 struct moving {
     struct test_scene test;
     struct neph_camera_key cameras[2];
@@ -760,10 +760,11 @@ static void test_a_mesh_moves_as_a_box_in_realtime(void **state)
     }
 }
 
-/* The places of hills at rest do not depend on the frame, so their depths keep their bits. */
+/* The places of hills at rest do not depend on the frame, so their depths keep their bits; and they
+ * move with the world (by a power of two, so that all its coordinates are exact). */
 static void test_a_mesh_at_rest_keeps_its_bits(void **state)
 {
-    const struct neph_vec3 eye_m = {0, 1, 0};
+    const struct neph_vec3 eye_m = {0, 1, 0}, by_m = {0x1p20, 0, 0};
     uint32_t(*words[2])[4] = {NULL};
     struct moving moving;
     struct neph_diag diag = {0};
@@ -777,6 +778,10 @@ static void test_a_mesh_at_rest_keeps_its_bits(void **state)
         neph_assert_ok(neph_gpu_mesh_places_write(still, eye_m, words[i], &diag), &diag);
         assert_memory_equal(place.origin_m, other.origin_m, sizeof(place.origin_m));
         assert_int_equal(place.instances, NEPH_GPU_MESH_PLACES_FIRST + 12);
+        neph_scene_shift(still, by_m);
+        const struct neph_gpu_meshes far = neph_gpu_meshes_place(still, neph_vec3_add(eye_m, by_m));
+        assert_memory_equal(far.origin_m, other.origin_m, sizeof(far.origin_m));
+        assert_float_equal(far.reach_m, place.reach_m, 1e-5);
     }
     /* Six words are an instance, the first behind the nodes. */
     assert_memory_equal(words[0][12], words[1][12], 6 * sizeof(words[0][0]));

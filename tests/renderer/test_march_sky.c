@@ -226,8 +226,8 @@ static void test_aerial_perspective_converges(void **state)
     assert_true(off[0] < 5e-3 && off[1] < 1e-3);
 }
 
-/* A solid that moves takes its shadow on the air along: the last frame of a sequence has the bits of
- * that frame alone. */
+/* A solid that moves takes its shadow on the air along: the last frame of a sequence has the bits
+ * of that frame alone. */
 static void test_shadows_on_the_air_follow_solids(void **state)
 {
     struct neph_solid_key keys[] = {{.frame = 0, .move_m = {-4e3, 0, 0}}, {.frame = 1}};
