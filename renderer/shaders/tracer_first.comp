@@ -232,4 +232,5 @@ void main()
     if (LAMPS && make_nonuniform(frame.scatters_lamps) != 0u)
         order1 += lamplight_scattered_once(pixel, ray, sample_index, u);
     results[item] = Result(vec4(order1, 0.0), vec4(emitted(first), 0.0), vec4(0.0));
+    check_loops();
 }

@@ -85,4 +85,5 @@ void main()
     uint pixel = run.first_pixel + thread - run.part_pixel;
     pixels[pixel].behind = vec4(behind, eye_depth_m);
     pixels[pixel].transmittance = vec4(arriving, hit.t_m);
+    check_loops();
 }

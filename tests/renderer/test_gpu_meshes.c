@@ -561,6 +561,24 @@ static void test_a_walk_that_is_left_is_an_error(void **state)
         assert_int_equal(refused, 0);
 }
 
+/* The path kernel counts the iterations of its walks and ends a dispatch early: of a mesh that is
+ * too much for the ray marcher's dispatches the tracer makes a frame, to the last bit as with a
+ * dispatch for each segment. */
+static void test_walks_end_a_dispatch_of_the_tracer(void **state)
+{
+    struct test_scene test;
+    uint64_t seed = 26457;
+    OWNED(mesh) struct neph_mesh *mesh = make_slivers(2000, &seed);
+    set_foggy_view(&test, &mesh);
+    test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    struct neph_tracer_params params = test_samples(4, 2, 1, NEPH_TRACER_BATCH_SAMPLES);
+    OWNED(image) struct neph_image *frame = test_trace(*state, &test.scene, &params, NULL);
+    params.dispatch_turns = 1;
+    OWNED(image) struct neph_image *in_segments = test_trace(*state, &test.scene, &params, NULL);
+    assert_same_bits(frame, in_segments);
+    assert_true(neph_image_channel(frame, "R")[0] > 0.0f);
+}
+
 enum { CROWD = 8193, CROWD_CELLS = 256 }; /* over 2^13 instances of 2^17 triangles */
 
 /* Hills, a quad, and a crowd of quads below its middle, where no ray meets them. */
