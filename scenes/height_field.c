@@ -111,7 +111,7 @@ static double find_place_m(double low_m, double high_m, int at, int last)
     return at == last ? high_m : low_m + (high_m - low_m) * at / last;
 }
 
-/* Twice the area of each triangle along its normal, added to its vertices: upwards, so no sum is 0. */
+/* Adds twice the area of each triangle along its normal, which points up, to its vertices. */
 static void add_normals(struct neph_mesh_data *data)
 {
     for (int i = 0; i < data->triangle_count; i++) {

@@ -20,9 +20,9 @@ struct neph_height_field {
  * its top; values of an EXR may be outside. Each pixel is a vertex. Columns of the image go along
  * +x and rows along +z (the first row is at the lowest z), the outer ones on the sides of the box.
  * The four vertices of a cell are two triangles on both sides of the diagonal from (low x, high z)
- * to (high x, low z). The normal of a vertex is the sum of those of its triangles, weighted by area.
- * u is 0 at the lowest x and 1 at the highest, v 1 at the lowest z and 0 at the highest: a texture
- * lies as the image of heights does.
+ * to (high x, low z). The normal of a vertex is the sum of those of its triangles, weighted by
+ * their areas. u is 0 at the lowest x and 1 at the highest, v 1 at the lowest z and 0 at the
+ * highest: a texture lies as the image of heights does.
  *
  * NEPH_ERR_INPUT: another kind of file, without such a channel, fewer than 2 pixels along a side,
  * more than NEPH_MESH_TRIANGLES_MAX triangles, a height that is not finite. NEPH_ERR_NOT_FOUND,
