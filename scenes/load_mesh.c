@@ -150,11 +150,6 @@ static enum neph_status check_material(struct neph_reader *reader,
         status = neph_keep_error(
             reader, status,
             neph_refuse(reader, "alpha", "it is that of `albedo_texture`, which is not given"));
-    if (written->mesh.shading && written->solid.surface.metalness > 0.0)
-        status = neph_keep_error(reader, status,
-                                 neph_refuse(reader, "shading",
-                                             "smooth shading of a metal is not supported: leave "
-                                             "metalness out, or use shading: flat"));
     return status;
 }
 

@@ -357,10 +357,6 @@ static void test_what_is_refused(void **state)
         {"  - height_field: {file: hills.exr, alpha: cutout, min_m: [0, 0, 0], max_m: [4, 1, "
          "3]" GREY,
          "solids[0].height_field.alpha"},
-        {"  - height_field: {file: hills.exr, shading: smooth, metalness: 1, roughness: 0.5, "
-         "min_m: "
-         "[0, 0, 0], max_m: [4, 1, 3]" GREY,
-         "smooth shading of a metal"},
         {"  - height_field: {file: hills.exr, albedo_texture: /corners.png, min_m: [0, 0, 0], "
          "max_m: [4, 1, 3]" GREY,
          "outside the folder"},
