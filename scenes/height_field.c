@@ -111,15 +111,43 @@ static double find_place_m(double low_m, double high_m, int at, int last)
     return at == last ? high_m : low_m + (high_m - low_m) * at / last;
 }
 
-static enum neph_status make_mesh(const struct heights *heights, const struct neph_bounds *box,
-                                  struct neph_mesh_data *data, struct neph_diag *diag)
+/* Adds twice the area of each triangle along its normal, which points up, to its vertices. */
+static void add_normals(struct neph_mesh_data *data)
 {
+    for (int i = 0; i < data->triangle_count; i++) {
+        const int *corners = data->triangles[i];
+        const struct neph_vec3 a = data->positions[corners[0]];
+        const struct neph_vec3 area = neph_vec3_cross(
+            neph_vec3_sub(data->positions[corners[1]], a),
+            neph_vec3_sub(data->positions[corners[2]], a));
+        for (int k = 0; k < 3; k++)
+            data->normals[corners[k]] = neph_vec3_add(data->normals[corners[k]], area);
+    }
+}
+
+static void set_uv(struct neph_mesh_data *data, int columns, int rows)
+{
+    for (int i = 0; i < data->vertex_count; i++) {
+        data->uv[i][0] = (float)find_place_m(0.0, 1.0, i % columns, columns - 1);
+        data->uv[i][1] = (float)find_place_m(1.0, 0.0, i / columns, rows - 1);
+    }
+}
+
+static enum neph_status make_mesh(const struct neph_height_field *field,
+                                  const struct heights *heights, struct neph_mesh_data *data,
+                                  struct neph_diag *diag)
+{
+    const struct neph_bounds *box = &field->box;
     const int columns = heights->width_px, rows = heights->height_px;
     struct neph_mesh_data made = {.vertex_count = columns * rows,
                                   .triangle_count = 2 * (columns - 1) * (rows - 1)};
-    made.positions = malloc((size_t)made.vertex_count * sizeof(*made.positions));
+    const size_t count = (size_t)made.vertex_count;
+    made.positions = malloc(count * sizeof(*made.positions));
     made.triangles = malloc((size_t)made.triangle_count * sizeof(*made.triangles));
-    if (!made.positions || !made.triangles) {
+    made.normals = field->has_normals ? calloc(count, sizeof(*made.normals)) : NULL;
+    made.uv = field->has_uv ? malloc(count * sizeof(*made.uv)) : NULL;
+    if (!made.positions || !made.triangles || (field->has_normals && !made.normals) ||
+        (field->has_uv && !made.uv)) {
         neph_mesh_data_finish(&made);
         return neph_fail_memory(diag);
     }
@@ -133,20 +161,23 @@ static enum neph_status make_mesh(const struct heights *heights, const struct ne
         const int corners[2][3] = {{a, a + columns, a + 1}, {a + 1, a + columns, a + columns + 1}};
         memcpy(made.triangles[2 * cell], corners, sizeof(corners));
     }
+    if (made.normals)
+        add_normals(&made);
+    if (made.uv)
+        set_uv(&made, columns, rows);
     *data = made;
     return NEPH_OK;
 }
 
-enum neph_status neph_height_field_read(const char *path, const char *channel,
-                                        const struct neph_bounds *box, struct neph_mesh_data *data,
-                                        struct neph_diag *diag)
+enum neph_status neph_height_field_read(const struct neph_height_field *field,
+                                        struct neph_mesh_data *data, struct neph_diag *diag)
 {
     struct heights heights = {0};
-    enum neph_status status = read_heights(path, channel, &heights, diag);
+    enum neph_status status = read_heights(field->path, field->channel, &heights, diag);
     if (!status)
-        status = check(path, &heights, diag);
+        status = check(field->path, &heights, diag);
     if (!status)
-        status = make_mesh(&heights, box, data, diag);
+        status = make_mesh(field, &heights, data, diag);
     free(heights.values);
     return status;
 }

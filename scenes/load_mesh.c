@@ -60,6 +60,20 @@ static const struct neph_field scatter_fields[] = {
 };
 static const struct neph_record scatter_record = {.fields = scatter_fields};
 
+#define TEXTURE_FIELDS                                                                             \
+    {"albedo_texture",     NEPH_TEXT,                                                              \
+     MESH(albedo_texture), .least = 1,                                                             \
+     .most = 1000,         .note = "a .png in the scene file's folder or below, times `albedo`",   \
+     .standard = "none",   .hashing = NEPH_HASHED_AS_MADE},                                        \
+    {                                                                                              \
+        "alpha", NEPH_WORD, MESH(alpha),                                                           \
+            .words = alphas,                                                                       \
+            .note =                                                                                \
+                "of the texture; cutout: nothing is there where it is below 1/2; coverage: the "   \
+                "part of rays that meet it",                                                       \
+            .standard = "ignored", .hashing = NEPH_HASHED_AS_MADE                                  \
+    }
+
 const struct neph_field neph_mesh_fields[] = {
     {"file", NEPH_TEXT, MESH(file), .least = 1, .most = 1000,
      .note = ".obj, .ply, .gltf or .glb; absolute, from the scene file on, or $NAME or $NAME/... "
@@ -86,14 +100,7 @@ const struct neph_field neph_mesh_fields[] = {
     {"shading", NEPH_WORD, MESH(shading), .words = shadings,
      .note = "smooth: light is reflected by the normals of the file's vertices", .standard = "flat",
      .hashing = NEPH_HASHED_AS_MADE},
-    {"albedo_texture", NEPH_TEXT, MESH(albedo_texture), .least = 1, .most = 1000,
-     .note = "a .png in the scene file's folder or below, times `albedo`", .standard = "none",
-     .hashing = NEPH_HASHED_AS_MADE},
-    {"alpha", NEPH_WORD, MESH(alpha), .words = alphas,
-     .note =
-         "of the texture; cutout: nothing is there where it is below 1/2; coverage: the part of "
-         "rays that meet it",
-     .standard = "ignored", .hashing = NEPH_HASHED_AS_MADE},
+    TEXTURE_FIELDS,
     {"memory_limit_mib", NEPH_WHOLE, MESH(memory_limit_mib), "MiB", 1, 8192,
      .note = "of each file, of the mesh and of the texture", .standard = "512",
      .hashing = NEPH_HASHED_AS_MADE},
@@ -114,6 +121,12 @@ static const struct neph_field height_field_fields[] = {
     {"max_m", NEPH_THREE, NEPH_SOLID_AT(box.max_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "the upper corner: the height of value 1, which is code 65535 of a .png",
      .hashing = NEPH_HASHED_AS_MADE},
+    {"shading", NEPH_WORD, MESH(shading), .words = shadings,
+     .note = "smooth: light is reflected by normals of the vertices, the means of their triangles'",
+     .standard = "flat", .hashing = NEPH_HASHED_AS_MADE},
+    TEXTURE_FIELDS,
+    {"memory_limit_mib", NEPH_WHOLE, MESH(memory_limit_mib), "MiB", 1, 8192,
+     .note = "of the texture", .standard = "512", .hashing = NEPH_HASHED_AS_MADE},
     NEPH_SURFACE_FIELDS,
     NEPH_MOTION_FIELD,
     {0},
@@ -127,6 +140,17 @@ static enum neph_status check_surface_keys(struct neph_reader *reader, const yam
     return neph_were_keys_read(reader, "metalness roughness")
                ? neph_keep_error(reader, status, neph_check_surface(reader, node, &solid->surface))
                : status;
+}
+
+static enum neph_status check_material(struct neph_reader *reader,
+                                       const struct neph_written_solid *written,
+                                       enum neph_status status)
+{
+    if (written->mesh.alpha && !written->mesh.albedo_texture)
+        status = neph_keep_error(
+            reader, status,
+            neph_refuse(reader, "alpha", "it is that of `albedo_texture`, which is not given"));
+    return status;
 }
 
 static enum neph_status check_places(const struct neph_reader *reader, const yaml_node_t *node,
@@ -153,15 +177,7 @@ static enum neph_status read_mesh(struct neph_reader *reader, const yaml_node_t 
     struct neph_written_solid *written = target;
     enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     written->solid.kind = NEPH_SOLID_MESH;
-    if (written->mesh.alpha && !written->mesh.albedo_texture)
-        status = neph_keep_error(
-            reader, status,
-            neph_refuse(reader, "alpha", "it is that of `albedo_texture`, which is not given"));
-    if (written->mesh.shading && written->solid.surface.metalness > 0.0)
-        status = neph_keep_error(reader, status,
-                                 neph_refuse(reader, "shading",
-                                             "smooth shading of a metal is not supported: leave "
-                                             "metalness out, or use shading: flat"));
+    status = check_material(reader, written, status);
     if (neph_were_keys_read(reader, "instances scatter position_m"))
         status = neph_keep_error(reader, status,
                                  check_places(reader, node, &written->mesh.scatter));
@@ -176,6 +192,7 @@ static enum neph_status read_height_field(struct neph_reader *reader, const yaml
     written->solid.kind = NEPH_SOLID_MESH;
     written->solid.scale_m = 1.0;
     written->mesh.is_height_field = true;
+    status = check_material(reader, written, status);
     if (neph_were_keys_read(reader, "min_m max_m"))
         status = neph_keep_error(reader, status,
                                  neph_check_extent(reader, "", &written->solid.box));
@@ -211,8 +228,11 @@ static enum neph_status read_data(struct neph_reader *reader,
         &path);
     if (status)
         return status;
-    if (mesh->is_height_field)
-        return neph_height_field_read(path, mesh->channel, &written->solid.box, data, reader->diag);
+    if (mesh->is_height_field) {
+        const struct neph_height_field field = {path, mesh->channel, written->solid.box,
+                                                mesh->shading, mesh->albedo_texture};
+        return neph_height_field_read(&field, data, reader->diag);
+    }
     const struct neph_mesh_request request = {.path = path,
                                               .shown = mesh->file,
                                               .object = mesh->object,

@@ -21,14 +21,11 @@ static void name_file(const char *what, int index, char name[NAME_BYTES])
 }
 
 /* In Blender's axes; returns the end. */
-static unsigned char *put_vectors(const struct neph_vec3 *vectors, int count, unsigned char *to)
+static unsigned char *put_vector(struct neph_vec3 v, unsigned char *to)
 {
-    for (int i = 0; i < count; i++) {
-        const float at[3] = {(float)vectors[i].x, (float)-vectors[i].z, (float)vectors[i].y};
-        memcpy(to, at, sizeof(at));
-        to += sizeof(at);
-    }
-    return to;
+    const float at[3] = {(float)v.x, (float)-v.z, (float)v.y};
+    memcpy(to, at, sizeof(at));
+    return to + sizeof(at);
 }
 
 static enum neph_status write_mesh(const struct neph_mesh *mesh, const char *path,
@@ -42,11 +39,13 @@ static enum neph_status write_mesh(const struct neph_mesh *mesh, const char *pat
     unsigned char *bytes = malloc(room);
     if (!bytes)
         return neph_fail_memory(diag);
-    unsigned char *end = put_vectors(data->positions, data->vertex_count, bytes);
+    unsigned char *end = bytes;
+    for (int i = 0; i < data->vertex_count; i++)
+        end = put_vector(data->positions[i], end);
     memcpy(end, data->triangles, triangles);
     end += triangles;
-    if (mesh->material.is_smooth)
-        end = put_vectors(data->normals, data->vertex_count, end);
+    for (int i = 0; i < data->vertex_count && mesh->material.is_smooth; i++)
+        end = put_vector(neph_vec3_normalize(data->normals[i]), end);
     if (uv > 0)
         memcpy(end, data->uv, uv);
     const enum neph_status status = neph_file_write(path, bytes, (size_t)(end - bytes) + uv, diag);

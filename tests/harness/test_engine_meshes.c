@@ -269,7 +269,7 @@ static void set_looks(struct looks *looks)
     stage->scene.scattering = NEPH_SCATTERING_NONE;
     stage->scene.background_w_per_m2_sr = (struct neph_rgb){0.1, 0.2, 0.3};
     test_add_medium(stage, 0.06, 0.0, 0.0)->bounds = (struct neph_bounds){{-8, -1, -9}, {8, 4, 7}};
-    looks->list[0] = make_ball(24, 1.0);
+    looks->list[0] = make_ball(24, 3.0);
     looks->list[1] = make_quad(1.0, make_colours(), NEPH_ALPHA_CUTOUT);
     stage->scene.meshes = looks->list;
     stage->scene.mesh_count = 2;

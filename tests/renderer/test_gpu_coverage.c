@@ -52,8 +52,8 @@ static void finish_quads(struct quads *quads)
     neph_mesh_destroy(quads->meshes[1]);
 }
 
-/* Of the rays, a part alpha meets the front quad, and of the others as many the rear one; of the
- * sunlight on the rear one the part 1 - alpha arrives. Green: the albedo is 1/4. */
+/* A part `a` of the rays meets the front quad, and of the others the same part meets the rear one,
+ * where the part 1 - a of the sunlight arrives. Green: the albedo is 1/4. */
 static double find_light(double a)
 {
     const double lit = 0.25 * sun * 0.8 / M_PI;

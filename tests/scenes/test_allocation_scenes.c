@@ -147,6 +147,7 @@ static void test_height_fields(void **state)
         "solids:\n"
         "  - height_field: {file: hills.png, min_m: [0, 0, 0], max_m: [9, 1, 9], "
         "albedo: [0, 0, 0],\n"
+        "                   shading: smooth, albedo_texture: hills.png,\n"
         "                   motion: {axis: y, keys: [{frame: 0}, {frame: 1, turn_deg: 9}]}}\n"
         "  - fence: {origin_m: [0, 0, 9], bars: 20, pitch_m: 0.5, bar_width_m: 0.1, "
         "bar_depth_m: 0.1, height_m: 1, albedo: [0, 0, 0]}\n";

@@ -387,7 +387,6 @@ static void test_what_is_refused(void **state)
         {"quad.obj, albedo_texture: ../../etc/hostname", "outside the folder"},
         {"quad.obj, albedo_texture: link.png", "outside the folder"},
         {"quad.obj, albedo_texture: wide.png, memory_limit_mib: 1", "the limit is 1 MiB"},
-        {"quad.obj, shading: smooth, metalness: 0.5, roughness: 0.5", "metalness out"},
     };
     OWNED(memory) uint8_t *wide = calloc(600 * 200, 3);
     write_png(state, "wide.png", 600, 200, wide, PNG_FORMAT_RGB);

@@ -10,6 +10,9 @@
 #include "scenes/mesh.h"
 #include "scenes/motion.h"
 #include "scenes/solids.h"
+#include "scenes/surfaces.h"
+
+#include <png.h>
 
 enum { COLUMNS = 5, ROWS = 4 };
 
@@ -68,6 +71,12 @@ static int files_setup(void **state)
     write_exr(scratch_path(state, path, "hills.exr"));
     write_objs(state);
     scratch_write(scratch_path(state, path, "hills.png"), hills_png, sizeof(hills_png));
+    static const uint8_t corners[] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 0, 0, 0, 0};
+    png_image image = {
+        .version = PNG_IMAGE_VERSION, .width = 2, .height = 2, .format = PNG_FORMAT_RGBA};
+    if (!png_image_write_to_file(&image, scratch_path(state, path, "corners.png"), 0, corners, 0,
+                                 NULL))
+        return -1;
     static const char flat[] = "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n";
     scratch_write(scratch_path(state, path, "flat.obj"), flat, sizeof(flat) - 1);
     return 0;
@@ -158,6 +167,63 @@ static void test_a_png_is_a_height_field(void **state)
         neph_assert_close(data->positions[i].y, expected[i], 1e-7, 0.0); /* of a float32 */
     }
     assert_true(neph_mesh_normal(scene->meshes[0], 0).y > 0.0);
+}
+
+static double find_height_m(int i, int j)
+{
+    return 8.0 * (double)find_height(i, j);
+}
+
+/* The slopes of the six triangles around a vertex; two of them share each edge along an axis. */
+static struct neph_vec3 find_grid_normal(int i, int j)
+{
+    const double right = find_height_m(i + 1, j), left = find_height_m(i - 1, j);
+    const double below = find_height_m(i, j + 1), above = find_height_m(i, j - 1);
+    const double left_below = find_height_m(i - 1, j + 1);
+    const double right_above = find_height_m(i + 1, j - 1);
+    const double slope_x = (2.0 * (right - left) + below - left_below + right_above - above) / 6.0;
+    const double slope_z = (2.0 * (below - above) + left_below - left + right - right_above) / 6.0;
+    return neph_vec3_normalize((struct neph_vec3){-slope_x, 1.0, -slope_z});
+}
+
+static void test_a_height_field_is_smooth(void **state)
+{
+    OWNED(scene)
+    struct neph_scene *scene = load_good(state, "  - height_field: {file: hills.exr, shading: "
+                                                "smooth, min_m: [0, 0, 0], max_m: [4, 8, 3]" GREY);
+    const struct neph_mesh *mesh = scene->meshes[0];
+    assert_true(mesh->material.is_smooth && !mesh->data.uv);
+    for (int j = 1; j < ROWS - 1; j++)
+        for (int i = 1; i < COLUMNS - 1; i++) {
+            const struct neph_vec3 own = neph_vec3_normalize(mesh->data.normals[j * COLUMNS + i]);
+            const struct neph_vec3 expected = find_grid_normal(i, j);
+            neph_assert_close(own.x, expected.x, 0.0, 1e-14);
+            neph_assert_close(own.y, expected.y, 0.0, 1e-14);
+            neph_assert_close(own.z, expected.z, 0.0, 1e-14);
+        }
+    OWNED(scene) struct neph_scene *flat = load_good(state, FIELD);
+    assert_true(!flat->meshes[0]->data.normals && !flat->meshes[0]->data.uv);
+}
+
+/* The texture lies as the image of heights: its first pixel is at the lowest x and z. It is met in
+ * the middles of its pixels. */
+static void test_a_height_field_has_a_texture(void **state)
+{
+    OWNED(scene)
+    struct neph_scene *scene = load_good(
+        state, "  - height_field: {file: hills.exr, albedo_texture: corners.png, alpha: cutout, "
+               "min_m: [0, 0, 0], max_m: [4, 8, 3]" GREY);
+    for (int k = 0; k < 4; k++) {
+        const struct neph_vec3 above_m = {k % 2 ? 3.0 : 1.0, 20.0, k / 2 ? 2.25 : 0.75};
+        const struct neph_hit hit = neph_scene_hit(scene, above_m, (struct neph_vec3){0, -1, 0});
+        assert_true((hit.solid != NULL) == (k < 3));
+        if (!hit.solid)
+            continue;
+        const struct neph_rgb color = neph_surface_color(&hit, above_m);
+        const double channels[3] = {color.r, color.g, color.b};
+        for (int c = 0; c < 3; c++)
+            neph_assert_close(channels[c], c == k ? 0.5 : 0.0, 0.0, 1e-6); /* uv are float32 */
+    }
 }
 
 /* --- places ---------------------------------------------------------------------------------- */
@@ -288,6 +354,12 @@ static void test_what_is_refused(void **state)
          "must end in .png or .exr"},
         {"  - height_field: {file: hills.exr, channel: R, min_m: [0, 0, 0], max_m: [4, 1, 3]" GREY,
          "has no channel 'R'"},
+        {"  - height_field: {file: hills.exr, alpha: cutout, min_m: [0, 0, 0], max_m: [4, 1, "
+         "3]" GREY,
+         "solids[0].height_field.alpha"},
+        {"  - height_field: {file: hills.exr, albedo_texture: /corners.png, min_m: [0, 0, 0], "
+         "max_m: [4, 1, 3]" GREY,
+         "outside the folder"},
         {"  - height_field: {file: none.exr, min_m: [0, 0, 0], max_m: [4, 1, 3]" GREY, "none.exr"},
         {"  - mesh: {file: $NEPH_NO_SUCH_VARIABLE/a.obj" GREY, "NEPH_NO_SUCH_VARIABLE"},
     };
@@ -343,6 +415,12 @@ static void test_every_key_is_in_the_hash(void **state)
         FIELD,
         "  - height_field: {file: hills.exr, min_m: [0, 0, 0], max_m: [4, 9, 3]" GREY,
         "  - height_field: {file: hills.png, min_m: [0, 0, 0], max_m: [4, 8, 3]" GREY,
+        "  - height_field: {file: hills.exr, shading: smooth, min_m: [0, 0, 0], max_m: [4, 8, "
+        "3]" GREY,
+        "  - height_field: {file: hills.exr, albedo_texture: corners.png, min_m: [0, 0, 0], "
+        "max_m: [4, 8, 3]" GREY,
+        "  - height_field: {file: hills.exr, albedo_texture: corners.png, alpha: coverage, min_m: "
+        "[0, 0, 0], max_m: [4, 8, 3]" GREY,
     };
     char hashes[COUNT(solids)][NEPH_HASH_HEX_SIZE], path[SCRATCH_PATH_MAX], other[SCRATCH_PATH_MAX];
     for (size_t i = 0; i < COUNT(solids); i++) {
@@ -365,6 +443,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         files_test(test_a_height_field_equals_its_mesh),
         files_test(test_a_png_is_a_height_field),
+        files_test(test_a_height_field_is_smooth),
+        files_test(test_a_height_field_has_a_texture),
         files_test(test_a_mesh_of_a_box_is_placed),
         files_test(test_instances_equal_copies),
         files_test(test_scattered_instances_stand_on_the_ground),

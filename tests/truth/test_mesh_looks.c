@@ -64,6 +64,40 @@ static void test_a_smooth_ball_is_lit_as_a_sphere(void **state)
     assert_true(worst[0] < 0.02 && worst[1] < worst[0] / 3.0); /* 4 by theory */
 }
 
+/* A smooth ball and a sphere of metal reflect the sun alike, up to the square of the triangles'
+ * size. */
+static void test_a_smooth_metal_ball_shines_as_a_sphere(void **state)
+{
+    double worst[2] = {0.0, 0.0};
+    for (int i = 0; i < 2; i++) {
+        OWNED(mesh) struct neph_mesh *mesh = make_ball(24 << i, 1.0);
+        struct neph_solid solids[2] = {put_mesh(mesh), make_sphere(0, 0, 0, 1)};
+        struct neph_scene scenes[2];
+        uint64_t seed = 9;
+        for (int s = 0; s < 2; s++) {
+            solids[s].albedo = white;
+            solids[s].surface = (struct neph_surface){.metalness = 1.0, .roughness = 0.6};
+            scenes[s] = make_sunny(make_homogeneous(0.1, box), (struct neph_vec3){1, 2, 3});
+            scenes[s].medium_count = 0;
+            scenes[s].solid_count = 1;
+            scenes[s].solids = &solids[s];
+        }
+        for (int n = 0; n < 60; n++) {
+            const struct neph_vec3 eye_m = neph_vec3_add((struct neph_vec3){1.5, 3, 4},
+                                                         random_point(&seed, 0.3));
+            const struct neph_vec3 d = neph_vec3_normalize(
+                neph_vec3_sub(random_point(&seed, 0.2), eye_m));
+            const struct neph_reflected_view a = neph_reflected_view(&scenes[0], eye_m, d);
+            const struct neph_reflected_view b = neph_reflected_view(&scenes[1], eye_m, d);
+            assert_true(b.direct[1].g > 0.05);
+            worst[i] = fmax(worst[i], fabs(a.direct[1].g / b.direct[1].g - 1.0));
+        }
+    }
+    print_message("metal: off by %.1e, with four times the triangles by %.1e\n", worst[0],
+                  worst[1]);
+    assert_true(worst[0] < 0.05 && worst[1] < worst[0] / 3.0); /* 4 by theory */
+}
+
 enum { TILTED_PATHS = 40000 };
 
 /* A triangle whose normals lean by an angle t, under a sky of radiance 1: of the reflected light a
