@@ -39,7 +39,7 @@ static float find_half(const struct neph_gpu_solid *solid, int axis)
            fabsf(solid->albedo[3]) * half_m[second == about ? third : second];
 }
 
-/* Of a sphere or a rotated box, larger by a margin. */
+/* The box around a solid; around a sphere or a rotated box, larger by a margin. */
 static struct boxed find_box(const struct neph_gpu_solid *solid, uint32_t number)
 {
     struct boxed boxed = {.solid = number};

@@ -35,8 +35,8 @@ struct neph_sun_grid {
     struct neph_solid *solids;
 };
 
-/* The hull of all boxes of a scene, or without boxes of all spheres. And whether a solid is at least
- * a quarter as wide along two axes as the hull. A mesh is not. */
+/* The hull of all boxes of a scene, or without boxes of all spheres. And whether a solid is at
+ * least a quarter as wide along two axes as the hull. A mesh is not. */
 struct neph_bounds neph_plain_hull(const struct neph_scene *scene);
 bool neph_is_wide_solid(const struct neph_solid *solid, const struct neph_bounds *hull);
 

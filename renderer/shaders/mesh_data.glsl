@@ -120,9 +120,10 @@ vec3 triangle_area(Triangle t)
 
 // --- the number of a hit ------------------------------------------------------------------------
 
-// A hit of a mesh has, in place of the number of a solid, IS_MESH and a number: its triangle's, plus
-// the first one of its instance. First numbers are multiples of 2^triangle_bits; where there are too
-// few bits for that, they are the triangles of all instances before, and the instance is searched.
+// A hit of a mesh has, in place of the number of a solid, IS_MESH and a number: its triangle's,
+// plus the first one of its instance. First numbers are multiples of 2^triangle_bits; where there
+// are too few bits for that, they are the triangles of all instances before, and the instance is
+// searched.
 
 bool is_mesh(uint solid)
 {

@@ -622,8 +622,8 @@ static struct crowd *make_crowd(void)
     return crowd;
 }
 
-/* Where numbers of hits are too few for the largest mesh in each place, they are found all the same:
- * a crowd changes no bit of the hills and of the quad. */
+/* Where numbers of hits are too few for the largest mesh in each place, hits are found all the
+ * same: a crowd changes no bit of the hills and of the quad. */
 static void test_hits_of_many_instances_are_found(void **state)
 {
     OWNED(crowd) struct crowd *crowd = make_crowd();

@@ -59,8 +59,8 @@ void intersect_solids(ivec2 pixel, inout SightLine picture, inout SightLine stea
     }
 }
 
-// Many solids: the 32 threads of a GPU that walk through their trees together have 8 x 4 pixels, whose
-// rays meet nearly the same boxes. Tiles at the right and the lower edge are smaller.
+// With many solids, the 32 threads of a GPU that walk through their trees together have 8 x 4
+// pixels, whose rays meet nearly the same boxes. Tiles at the right and the lower edge are smaller.
 ivec2 find_tiled_pixel(int ray)
 {
     ivec2 size = view_size();
