@@ -182,6 +182,8 @@ struct neph_gpu_meshes neph_gpu_meshes_place(const struct neph_scene *scene,
     made.instances = NEPH_GPU_MESH_PLACES_FIRST +
                      (uint32_t)(NODE_WORDS * count_instance_nodes(scene));
     made.triangle_bits = (uint32_t)count_triangle_bits(scene);
+    for (int i = 0; i < scene->solid_count; i++)
+        made.moves |= is_instance(&scene->solids[i]) && scene->solids[i].moves;
     made.searched = has_searched_hits(scene) ? (uint32_t)neph_gpu_count_instances(scene) : 0;
     return made;
 }
@@ -207,6 +209,7 @@ struct tree_writing {
     struct neph_vec3 origin, eye;
     const struct neph_bounds *items; /* NULL: a leaf of the tree is a node with its items; else each
                                         item is a node of its own, with these bounds */
+    const int *numbers;              /* of those items */
     words *nodes;
     uint32_t count;
 };
@@ -231,7 +234,8 @@ static void write_items(struct tree_writing *writing, const struct neph_tree_nod
 {
     for (int i = 0; i < node->count; i++) {
         const int item = writing->tree->order[node->first + i];
-        close_node(writing, open_node(writing, &writing->items[item], (uint32_t)item + 1));
+        close_node(writing,
+                   open_node(writing, &writing->items[item], (uint32_t)writing->numbers[item] + 1));
     }
 }
 
@@ -261,35 +265,62 @@ static void write_node(struct tree_writing *writing, int at)
 }
 
 /* Nodes whose next one is behind the last have none. */
-static void write_tree(struct tree_writing *writing)
+static void end_trees(struct tree_writing *writing)
 {
-    write_node(writing, 0);
     for (uint32_t n = 0; n < writing->count; n++)
         if (writing->nodes[NODE_WORDS * n + 1][3] == writing->count)
             writing->nodes[NODE_WORDS * n + 1][3] = UINT32_MAX;
 }
 
-static enum neph_status write_instance_tree(const struct neph_scene *scene,
-                                            struct neph_vec3 origin_m, struct neph_vec3 eye_m,
-                                            words *to, struct neph_diag *diag)
+/* Room to build a tree of instances. */
+struct instance_trees {
+    struct neph_bounds *boxes;
+    struct neph_tree_node *nodes;
+    int *order, *numbers;
+};
+
+/* The tree of all instances that move, or of all that rest, behind the nodes that are written. */
+static void write_part(const struct neph_scene *scene, bool moves, struct instance_trees *room,
+                       struct tree_writing *writing)
 {
-    const int count = neph_gpu_count_instances(scene);
-    struct neph_bounds *boxes = malloc((size_t)count * sizeof(*boxes));
-    struct neph_tree_node *nodes = malloc((size_t)neph_box_tree_room(count) * sizeof(*nodes));
-    int *order = malloc((size_t)count * sizeof(*order));
-    const enum neph_status status = boxes && nodes && order ? NEPH_OK : neph_fail_memory(diag);
-    for (int i = 0, n = 0; i < scene->solid_count && !status; i++)
-        if (is_instance(&scene->solids[i]))
-            boxes[n++] = neph_solid_bounds(&scene->solids[i]);
-    if (!status) {
-        const struct neph_box_tree tree = neph_box_tree_build(boxes, count, nodes, order);
-        struct tree_writing writing = {&tree, origin_m, eye_m, boxes, to, 0};
-        write_tree(&writing);
+    int count = 0, number = 0;
+    for (int i = 0; i < scene->solid_count; i++) {
+        const struct neph_solid *solid = &scene->solids[i];
+        if (is_instance(solid) && solid->moves == moves) {
+            room->boxes[count] = neph_solid_bounds(solid);
+            room->numbers[count++] = number;
+        }
+        number += is_instance(solid);
     }
-    free(order);
-    free(nodes);
-    free(boxes);
-    return status;
+    if (count > 0) {
+        const struct neph_box_tree tree = neph_box_tree_build(room->boxes, count, room->nodes,
+                                                              room->order);
+        writing->tree = &tree;
+        write_node(writing, 0);
+    }
+}
+
+static enum neph_status write_instance_trees(const struct neph_scene *scene,
+                                             struct neph_vec3 origin_m, struct neph_vec3 eye_m,
+                                             words *to, struct neph_diag *diag)
+{
+    const size_t count = (size_t)neph_gpu_count_instances(scene);
+    struct instance_trees room = {
+        malloc(count * sizeof(*room.boxes)),
+        malloc((size_t)neph_box_tree_room((int)count) * sizeof(*room.nodes)),
+        malloc(count * sizeof(*room.order)), malloc(count * sizeof(*room.numbers))};
+    struct tree_writing writing = {NULL, origin_m, eye_m, room.boxes, room.numbers, to, 0};
+    const bool has_room = room.boxes && room.nodes && room.order && room.numbers;
+    if (has_room) {
+        write_part(scene, true, &room, &writing);
+        write_part(scene, false, &room, &writing);
+        end_trees(&writing);
+    }
+    free(room.numbers);
+    free(room.order);
+    free(room.nodes);
+    free(room.boxes);
+    return has_room ? NEPH_OK : neph_fail_memory(diag);
 }
 
 /* --- meshes ---------------------------------------------------------------------------------- */
@@ -319,9 +350,10 @@ static struct neph_vec3 find_eye(const struct neph_scene *scene, const struct ne
 static void write_mesh(const struct neph_mesh *mesh, struct neph_vec3 eye, words *to)
 {
     const struct neph_vec3 middle = find_mesh_middle(mesh);
-    struct tree_writing writing = {&mesh->tree, middle, eye, NULL, to, 0};
+    struct tree_writing writing = {&mesh->tree, middle, eye, NULL, NULL, to, 0};
     words *triangles = to + NODE_WORDS * (size_t)mesh->tree.node_count;
-    write_tree(&writing);
+    write_node(&writing, 0);
+    end_trees(&writing);
     for (int i = 0; i < mesh->data.triangle_count; i++)
         for (int corner = 0; corner < 3; corner++)
             set_vector(
@@ -394,7 +426,7 @@ enum neph_status neph_gpu_mesh_places_write(const struct neph_scene *scene, stru
             hit += is_searched ? (uint32_t)scene->solids[i].mesh->data.triangle_count : regular;
         }
     free(firsts);
-    return write_instance_tree(scene, origin_m, eye_m, to, diag);
+    return write_instance_trees(scene, origin_m, eye_m, to, diag);
 }
 
 enum neph_status neph_gpu_meshes_upload(const struct neph_vulkan *vulkan,

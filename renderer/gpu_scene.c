@@ -518,26 +518,26 @@ uint32_t neph_gpu_solid_number(const struct neph_scene *scene, int solid, bool i
     return number;
 }
 
-/* Returns the number of nodes of wide solids. In memory of the host first: it reads them again, and
+/* Returns the number of nodes of solids that are apart. In memory of the host first: it reads them again, and
  * a mapped buffer may be slow to read. */
 static uint32_t fill_solids(const struct neph_scene *scene, struct neph_vec3 camera_m,
                             struct neph_gpu_solids *mapped)
 {
     struct neph_gpu_solids gpu;
-    bool is_wide[NEPH_GPU_SOLIDS_MAX];
+    bool is_apart[NEPH_GPU_SOLIDS_MAX];
     size_t count = 0;
     const struct neph_bounds hull = neph_plain_hull(scene);
     for (int i = 0; i < scene->solid_count; i++)
         if (scene->solids[i].kind != NEPH_SOLID_MESH) {
-            is_wide[count] = neph_is_wide_solid(&scene->solids[i], &hull);
+            is_apart[count] = neph_is_apart(&scene->solids[i], &hull);
             gpu.solids[count++] = neph_gpu_solid_pack(&scene->solids[i], camera_m);
         }
-    const uint32_t wide_nodes = neph_solid_tree_build(&gpu, (uint32_t)count, is_wide);
+    const uint32_t apart_nodes = neph_solid_tree_build(&gpu, (uint32_t)count, is_apart);
     memcpy(mapped->solids, gpu.solids, count * sizeof(gpu.solids[0]));
     memcpy(mapped->solid_order, gpu.solid_order, (count + 3) / 4 * sizeof(gpu.solid_order[0]));
     memcpy(mapped->solid_nodes, gpu.solid_nodes,
            neph_solid_tree_nodes(count) * sizeof(gpu.solid_nodes[0]));
-    return wide_nodes;
+    return apart_nodes;
 }
 
 /* Whether a gap is significant: float32 loses gaps below 1e-6 of the distance between face and
@@ -614,12 +614,12 @@ static void fill_scene_frame(struct neph_gpu_scene *gpu, const struct neph_scene
             gpu->constants[1] |= NEPH_GPU_TURNED;
     for (int i = 0; i < scene->medium_count; i++)
         gpu->constants[1] |= neph_is_turned(&scene->media[i].turn) ? NEPH_GPU_TURNED_MEDIA : 0u;
-    const uint32_t wide_nodes = fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
+    const uint32_t apart_nodes = fill_solids(scene, camera.position_m, gpu->buffers[1].mapped);
     if (neph_sun_grid_fits(&gpu->sun_grid, scene)) {
         gpu->constants[0] |= NEPH_GPU_SUN_GRID;
         gpu->frame->sun_grid = neph_sun_grid_place(&gpu->sun_grid, camera.position_m,
                                                    (uint32_t)neph_gpu_mesh_words(scene));
-        gpu->frame->sun_grid.wide_nodes = wide_nodes;
+        gpu->frame->sun_grid.apart_nodes = apart_nodes;
     }
     gpu->solid_iterations = neph_gpu_solid_iterations(scene);
     gpu->frame->meshes = neph_gpu_meshes_place(scene, camera.position_m);

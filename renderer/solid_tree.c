@@ -9,7 +9,7 @@ _Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
 
 enum { LEAF = NEPH_GPU_LEAF_SOLIDS, SOLIDS_MAX = NEPH_GPU_SOLIDS_MAX };
 
-enum tree { WIDE, OTHERS, TREE_COUNT };
+enum tree { APART, OTHERS, TREE_COUNT };
 
 /* A solid's box, the place of its centre, and its number. */
 struct boxed {
@@ -168,25 +168,25 @@ static void build(struct builder *builder, int first, int count)
     node->next = builder->node_count;
 }
 
-uint32_t neph_solid_tree_build(struct neph_gpu_solids *gpu, uint32_t count, const bool *is_wide)
+uint32_t neph_solid_tree_build(struct neph_gpu_solids *gpu, uint32_t count, const bool *is_apart)
 {
     struct builder builder = {.nodes = gpu->solid_nodes};
-    uint32_t wide_nodes = 0;
+    uint32_t apart_nodes = 0;
     int placed = 0;
-    for (int tree = WIDE; tree < TREE_COUNT; tree++) {
+    for (int tree = APART; tree < TREE_COUNT; tree++) {
         const int first = placed;
         for (uint32_t i = 0; i < count; i++) {
-            if (is_wide[i] == (tree == WIDE))
+            if (is_apart[i] == (tree == APART))
                 builder.boxes[placed++] = find_box(&gpu->solids[i], i);
         }
         if (placed > first)
             build(&builder, first, placed - first);
-        wide_nodes = tree == WIDE ? builder.node_count : wide_nodes;
+        apart_nodes = tree == APART ? builder.node_count : apart_nodes;
     }
     for (uint32_t i = 0; i < count; i++)
         gpu->solid_order[i / 4][i % 4] = builder.boxes[i].solid;
     for (uint32_t n = 0; n < builder.node_count; n++)
         if (gpu->solid_nodes[n].next == builder.node_count)
             gpu->solid_nodes[n].next = UINT32_MAX;
-    return wide_nodes;
+    return apart_nodes;
 }

@@ -44,7 +44,7 @@ static struct neph_bounds find_hull(const struct neph_scene *scene, enum neph_so
 {
     struct neph_bounds hull = nothing;
     for (int i = 0; i < scene->solid_count; i++)
-        if (scene->solids[i].kind == kind)
+        if (scene->solids[i].kind == kind && !scene->solids[i].moves)
             hull = neph_bounds_hull(hull, neph_solid_bounds(&scene->solids[i]));
     return hull;
 }
@@ -55,19 +55,18 @@ struct neph_bounds neph_plain_hull(const struct neph_scene *scene)
     return neph_bounds_are_empty(&boxes) ? find_hull(scene, NEPH_SOLID_SPHERE) : boxes;
 }
 
-bool neph_is_wide_solid(const struct neph_solid *solid, const struct neph_bounds *hull)
+bool neph_is_apart(const struct neph_solid *solid, const struct neph_bounds *hull)
 {
     const struct neph_bounds box = neph_solid_bounds(solid);
     int wide_axes = 0;
     for (int axis = 0; axis < 3; axis++)
         wide_axes += get_side(&box, axis) >= 0.25 * get_side(hull, axis);
-    return solid->kind != NEPH_SOLID_MESH && wide_axes >= 2;
+    return solid->moves || (solid->kind != NEPH_SOLID_MESH && wide_axes >= 2);
 }
 
 size_t neph_sun_grid_room(const struct neph_scene *scene)
 {
-    if (!scene->sun.present || scene->medium_count == 0 || scene->sun_key_count > 0 ||
-        scene->mover_count > 0)
+    if (!scene->sun.present || scene->medium_count == 0 || scene->sun_key_count > 0)
         return 0;
     if (neph_gpu_count_instances(scene) > 0)
         return CELLS_MAX;
@@ -120,13 +119,13 @@ static bool choose_cells(struct neph_sun_grid *grid, double u_m, double v_m, siz
 }
 
 /* Around all solids that are in the grid, with half a cell on all sides. False: there is none. */
-static bool place_grid(const struct neph_scene *scene, const bool *is_wide,
+static bool place_grid(const struct neph_scene *scene, const bool *is_apart,
                        struct neph_sun_grid *grid)
 {
     struct neph_bounds hull = nothing, across = nothing;
     struct neph_vec3 corners_m[8];
     for (int i = 0; i < scene->solid_count; i++)
-        if (!is_wide[i])
+        if (!is_apart[i])
             hull = neph_bounds_hull(hull, neph_solid_bounds(&scene->solids[i]));
     if (neph_bounds_are_empty(&hull))
         return false;
@@ -134,7 +133,7 @@ static bool place_grid(const struct neph_scene *scene, const bool *is_wide,
     for (int i = 0; i < scene->solid_count; i++) {
         const struct neph_bounds box = neph_solid_bounds(&scene->solids[i]);
         neph_sun_grid_corners(&box, corners_m);
-        for (int k = 0; k < 8 && !is_wide[i]; k++) {
+        for (int k = 0; k < 8 && !is_apart[i]; k++) {
             const struct neph_sun_point at = neph_sun_point(&grid->axes, corners_m[k]);
             const struct neph_vec3 place_m = {at.u, at.v, at.w};
             across = neph_bounds_hull(across, (struct neph_bounds){place_m, place_m});
@@ -398,7 +397,7 @@ static void add_ball(struct neph_sun_grid *grid, const struct neph_solid *ball, 
 
 /* --- the grid -------------------------------------------------------------------------------- */
 
-static enum neph_status fill_grid(const struct neph_scene *scene, const bool *is_wide,
+static enum neph_status fill_grid(const struct neph_scene *scene, const bool *is_apart,
                                   struct neph_sun_grid *grid, struct neph_diag *diag)
 {
     const size_t count = (size_t)grid->width * (size_t)grid->height;
@@ -414,9 +413,9 @@ static enum neph_status fill_grid(const struct neph_scene *scene, const bool *is
         grid->limits_m[i][0] = grid->limits_m[i][1] = -NEPH_GPU_FAR_M;
     for (int i = 0; i < scene->solid_count; i++) {
         const struct neph_solid *solid = &scene->solids[i];
-        if (solid->kind == NEPH_SOLID_BOX && !is_wide[i])
+        if (solid->kind == NEPH_SOLID_BOX && !is_apart[i])
             add_box(grid, solid, number, rows);
-        else if (solid->kind == NEPH_SOLID_SPHERE && !is_wide[i])
+        else if (solid->kind == NEPH_SOLID_SPHERE && !is_apart[i])
             add_ball(grid, solid, number);
         number += solid->kind != NEPH_SOLID_MESH;
     }
@@ -439,20 +438,20 @@ static enum neph_status keep_solids(const struct neph_scene *scene, struct neph_
 enum neph_status neph_sun_grid_create(const struct neph_scene *scene, struct neph_sun_grid *grid,
                                       struct neph_diag *diag)
 {
-    bool *is_wide = malloc((size_t)scene->solid_count * sizeof(*is_wide));
-    if (!is_wide)
+    bool *is_apart = malloc((size_t)scene->solid_count * sizeof(*is_apart));
+    if (!is_apart)
         return neph_fail_memory(diag);
     const struct neph_bounds hull = neph_plain_hull(scene);
     for (int i = 0; i < scene->solid_count; i++)
-        is_wide[i] = neph_is_wide_solid(&scene->solids[i], &hull);
+        is_apart[i] = neph_is_apart(&scene->solids[i], &hull);
     grid->axes = find_axes(scene->sun.direction);
     enum neph_status status = NEPH_OK;
-    if (place_grid(scene, is_wide, grid)) {
-        status = fill_grid(scene, is_wide, grid, diag);
+    if (place_grid(scene, is_apart, grid)) {
+        status = fill_grid(scene, is_apart, grid, diag);
         if (!status)
             status = keep_solids(scene, grid, diag);
     }
-    free(is_wide);
+    free(is_apart);
     return status;
 }
 
@@ -474,10 +473,14 @@ void neph_sun_grid_destroy(struct neph_sun_grid *grid)
 bool neph_sun_grid_fits(const struct neph_sun_grid *grid, const struct neph_scene *scene)
 {
     const struct neph_vec3 sun = scene->sun.direction, own = grid->axes.w;
-    return grid->solids && scene->sun.present && grid->solid_count == scene->solid_count &&
-           sun.x == own.x && sun.y == own.y && sun.z == own.z &&
-           memcmp(grid->solids, scene->solids,
-                  (size_t)scene->solid_count * sizeof(*scene->solids)) == 0;
+    bool fits = grid->solids && scene->sun.present && grid->solid_count == scene->solid_count &&
+                sun.x == own.x && sun.y == own.y && sun.z == own.z;
+    for (int i = 0; i < scene->solid_count && fits; i++) {
+        const struct neph_solid *solid = &scene->solids[i];
+        fits = solid->moves ? grid->solids[i].moves
+                            : memcmp(&grid->solids[i], solid, sizeof(*solid)) == 0;
+    }
+    return fits;
 }
 
 struct neph_gpu_sun_grid neph_sun_grid_place(const struct neph_sun_grid *grid,

@@ -6,7 +6,8 @@
  * grid changes no decision (conservative shadow maps: S. Hertel, K. Hormann, R. Westermann, "A
  * Hybrid GPU Rendering Pipeline for Alias-Free Hard Shadows", Eurographics 2009, Areas Papers).
  *
- * Solids that are wide, such as a ground, are not in the grid: rays test them, and they are few.
+ * Solids that are wide, such as a ground, or that move are not in the grid: rays test them, and they
+ * are few.
  * Private to renderer/.
  */
 #ifndef NEPH_RENDERER_SUN_GRID_H
@@ -35,13 +36,14 @@ struct neph_sun_grid {
     struct neph_solid *solids;
 };
 
-/* The hull of all boxes of a scene, or without boxes of all spheres. And whether a solid is at
- * least a quarter as wide along two axes as the hull. A mesh is not. */
+/* The hull of all boxes of a scene that rest, or without boxes of such spheres. And whether a solid
+ * is not in the grid: it moves, or is at least a quarter as wide along two axes as the hull. A mesh
+ * is not wide. */
 struct neph_bounds neph_plain_hull(const struct neph_scene *scene);
-bool neph_is_wide_solid(const struct neph_solid *solid, const struct neph_bounds *hull);
+bool neph_is_apart(const struct neph_solid *solid, const struct neph_bounds *hull);
 
-/* The number of cells for which a scene needs room: 0 where few solids or a moving sun or moving
- * solids make a grid useless. And the number of words of four that they take. */
+/* The number of cells for which a scene needs room: 0 where few solids or a moving sun make a grid
+ * useless. And the number of words of four that they take. */
 size_t neph_sun_grid_room(const struct neph_scene *scene);
 size_t neph_sun_grid_words(const struct neph_scene *scene);
 
@@ -53,7 +55,7 @@ void neph_sun_grid_destroy(struct neph_sun_grid *grid);
 /* Free the cells, after their upload. */
 void neph_sun_grid_free_cells(struct neph_sun_grid *grid);
 
-/* Whether it is the grid of a scene's sun and solids. */
+/* Whether it is the grid of a scene's sun and of its solids that rest. */
 bool neph_sun_grid_fits(const struct neph_sun_grid *grid, const struct neph_scene *scene);
 
 /* The member of a frame, for a camera; in the buffer `words` of four are before the grid. Where

@@ -297,7 +297,7 @@ static enum neph_status add_mesh(const struct neph_scene *scene, const struct ne
     adding->facing = malloc((size_t)mesh->data.triangle_count);
     const bool has_room = sides && adding->points && adding->facing;
     for (int i = 0; i < scene->solid_count && has_room; i++)
-        if (scene->solids[i].kind == NEPH_SOLID_MESH && scene->solids[i].mesh == mesh) {
+        if (scene->solids[i].mesh == mesh && !scene->solids[i].moves) {
             place_points(adding, &scene->solids[i]);
             add_instance(adding, sides, mesh->material.alpha != NEPH_ALPHA_IGNORED);
         }
@@ -314,7 +314,7 @@ static void add_bounds(const struct neph_scene *scene, struct adding *adding)
         const struct neph_bounds box = neph_solid_bounds(&scene->solids[i]);
         struct neph_vec3 corners_m[8];
         double top_m;
-        if (scene->solids[i].kind != NEPH_SOLID_MESH)
+        if (scene->solids[i].kind != NEPH_SOLID_MESH || scene->solids[i].moves)
             continue;
         neph_sun_grid_corners(&box, corners_m);
         const struct neph_sun_row all = neph_sun_grid_touch_box(adding->grid, corners_m,

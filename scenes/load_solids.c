@@ -402,6 +402,8 @@ static enum neph_status make_solids(struct neph_reader *reader, struct neph_writ
             *next = entry->solid;
         else if (!status)
             status = neph_make_mesh_solids(reader, written, i, count);
+        for (int part = 0; part < entry->mover.count; part++)
+            next[part].moves = entry->mover.key_count > 1;
         next += entry->mover.count;
     }
     return status;

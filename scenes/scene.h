@@ -159,7 +159,8 @@ struct neph_solid {
     struct neph_turn yaw;         /* of a mesh, about its y axis, before `turn` */
     struct neph_rgb albedo;       /* base colour */
     struct neph_surface surface;
-    bool thin; /* a bar of a fence: for the thin-object mask */
+    bool thin;  /* a bar of a fence: for the thin-object mask */
+    bool moves; /* a mover has several keys for it */
 };
 
 struct neph_sun {

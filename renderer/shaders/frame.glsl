@@ -54,7 +54,7 @@ struct Meshes {
     float reach_m; // their largest coordinate
     vec3 origin_low_m; // what origin_m has lost by rounding
     uint instances; // index of the first instance
-    uint padding;
+    uint moves;         // not 0: instances that move are in a tree of their own, in front
     uint frame_number;  // of the sequence, for alpha as coverage
     uint searched;      // number of instances among which that of a hit is searched; 0: not needed
     uint triangle_bits; // of the number of a hit, where it is not searched
@@ -70,7 +70,7 @@ struct SunGrid {
     vec2 corner_cells; // the camera's place
     uvec2 size; // in cells
     uint first; // index of cell (0, 0)
-    uint wide_nodes; // nodes of the trees of solids that are not in the grid
+    uint apart_nodes; // nodes of the trees of solids that are not in the grid
     uint first_listed; // index of the list of cell (0, 0)
     uint padding;
 };

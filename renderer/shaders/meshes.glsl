@@ -125,13 +125,14 @@ void count_walk(uint iterations) {}
 const uint TRIANGLE_LEAF_TURNS = 3;
 const uint INSTANCE_LEAF_TURNS = 2 + TRIANGLE_LEAF_TURNS;
 
-// The content of the next leaf that the ray meets, from node `n` on, which then is the node after
-// the leaf; 0: none. Walks that go together stop at a leaf that another thread meets. Leaves are
+// The content of the next leaf that the ray meets, from node `n` on and before node `behind`; `n`
+// then is the node after the leaf. 0: none. Walks that go together stop at a leaf that another thread meets. Leaves are
 // handled outside of this loop: without branches their work would be done for each node.
-uint find_leaf(uint first, MeshRay ray, bool is_open, float start_m, float end_m, inout uint n)
+uint find_leaf(uint first, MeshRay ray, bool is_open, float start_m, float end_m, uint behind,
+               inout uint n)
 {
     uint leaf = 0u, found = 0u;
-    while (n != NO_SOLID && found == 0u) {
+    while (n < behind && found == 0u) {
         MeshNode node = mesh_node(first, n);
         bool meets = is_open && meets_box(ray, node.low_m, node.high_m, start_m, end_m);
         bool enters = is_entered(meets);
@@ -155,7 +156,7 @@ void keep_nearest_triangle(uint instance, vec3 origin_m, vec3 direction, uint ex
     MeshRay ray = instance_ray(mesh, origin_m, direction);
     uint n = 0u;
     while (n != NO_SOLID) {
-        uint leaf = find_leaf(mesh.nodes, ray, true, 0.0, hit.t_m, n);
+        uint leaf = find_leaf(mesh.nodes, ray, true, 0.0, hit.t_m, NO_SOLID, n);
         count_walk(TRIANGLE_LEAF_TURNS + (leaf & 15u));
         for (uint i = 0u; i < (leaf & 15u); i++) {
             uint triangle = (leaf >> 4u) + i, own = mesh.first_hit + triangle;
@@ -181,7 +182,7 @@ bool is_instance_met(uint instance, vec3 origin_m, vec3 direction, float start_m
     bool is_met = false;
     uint n = 0u;
     while (n != NO_SOLID) {
-        uint leaf = find_leaf(mesh.nodes, ray, !is_met, start_m, end_m, n);
+        uint leaf = find_leaf(mesh.nodes, ray, !is_met, start_m, end_m, NO_SOLID, n);
         count_walk(TRIANGLE_LEAF_TURNS + (leaf & 15u));
         for (uint i = 0u; i < (leaf & 15u); i++) {
             uint triangle = (leaf >> 4u) + i, own = mesh.first_hit + triangle;
@@ -221,7 +222,7 @@ void keep_nearest_mesh(vec3 origin_m, vec3 direction, uint except, inout Hit hit
     uint n = 0u;
     count_walk(INSTANCE_LEAF_TURNS);
     while (n != NO_SOLID) {
-        uint leaf = find_leaf(1u, ray, true, 0.0, hit.t_m, n);
+        uint leaf = find_leaf(1u, ray, true, 0.0, hit.t_m, NO_SOLID, n);
         count_walk(INSTANCE_LEAF_TURNS);
         if (leaf != 0u)
             keep_nearest_triangle(leaf - 1u, from_m, direction, except, hit);
@@ -229,8 +230,13 @@ void keep_nearest_mesh(vec3 origin_m, vec3 direction, uint except, inout Hit hit
     report_left_loop(n != NO_SOLID);
 }
 
-// Whether a triangle is met between two distances, except for one.
-bool is_mesh_met(vec3 origin_m, vec3 direction, float start_m, float end_m, uint except)
+// The node behind the tree of instances that move.
+uint find_first_at_rest() { return frame.meshes.moves != 0u ? mesh_node(1u, 0u).next : 0u; }
+
+// Whether a triangle is met between two distances, except for one. Only of instances before the node
+// `behind`.
+bool is_mesh_met(vec3 origin_m, vec3 direction, float start_m, float end_m, uint except,
+                 uint behind)
 {
     vec3 from_m = mesh_origin_m(origin_m, except);
     MeshRay ray = mesh_ray(from_m - frame.meshes.origin_m, direction, frame.meshes.reach_m);
@@ -238,13 +244,13 @@ bool is_mesh_met(vec3 origin_m, vec3 direction, float start_m, float end_m, uint
     bool is_met = false;
     uint n = 0u;
     count_walk(INSTANCE_LEAF_TURNS);
-    while (n != NO_SOLID) {
-        uint leaf = find_leaf(1u, ray, !is_met, start_m, end_m, n);
+    while (n < behind) {
+        uint leaf = find_leaf(1u, ray, !is_met, start_m, end_m, behind, n);
         count_walk(INSTANCE_LEAF_TURNS);
         if (leaf != 0u)
             is_met = is_instance_met(leaf - 1u, from_m, direction, start_m, end_m, except);
     }
-    report_left_loop(n != NO_SOLID);
+    report_left_loop(n < behind);
     return is_met;
 }
 

@@ -160,7 +160,7 @@ bool is_free(vec3 point_m, vec3 direction, float start_m, float end_m, uint exce
     bool is_free = is_free(point_m, direction, start_m, end_m, except, 0u,
                            make_nonuniform(frame.solid_count));
     if (MESHES && is_free)
-        is_free = !is_mesh_met(point_m, direction, start_m, end_m, except);
+        is_free = !is_mesh_met(point_m, direction, start_m, end_m, except, NO_SOLID);
     return is_free;
 }
 
@@ -168,24 +168,25 @@ bool is_free(vec3 point_m, vec3 direction, float start_m, float end_m, uint exce
 // within this fraction of t only touches the point and does not shadow it.
 const float SHADOW_START = 1e-6;
 
-// With the grid across the sun, rays test only solids that are not in it, such as a ground, and for
-// points between the two limits of their cell the solids that touch it.
+// With the grid across the sun, rays test only solids that are not in it, such as a ground or what
+// moves, and for points between the two limits of their cell the solids that touch it.
 bool sees_sun_by_grid(vec3 point_m, float start_m)
 {
     uint cell, sun = sun_from_grid(point_m, cell);
-    uint wide = make_nonuniform(frame.sun_grid.wide_nodes);
+    uint apart = make_nonuniform(frame.sun_grid.apart_nodes);
+    uint behind = sun == SUN_UNSURE || !MESHES ? NO_SOLID : find_first_at_rest();
     bool is_seen = sun != SUN_HIDDEN;
     if (is_seen)
-        is_seen = is_free(point_m, to_sun(), start_m, ENDLESS_M, NO_SOLID, 0u, wide);
+        is_seen = is_free(point_m, to_sun(), start_m, ENDLESS_M, NO_SOLID, 0u, apart);
     if (is_seen && sun == SUN_UNSURE) {
         uint listed = sun_grid_list(cell);
         is_seen = listed == NEPH_GPU_MANY_LISTED
-                      ? is_free(point_m, to_sun(), start_m, ENDLESS_M, NO_SOLID, wide,
+                      ? is_free(point_m, to_sun(), start_m, ENDLESS_M, NO_SOLID, apart,
                                 make_nonuniform(frame.solid_count))
                       : is_free_of_listed(listed, point_m, to_sun(), start_m, ENDLESS_M);
-        if (MESHES && is_seen)
-            is_seen = !is_mesh_met(point_m, to_sun(), start_m, ENDLESS_M, NO_SOLID);
     }
+    if (MESHES && is_seen && behind > 0u)
+        is_seen = !is_mesh_met(point_m, to_sun(), start_m, ENDLESS_M, NO_SOLID, behind);
     return is_seen;
 }
 

@@ -685,6 +685,7 @@ static void make_moving(struct moving *moving, bool is_mesh)
     else
         test_add_box(test, low_m, high_m);
     test->solids[2].albedo = (struct neph_rgb){0.5, 0.25, 1.0};
+    test->solids[2].moves = true;
     test->scene.meshes = moving->meshes;
     test->scene.mesh_count = 2;
     moving->cameras[0] = moving->cameras[1] = test->key;

@@ -111,19 +111,19 @@ static void test_every_solid_is_in_one_leaf(void **state)
         if (trial % 5 == 0) /* at one place */
             for (uint32_t i = 0; i < count; i++)
                 gpu->solids[i] = gpu->solids[0];
-        bool is_wide[NEPH_GPU_SOLIDS_MAX];
-        uint32_t wide = 0;
+        bool is_apart[NEPH_GPU_SOLIDS_MAX];
+        uint32_t apart = 0;
         for (uint32_t i = 0; i < count; i++)
-            wide += is_wide[i] = neph_test_uniform(&seed, 0.0, 1.0) < 0.1;
-        const uint32_t wide_nodes = neph_solid_tree_build(gpu, count, is_wide);
-        assert_int_equal(wide_nodes == 0, wide == 0);
-        for (uint32_t n = 0; n < wide_nodes; n++) /* only wide solids are in front */
+            apart += is_apart[i] = neph_test_uniform(&seed, 0.0, 1.0) < 0.1;
+        const uint32_t apart_nodes = neph_solid_tree_build(gpu, count, is_apart);
+        assert_int_equal(apart_nodes == 0, apart == 0);
+        for (uint32_t n = 0; n < apart_nodes; n++) /* only solids that are apart are in front */
             for (uint32_t i = 0; i < (gpu->solid_nodes[n].leaf & 15); i++) {
                 const uint32_t place = (gpu->solid_nodes[n].leaf >> 4) + i;
-                assert_true(is_wide[gpu->solid_order[place / 4][place % 4]]);
-                wide--;
+                assert_true(is_apart[gpu->solid_order[place / 4][place % 4]]);
+                apart--;
             }
-        assert_int_equal(wide, 0);
+        assert_int_equal(apart, 0);
         const uint32_t nodes = count_nodes(gpu, count);
         assert_true(nodes <= neph_solid_tree_nodes(count) && nodes <= NEPH_GPU_SOLID_NODES_MAX);
         assert_true(nodes <= count);

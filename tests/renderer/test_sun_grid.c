@@ -113,20 +113,22 @@ static void make_world(struct world *world, enum meshes meshes, uint64_t *seed)
     world->scene.meshes = world->meshes;
     world->scene.sun.present = true;
     world->scene.sun.direction = random_direction(seed);
-    for (int i = 0; i < SOLIDS; i++)
+    for (int i = 0; i < SOLIDS; i++) {
         world->solids[i] = random_solid(world, seed);
+        world->solids[i].moves = neph_test_uniform(seed, 0.0, 1.0) < 0.1;
+    }
     world->scene.solids = world->solids;
 }
 
-/* The world without its wide solids, which are not in the grid. */
-static struct neph_scene leave_out_wide(const struct world *world, struct neph_solid *solids)
+/* The world without solids that are wide or move, which are not in the grid. */
+static struct neph_scene leave_out_apart(const struct world *world, struct neph_solid *solids)
 {
     const struct neph_bounds hull = neph_plain_hull(&world->scene);
     struct neph_scene rest = world->scene;
     rest.solids = solids;
     rest.solid_count = 0;
     for (int i = 0; i < SOLIDS; i++)
-        if (!neph_is_wide_solid(&world->solids[i], &hull))
+        if (!neph_is_apart(&world->solids[i], &hull))
             solids[rest.solid_count++] = world->solids[i];
     return rest;
 }
@@ -155,7 +157,7 @@ static struct neph_scene take_listed(const struct neph_scene *scene, uint32_t li
     taken.solid_count = 0;
     for (int i = 0; i < scene->solid_count; i++) {
         const bool is_mesh = scene->solids[i].kind == NEPH_SOLID_MESH;
-        bool is_taken = is_mesh;
+        bool is_taken = is_mesh && !scene->solids[i].moves;
         for (uint32_t k = 0; k < (listed & 3) && !is_mesh; k++)
             is_taken |= (listed >> (2 + NEPH_GPU_LISTED_BITS * k) & 1023) == number;
         number += !is_mesh;
@@ -178,7 +180,7 @@ static void check_worlds(enum meshes meshes)
         assert_true(neph_sun_grid_room(&world.scene) > 0);
         neph_assert_ok(neph_sun_grid_create(&world.scene, &grid, &diag), &diag);
         assert_true((size_t)grid.width * (size_t)grid.height <= neph_sun_grid_room(&world.scene));
-        const struct neph_scene rest = leave_out_wide(&world, solids);
+        const struct neph_scene rest = leave_out_apart(&world, solids);
         for (int i = 0; i < POINTS; i++) {
             const struct neph_vec3 point_m = random_point(&seed, 130.0);
             const bool sees = neph_scene_is_sun_visible(&rest, point_m);
@@ -222,19 +224,27 @@ static void test_the_grid_of_meshes_with_holes_decides_as_rays_do(void **state)
     check_worlds(MESHES_WITH_HOLES);
 }
 
-/* A change of sun or solids makes the grid unfit. */
+/* A change of sun or solids makes the grid unfit, but not of a solid that moves. */
 static void test_a_grid_is_for_one_sun_and_its_solids(void **state)
 {
     uint64_t seed = 5;
     OWNED(world) struct world world;
     OWNED(grid) struct neph_sun_grid grid = {.cell_m = 0.0};
     make_world(&world, NO_MESHES, &seed);
+    world.solids[7].moves = false;
+    world.solids[8].moves = true;
     assert_false(neph_sun_grid_fits(&grid, &world.scene));
     neph_assert_ok(neph_sun_grid_create(&world.scene, &grid, NULL), NULL);
     assert_true(neph_sun_grid_fits(&grid, &world.scene));
     world.solids[7].box.max_m.y += 1e-9;
     assert_false(neph_sun_grid_fits(&grid, &world.scene));
     world.solids[7].box.max_m.y -= 1e-9;
+    world.solids[8].box.max_m.y += 1.0;
+    world.solids[8].center_m.y += 1.0;
+    assert_true(neph_sun_grid_fits(&grid, &world.scene));
+    world.solids[8].moves = false;
+    assert_false(neph_sun_grid_fits(&grid, &world.scene));
+    world.solids[8].moves = true;
     world.scene.sun.direction = random_direction(&seed);
     assert_false(neph_sun_grid_fits(&grid, &world.scene));
     world.scene.solid_count = 4;
