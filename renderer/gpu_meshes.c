@@ -46,6 +46,14 @@ double neph_gpu_count_triangles(const struct neph_scene *scene)
     return count;
 }
 
+bool neph_gpu_meshes_move(const struct neph_scene *scene)
+{
+    bool moves = false;
+    for (int i = 0; i < scene->solid_count; i++)
+        moves |= is_instance(&scene->solids[i]) && scene->solids[i].moves;
+    return moves;
+}
+
 int neph_gpu_count_plain_solids(const struct neph_scene *scene)
 {
     return scene->solid_count - neph_gpu_count_instances(scene);
@@ -182,8 +190,6 @@ struct neph_gpu_meshes neph_gpu_meshes_place(const struct neph_scene *scene,
     made.instances = NEPH_GPU_MESH_PLACES_FIRST +
                      (uint32_t)(NODE_WORDS * count_instance_nodes(scene));
     made.triangle_bits = (uint32_t)count_triangle_bits(scene);
-    for (int i = 0; i < scene->solid_count; i++)
-        made.moves |= is_instance(&scene->solids[i]) && scene->solids[i].moves;
     made.searched = has_searched_hits(scene) ? (uint32_t)neph_gpu_count_instances(scene) : 0;
     return made;
 }

@@ -12,8 +12,10 @@
 #include "scenes/scene.h"
 #include "shaders/structs.h"
 
-/* The number of a scene's solids that are meshes, and the number of all others. */
+/* The number of a scene's solids that are meshes, whether one of these moves, and the number of all
+ * others. */
 int neph_gpu_count_instances(const struct neph_scene *scene);
+bool neph_gpu_meshes_move(const struct neph_scene *scene);
 int neph_gpu_count_plain_solids(const struct neph_scene *scene);
 
 /* The number of triangles of all instances. */

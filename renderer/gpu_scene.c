@@ -625,6 +625,7 @@ static void fill_scene_frame(struct neph_gpu_scene *gpu, const struct neph_scene
     gpu->frame->meshes = neph_gpu_meshes_place(scene, camera.position_m);
     gpu->frame->meshes.frame_number = (uint32_t)llround(frame);
     gpu->constants[0] |= neph_gpu_count_instances(scene) > 0 ? NEPH_GPU_MESHES : 0u;
+    gpu->constants[0] |= neph_gpu_meshes_move(scene) ? NEPH_GPU_MESHES_MOVE : 0u;
     gpu->constants[0] |= neph_gpu_mesh_look_bits(scene);
     gpu->frame->solids_shade = solids_shade(scene, camera.position_m);
     if (gpu->frame->solids_shade || !gpu->is_on_cpu)

@@ -32,6 +32,7 @@
 #define NEPH_GPU_MESH_TEXTURES 2048u
 #define NEPH_GPU_MESH_CUTOUTS 4096u
 #define NEPH_GPU_MESH_COVERAGE 8192u
+#define NEPH_GPU_MESHES_MOVE 16384u // instances that move are in a tree of their own, in front
 // Alpha of a mesh: enum neph_alpha.
 #define NEPH_GPU_ALPHA_CUTOUT 1u
 #define NEPH_GPU_ALPHA_COVERAGE 2u

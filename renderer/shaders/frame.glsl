@@ -54,7 +54,7 @@ struct Meshes {
     float reach_m; // their largest coordinate
     vec3 origin_low_m; // what origin_m has lost by rounding
     uint instances; // index of the first instance
-    uint moves;         // not 0: instances that move are in a tree of their own, in front
+    uint padding;
     uint frame_number;  // of the sequence, for alpha as coverage
     uint searched;      // number of instances among which that of a hit is searched; 0: not needed
     uint triangle_bits; // of the number of a hit, where it is not searched

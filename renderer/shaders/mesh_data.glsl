@@ -11,6 +11,7 @@
 #include "media.glsl"
 
 const bool MESHES = (SCENE_KINDS & NEPH_GPU_MESHES) != 0u;
+const bool MESHES_MOVE = (SCENE_KINDS & NEPH_GPU_MESHES_MOVE) != 0u;
 
 // The meshes are in the buffer of Horizon's textures, in front of them.
 layout(std430, binding = 4) readonly buffer MeshWords {

@@ -231,10 +231,10 @@ void keep_nearest_mesh(vec3 origin_m, vec3 direction, uint except, inout Hit hit
 }
 
 // The node behind the tree of instances that move.
-uint find_first_at_rest() { return frame.meshes.moves != 0u ? mesh_node(1u, 0u).next : 0u; }
+uint find_first_at_rest() { return MESHES_MOVE ? mesh_node(1u, 0u).next : 0u; }
 
-// Whether a triangle is met between two distances, except for one. Only of instances before the node
-// `behind`.
+// Whether a triangle is met between two distances, except for one. Only of instances before the
+// node `behind`, which is NO_SOLID where none moves.
 bool is_mesh_met(vec3 origin_m, vec3 direction, float start_m, float end_m, uint except,
                  uint behind)
 {
@@ -243,6 +243,7 @@ bool is_mesh_met(vec3 origin_m, vec3 direction, float start_m, float end_m, uint
     set_coverage_ray(from_m, direction);
     bool is_met = false;
     uint n = 0u;
+    behind = MESHES_MOVE ? behind : NO_SOLID;
     count_walk(INSTANCE_LEAF_TURNS);
     while (n < behind) {
         uint leaf = find_leaf(1u, ray, !is_met, start_m, end_m, behind, n);
