@@ -105,10 +105,10 @@ bool meet_triangle(MeshRay ray, Triangle t, out float t_m, out bool is_back, out
 #ifdef WALKS_ALONE
 #define is_entered(meets) (meets)
 
-// Loop iterations of this thread in walks. A bound of them is far above their mean, so a kernel on a
-// CPU counts them and ends its dispatch before its loops are left (renderer/compute.h). lavapipe
-// executes a loop that no thread enters once. Eight threads of a subgroup whose walks never coincide
-// take NEPH_GPU_WALKS together.
+// Loop iterations of this thread in walks. A bound of them is far above their mean, so a kernel on
+// a CPU counts them and ends its dispatch before its loops are left (renderer/compute.h). lavapipe
+// executes a loop that no thread enters once. Eight threads of a subgroup whose walks never
+// coincide take NEPH_GPU_WALKS together.
 uint walked = 0u;
 
 void count_walk(uint iterations) { walked += ON_CPU ? iterations : 0u; }
