@@ -12,7 +12,8 @@ SIDE, SIZE_M = 65, 320.0
 
 def height(x, z):
     """In metres, 0 to 24."""
-    return 12 + 7 * math.sin(x / 31) * math.cos(z / 43) + 5 * math.sin(x / 17 + 1) * math.sin(z / 13)
+    wide = math.sin(x / 31) * math.cos(z / 43)
+    return 12 + 7 * wide + 5 * math.sin(x / 17 + 1) * math.sin(z / 13)
 
 
 def chunk(kind, data):
@@ -21,8 +22,8 @@ def chunk(kind, data):
 
 def write_hills():
     at = [(i / (SIDE - 1) - 0.5) * SIZE_M for i in range(SIDE)]
-    rows = b"".join(b"\0" + struct.pack(f">{SIDE}H", *(round(65535 * height(x, z) / 24) for x in at))
-                    for z in at)
+    codes = [[round(65535 * height(x, z) / 24) for x in at] for z in at]
+    rows = b"".join(b"\0" + struct.pack(f">{SIDE}H", *row) for row in codes)
     head = struct.pack(">IIBBBBB", SIDE, SIDE, 16, 0, 0, 0, 0)
     (FOLDER / "wood_hills.png").write_bytes(
         b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows, 9)) +
@@ -37,7 +38,8 @@ def write_fir():
         for y, radius in ((low, wide), (high, max(top, 0.02))):
             for k in range(8):
                 angle = math.pi * k / 4
-                lines.append(f"v {radius * math.cos(angle):.4f} {y:g} {radius * math.sin(angle):.4f}")
+                x, z = radius * math.cos(angle), radius * math.sin(angle)
+                lines.append(f"v {x:.4f} {y:g} {z:.4f}")
         lines.append("f " + " ".join(str(count + 1 + k) for k in range(8)))
         lines.append("f " + " ".join(str(count + 9 + k) for k in reversed(range(8))))
         for k in range(8):

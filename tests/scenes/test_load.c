@@ -499,18 +499,22 @@ static char *with_fewer_voxels(char *text)
     return edited_text;
 }
 
-/* The text of a scene with the absolute path of its phase function's table. */
-static char *move_table_path(char *text, const char *scene_path)
+/* The text of a scene with absolute paths in place of those from its own folder on, after a key. */
+static char *move_paths(char *text, const char *key, const char *scene_path)
 {
-    char *value = strstr(text, "phase_table: ");
-    if (!value)
-        return text;
-    value += strlen("phase_table: ");
     const int folder_length = (int)(strrchr(scene_path, '/') + 1 - scene_path);
-    char *edited_text = neph_format("%.*s%.*s%s", (int)(value - text), text, folder_length,
-                                    scene_path, value);
-    free(text);
-    return edited_text;
+    const char *value = text;
+    while ((value = strstr(value, key))) {
+        value += strlen(key);
+        if (*value == '$' || *value == '/')
+            continue;
+        char *edited_text = neph_format("%.*s%.*s%s", (int)(value - text), text, folder_length,
+                                        scene_path, value);
+        value = edited_text + (value - text);
+        free(text);
+        text = edited_text;
+    }
+    return text;
 }
 
 /* A copy of a scene file in another folder. NULL if a similar one was loaded: procedural clouds
@@ -520,7 +524,8 @@ static char *copy_scene(const char *path, const char *folder, int *cloud_count)
     char *text, *copy = neph_path_join(folder, strrchr(path, '/') + 1);
     size_t size;
     neph_assert_ok(neph_file_read(path, 1 << 20, &text, &size, NULL), NULL);
-    text = move_table_path(with_fewer_voxels(text), path);
+    text = move_paths(with_fewer_voxels(text), "phase_table: ", path);
+    text = move_paths(text, " file: ", path);
     if (strstr(text, "horizon:") && (*cloud_count)++ > 0) {
         free(copy);
         copy = NULL;
