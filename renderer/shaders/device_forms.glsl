@@ -19,6 +19,11 @@ uint make_nonuniform(uint number)
     return ON_CPU ? number | gl_LocalInvocationIndex & 0x80000000u : number;
 }
 
+float make_nonuniform(float number)
+{
+    return uintBitsToFloat(make_nonuniform(floatBitsToUint(number)));
+}
+
 bool make_nonuniform(bool answer) { return make_nonuniform(uint(answer)) != 0u; }
 
 vec3 make_nonuniform(vec3 v)

@@ -165,11 +165,14 @@ void read_scene()
 {
     camera = frame_camera();
     sun_direction = to_sun();
-    sun_irradiance = frame.sun_irradiance;
+    sun_irradiance = make_nonuniform(frame.sun_irradiance);
     background = frame.background;
     if (SUN_BY_TABLE)
         sun_lattice = frame.sun_lattice;
-    only = frame.media[0];
+    only = frame.media[0]; // of its members, those that decide branches
+    only.phase_kind = make_nonuniform(only.phase_kind);
+    only.g = make_nonuniform(only.g);
+    only.layer_count = make_nonuniform(only.layer_count);
     read_tracked();
 }
 
@@ -1008,12 +1011,12 @@ void main()
 {
     read_scene();
     uint thread = gl_GlobalInvocationID.x;
-    if (run.is_fresh != 0)
+    uint turns = make_nonuniform(run.turns);
+    if (make_nonuniform(run.is_fresh) != 0)
         path.stage = STAGE_IDLE;
     else
         path = states[thread];
-    for (uint turn = 0; turn < run.turns && path.stage != STAGE_DONE && !has_walked_enough();
-         turn++) {
+    for (uint turn = 0; turn < turns && path.stage != STAGE_DONE && !has_walked_enough(); turn++) {
         if (path.stage == STAGE_BEHIND)
             start_at_surface();
         if (path.stage == STAGE_NONE)

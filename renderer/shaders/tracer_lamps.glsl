@@ -256,7 +256,8 @@ vec3 lamp_scattering(vec3 point_m, vec3 direction, vec3 to_lamp)
         Medium medium = frame.media[m];
         sum += medium.albedo * medium.extinction_color *
                (medium_extinction_per_m(m, point_m) *
-                phase_rgb_per_sr(medium.phase_kind, medium.g, direction, to_lamp));
+                phase_rgb_per_sr(make_nonuniform(medium.phase_kind),
+                                 make_nonuniform(medium.g), direction, to_lamp));
     }
     return sum;
 }

@@ -21,7 +21,7 @@ layout(local_size_x = 64) in;
 
 Sum load_sum(uint pixel, uint i)
 {
-    if (run.first_sample == 0)
+    if (make_nonuniform(run.first_sample) == 0)
         return sum_zero();
     return Sum(pixels[pixel].sums[i], pixels[pixel].excess[i]);
 }
@@ -42,9 +42,10 @@ void main()
     vec4 transmitted = OPEN ? vec4(1.0) : pixels[pixel].transmittance;
     Sum order1 = load_sum(pixel, 0), higher = load_sum(pixel, 1);
     Sum surface = load_sum(pixel, 2), spread = load_sum(pixel, 3);
-    for (uint s = 0; s < run.samples; s += 2) {
-        Result a = results[thread * run.samples + s];
-        Result b = results[thread * run.samples + s + 1];
+    uint samples = make_nonuniform(run.samples);
+    for (uint s = 0; s < samples; s += 2) {
+        Result a = results[thread * samples + s];
+        Result b = results[thread * samples + s + 1];
         sum_add(order1, a.order1);
         sum_add(order1, b.order1);
         sum_add(higher, a.higher);
