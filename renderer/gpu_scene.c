@@ -518,8 +518,8 @@ uint32_t neph_gpu_solid_number(const struct neph_scene *scene, int solid, bool i
     return number;
 }
 
-/* Returns the number of nodes of solids that are apart. In memory of the host first: it reads them again, and
- * a mapped buffer may be slow to read. */
+/* Returns the number of nodes of solids that are apart. In memory of the host first: it reads them
+ * again, and a mapped buffer may be slow to read. */
 static uint32_t fill_solids(const struct neph_scene *scene, struct neph_vec3 camera_m,
                             struct neph_gpu_solids *mapped)
 {

@@ -17,8 +17,8 @@
 #include <stddef.h>
 
 /* Fill nodes and order for the first `count` solids. There are up to two trees, one behind the
- * other: of solids that are apart (sun_grid.h), and of all others. Returns the number of nodes of the
- * first tree. */
+ * other: of solids that are apart (sun_grid.h), and of all others. Returns the number of nodes of
+ * the first tree. */
 uint32_t neph_solid_tree_build(struct neph_gpu_solids *gpu, uint32_t count, const bool *is_apart);
 
 /* Upper bound of the number of nodes, at most `count`. In a tree all leaves but one are full, and

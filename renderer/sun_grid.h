@@ -6,9 +6,8 @@
  * grid changes no decision (conservative shadow maps: S. Hertel, K. Hormann, R. Westermann, "A
  * Hybrid GPU Rendering Pipeline for Alias-Free Hard Shadows", Eurographics 2009, Areas Papers).
  *
- * Solids that are wide, such as a ground, or that move are not in the grid: rays test them, and they
- * are few.
- * Private to renderer/.
+ * Solids that are wide, such as a ground, or that move are not in the grid: rays test them, and
+ * they are few. Private to renderer/.
  */
 #ifndef NEPH_RENDERER_SUN_GRID_H
 #define NEPH_RENDERER_SUN_GRID_H

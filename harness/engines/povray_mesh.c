@@ -33,6 +33,16 @@ static double smallest_scale_m(const struct neph_scene *scene, int index)
     return scale_m;
 }
 
+/* A normal of a vertex, turned by up to 1e-4. POV-Ray shades a triangle flat, by its plane, where its
+ * normals differ by less than 1e-5, also if they are not the plane's; turned, they differ. */
+static struct neph_vec3 find_normal(const struct neph_mesh_data *data, int vertex)
+{
+    const struct neph_vec3 n = neph_vec3_normalize(data->normals[vertex]);
+    const struct neph_vec3 axis = {fabs(n.x) < 0.5, fabs(n.x) >= 0.5, 0.0};
+    const double part = fmod(0.6180339887 * vertex, 1.0);
+    return neph_vec3_normalize(neph_vec3_along(n, neph_vec3_cross(n, axis), 1e-4 * part));
+}
+
 static bool put_mesh(FILE *file, const struct neph_mesh *mesh, int index, double unit)
 {
     const struct neph_mesh_data *data = &mesh->data;
@@ -45,7 +55,7 @@ static bool put_mesh(FILE *file, const struct neph_mesh *mesh, int index, double
     if (mesh->material.is_smooth) {
         fprintf(file, "normal_vectors { %d", data->vertex_count);
         for (int i = 0; i < data->vertex_count; i++) {
-            const struct neph_vec3 n = neph_vec3_normalize(data->normals[i]);
+            const struct neph_vec3 n = find_normal(data, i);
             fprintf(file, ",\n<%.9g,%.9g,%.9g>", n.x, n.y, n.z);
         }
         fprintf(file, " }\n");

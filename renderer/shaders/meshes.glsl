@@ -126,8 +126,9 @@ const uint TRIANGLE_LEAF_TURNS = 3;
 const uint INSTANCE_LEAF_TURNS = 2 + TRIANGLE_LEAF_TURNS;
 
 // The content of the next leaf that the ray meets, from node `n` on and before node `behind`; `n`
-// then is the node after the leaf. 0: none. Walks that go together stop at a leaf that another thread meets. Leaves are
-// handled outside of this loop: without branches their work would be done for each node.
+// then is the node after the leaf. 0: none. Walks that go together stop at a leaf that another
+// thread meets. Leaves are handled outside of this loop: without branches their work would be done
+// for each node.
 uint find_leaf(uint first, MeshRay ray, bool is_open, float start_m, float end_m, uint behind,
                inout uint n)
 {
