@@ -241,7 +241,7 @@ static void test_boxes_as_meshes_in_cycles(void **state)
 enum { LOOKS_GROUND, BALL, QUAD, LOOKS };
 
 /* A smooth ball and a textured quad with holes, over a ground, sunlit, in a thin fog that scatters
- * no light. */
+ * no light. The quad's normals are equal, and not its plane's. */
 struct looks {
     struct test_scene stage;
     struct neph_mesh *list[2];
@@ -262,6 +262,15 @@ static struct neph_albedo_texture *make_colours(void)
     return make_texture(COLUMNS, ROWS, rgba);
 }
 
+static void tilt_normals(struct neph_mesh *mesh)
+{
+    mesh->material.is_smooth = true;
+    mesh->data.normals = calloc((size_t)mesh->data.vertex_count, sizeof(*mesh->data.normals));
+    assert_non_null(mesh->data.normals);
+    for (int i = 0; i < mesh->data.vertex_count; i++)
+        mesh->data.normals[i] = neph_vec3_normalize((struct neph_vec3){0.3, 0.4, 1.0});
+}
+
 static void set_looks(struct looks *looks)
 {
     struct test_scene *stage = &looks->stage;
@@ -271,6 +280,7 @@ static void set_looks(struct looks *looks)
     test_add_medium(stage, 0.06, 0.0, 0.0)->bounds = (struct neph_bounds){{-8, -1, -9}, {8, 4, 7}};
     looks->list[0] = make_ball(24, 3.0);
     looks->list[1] = make_quad(1.0, make_colours(), NEPH_ALPHA_CUTOUT);
+    tilt_normals(looks->list[1]);
     stage->scene.meshes = looks->list;
     stage->scene.mesh_count = 2;
     test_add_box(stage, (struct neph_vec3){-20, -2, -20}, (struct neph_vec3){20, 0, 8});
