@@ -168,6 +168,9 @@ static enum neph_status check_places(const struct neph_reader *reader, const yam
     if (scatter->x_m[0] > scatter->x_m[1] || scatter->z_m[0] > scatter->z_m[1] ||
         scatter->scale[0] > scatter->scale[1])
         return neph_refuse(reader, "scatter", "the first number of a range is above the second");
+    if (scatter->on_ground && scatter->height_m != 0.0)
+        return neph_refuse(reader, "scatter.height_m",
+                           "on_ground gives the heights: leave one of them out");
     return NEPH_OK;
 }
 

@@ -345,6 +345,8 @@ static void test_what_is_refused(void **state)
         {BOX ", scatter: {count: 1, x_m: [0], z_m: [0, 1]}" GREY, "a list of 2 to 2 numbers"},
         {BOX ", scatter: {count: 1, x_m: [1, 0], z_m: [0, 1]}" GREY, "above the second"},
         {BOX ", scatter: {count: 10001, x_m: [0, 1], z_m: [0, 1]}" GREY, "1 to 10000"},
+        {BOX ", scatter: {count: 1, x_m: [5, 6], z_m: [0, 1], on_ground: true, height_m: 3}" GREY,
+         "scatter.height_m: on_ground gives the heights"},
         {BOX ", scatter: {count: 1, x_m: [5, 6], z_m: [0, 1], on_ground: true}" GREY,
          "no solid of an entry before is below the place of instance 0"},
         {BOX ", roughness: 0.5" GREY, "roughness"},
