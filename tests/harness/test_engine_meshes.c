@@ -8,8 +8,8 @@
 
 #include "harness/engines/cycles_mesh.h"
 #include "harness/engines/engines.h"
-#include "scenes/mesh_place.h"
 #include "harness/engines/povray_mesh.h"
+#include "scenes/mesh_place.h"
 
 #include <math.h>
 #include <stdlib.h>
