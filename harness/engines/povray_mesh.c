@@ -33,8 +33,8 @@ static double smallest_scale_m(const struct neph_scene *scene, int index)
     return scale_m;
 }
 
-/* A normal of a vertex, turned by up to 1e-4. POV-Ray shades a triangle flat, by its plane, where its
- * normals differ by less than 1e-5, also if they are not the plane's; turned, they differ. */
+/* A normal of a vertex, turned by up to 1e-4. POV-Ray shades a triangle flat, by its plane, where
+ * its normals differ by less than 1e-5, also if they are not the plane's; turned, they differ. */
 static struct neph_vec3 find_normal(const struct neph_mesh_data *data, int vertex)
 {
     const struct neph_vec3 n = neph_vec3_normalize(data->normals[vertex]);
