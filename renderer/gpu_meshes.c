@@ -86,14 +86,8 @@ static struct neph_vec3 find_origin(const struct neph_scene *scene)
     return scene->unmoved_solids ? neph_vec3_add(middle_m, scene->shift_m) : middle_m;
 }
 
-static double find_reach(const struct neph_bounds *box)
-{
-    const struct neph_vec3 side = neph_vec3_sub(box->max_m, box->min_m);
-    return 0.5 * fmax(side.x, fmax(side.y, side.z));
-}
-
 /* The largest coordinate of a box relative to a point. */
-static double find_reach_from(struct neph_vec3 point, const struct neph_bounds *box)
+static double find_reach(struct neph_vec3 point, const struct neph_bounds *box)
 {
     const struct neph_vec3 away = neph_vec3_sub(neph_bounds_middle(box), point);
     const struct neph_vec3 side = neph_vec3_sub(box->max_m, box->min_m);
@@ -186,7 +180,7 @@ struct neph_gpu_meshes neph_gpu_meshes_place(const struct neph_scene *scene,
     const struct neph_vec3 origin_m = neph_vec3_sub(world_m, camera_m);
     neph_gpu_direction(made.origin_m, origin_m);
     neph_gpu_direction(made.origin_low_m, find_rest(origin_m));
-    made.reach_m = (float)find_reach_from(world_m, &hull);
+    made.reach_m = (float)find_reach(world_m, &hull);
     made.instances = NEPH_GPU_MESH_PLACES_FIRST +
                      (uint32_t)(NODE_WORDS * count_instance_nodes(scene));
     made.triangle_bits = (uint32_t)count_triangle_bits(scene);
@@ -387,7 +381,7 @@ static void write_instance(const struct neph_solid *solid, struct neph_vec3 orig
     to[5][3] = first_hit;
     set_float(&to[3][3], solid->scale_m);
     set_vector(to[4], (struct neph_vec3){solid->albedo.r, solid->albedo.g, solid->albedo.b});
-    set_float(&to[4][3], find_reach(&mesh->tree.nodes[0].bounds));
+    set_float(&to[4][3], find_reach(middle, &mesh->tree.nodes[0].bounds));
 }
 
 /* The index of the first word behind the places. */

@@ -14,6 +14,9 @@
 
 /* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_SOLID_KIND_COUNT == 3, "a new kind");
+_Static_assert(NEPH_SCENE_SOLIDS_MAX <= 1 << NEPH_GPU_LISTED_BITS &&
+                   2 + 3 * NEPH_GPU_LISTED_BITS <= 32,
+               "three numbers of solids and their count in a word");
 
 enum {
     SOLIDS_MIN = 8,        /* fewer are tested in less time than a cell is read, on lavapipe */

@@ -29,7 +29,7 @@ struct neph_sun_grid {
     double cell_m;           /* side of a cell */
     int width, height;       /* in cells */
     float (*limits_m)[2];    /* of each cell: hidden up to, seen from */
-    uint32_t *listed;        /* of each cell: the boxes and balls that touch it; see GLSL */
+    uint32_t *listed;        /* of each cell: boxes and spheres in it, by NEPH_GPU_LISTED_BITS */
     /* The solids for which it is. */
     int solid_count;
     struct neph_solid *solids;
